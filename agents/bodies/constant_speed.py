@@ -1,0 +1,39 @@
+"""A body that always moves at the speed v0 along its heading (Liu et al. 2021 (7), (8))."""
+
+from __future__ import annotations
+
+from agents.declare import Body, Parameters, parameter
+from agents.engine.block import Moved
+from agents.engine.compiled import compiled
+
+
+class ConstantSpeed(Parameters):
+    """Parameters of the constant-speed body."""
+
+    v0: float = parameter(
+        0.03,
+        "Distance that each agent moves per tick",
+        symbol="v_0",
+        unit="length/tick",
+        low=0.0,
+        high=1.0,
+        step=0.005,
+        source="Liu et al. 2021, (7)",
+    )
+
+
+@compiled
+def move(me, ux, uy, uz, p):
+    """x(k+1) = x(k) + v0 u(k+1): (7) and (8)."""
+    return Moved(
+        me.x + p.v0 * ux, me.y + p.v0 * uy, me.z + p.v0 * uz, ux, uy, uz, p.v0
+    )
+
+
+BODY = Body(
+    name="constant-speed",
+    title="Constant speed",
+    source="Liu et al. 2021, (7), (8)",
+    parameters=ConstantSpeed,
+    move=move,
+)

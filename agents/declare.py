@@ -1,0 +1,182 @@
+"""How rules and bodies declare themselves, and their parameters with symbol, unit and range.
+
+Sliders, command-line options, checks, error messages and documentation are all read from these
+declarations; nothing about a rule is written twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
+
+from worlds.refusal import Refusal, unknown
+
+
+def parameter(
+    default: Any,
+    description: str,
+    *,
+    symbol: str,
+    source: str,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "1",
+    step: float | None = None,
+) -> Any:
+    """A parameter's declaration: default, range [low, high], unit, symbol and source.
+
+    Booleans and choices (`Literal`) have no range. `step` is the slider's.
+    """
+    return Field(
+        default,
+        ge=low,
+        le=high,
+        description=description,
+        json_schema_extra={"symbol": symbol, "unit": unit, "source": source, "step": step},
+    )
+
+
+class Parameters(BaseModel):
+    """Parameters of a rule or a body. Unknown names and values out of range are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class Declared:
+    """One parameter as a viewer, a command line or a page of documentation needs it."""
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    source: str
+    default: Any
+    kind: Literal["number", "switch", "choice"]
+    low: float | None
+    high: float | None
+    step: float | None
+    choices: tuple[str, ...]
+
+    @property
+    def allowed(self) -> str:
+        """What values are allowed, in words: `[0, 6.283] rad`, `on or off`, `one of a, b`."""
+        if self.kind == "switch":
+            return "true or false"
+        if self.kind == "choice":
+            return "one of " + ", ".join(self.choices)
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"[{self.low:g}, {self.high:g}]{unit}"
+
+
+def declared(model: type[Parameters]) -> list[Declared]:
+    """The declared parameters of a model, in order."""
+    return [describe(name, field) for name, field in model.model_fields.items()]
+
+
+def describe(name: str, field: FieldInfo) -> Declared:
+    """One field of a parameter model as a `Declared`."""
+    extra = field.json_schema_extra
+    assert isinstance(extra, dict), f"{name} is not made with parameter()"
+    low = next((m.ge for m in field.metadata if hasattr(m, "ge")), None)
+    high = next((m.le for m in field.metadata if hasattr(m, "le")), None)
+    choices: tuple[str, ...] = ()
+    kind: Literal["number", "switch", "choice"] = "number"
+    if field.annotation is bool:
+        kind = "switch"
+    elif get_origin(field.annotation) is Literal:
+        kind, choices = "choice", get_args(field.annotation)
+    return Declared(
+        name,
+        str(extra["symbol"]),
+        str(extra["unit"]),
+        field.description or "",
+        str(extra["source"]),
+        field.default,
+        kind,
+        low,
+        high,
+        extra["step"],  # type: ignore[arg-type]
+        choices,
+    )
+
+
+def checked(model: type[Parameters], values: dict[str, Any], origin: str = "") -> Parameters:
+    """The values as a parameter model.
+
+    Raises Refusal naming the parameter, its value, what is allowed and `origin`, where it came
+    from.
+    """
+    where = f" ({origin})" if origin else ""
+    for name in values:
+        if name not in model.model_fields:
+            raise unknown("parameter", name, model.model_fields, origin)
+    try:
+        return model(**values)
+    except ValidationError as error:
+        name = str(error.errors()[0]["loc"][0])
+        one = describe(name, model.model_fields[name])
+        unit = "" if one.unit == "1" or one.kind != "number" else f" {one.unit}"
+        raise Refusal(
+            f"{name} = {values[name]!r}{unit} is outside {one.allowed}{where}"
+            if one.kind == "number" and isinstance(values[name], int | float)
+            else f"{name} = {values[name]!r} is not allowed: it must be {one.allowed}{where}"
+        ) from None
+
+
+def as_floats(parameters: Parameters) -> dict[str, float]:
+    """Parameters as the compiled code has them: a switch as 0 or 1, a choice as its index."""
+    made = {}
+    for one in declared(type(parameters)):
+        value = getattr(parameters, one.name)
+        made[one.name] = float(one.choices.index(value) if one.kind == "choice" else value)
+    return made
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What an agent wants: one file, one declaration. `decide` reads like the paper."""
+
+    name: str
+    title: str
+    summary: str
+    """One or two sentences for a person who chooses a model."""
+    equation: str
+    """The equation in LaTeX, for the documentation."""
+    source: str
+    parameters: type[Parameters]
+    decide: Callable
+    """Compiled: (me, near, p) -> Wish."""
+    reach: str = "r"
+    """Name of the parameter that is the largest distance at which agents notice each other."""
+    dimensions: tuple[int, ...] = (2, 3)
+    signals: tuple[str, ...] = ()
+    """What agents tell each other beside position and heading; rows of `near.signal`."""
+    show: Callable | None = None
+    """Compiled: (me, p, out). Signals that follow from the agent's own state."""
+    remember: Callable | None = None
+    """Compiled: (me, near, p, informed, out). Signals for the next tick."""
+    prepare: Callable | None = None
+    """Compiled: (flock, space, grid, slots, p, tick). What needs the whole flock, once a tick."""
+    weigh: Callable | None = None
+    """Compiled: (me, near, p, out). How much it listens to each agent of the block; None: 1 each."""
+    informed: int = 0
+    """Information agents unless the user says otherwise."""
+    converges: bool = False
+    """Whether the flock is meant to converge to the information agent's heading."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """How an agent can move: turns the wanted heading into the next position."""
+
+    name: str
+    title: str
+    source: str
+    parameters: type[Parameters]
+    move: Callable
+    """Compiled: (me, ux, uy, uz, p) -> Moved."""

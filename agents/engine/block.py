@@ -1,0 +1,84 @@
+"""What a rule sees: itself (`Me`), the agents around it (`Near`), and what it answers (`Wish`).
+
+All vectors have three components; in a 2-D world the third is 0. Coordinates in a block are
+those of the nearest image, so that `near.x[j] - me.x` is the separation whatever the edges.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.engine.compiled import compiled
+
+
+class Me(NamedTuple):
+    """One agent at the start of a tick."""
+
+    x: float
+    y: float
+    z: float
+    ux: float
+    """Heading, a unit vector (ux, uy, uz)."""
+    uy: float
+    uz: float
+    speed: float
+    signal: np.ndarray
+    """Own signals, shape (K,), in the order in which the rule declares them."""
+    id: int
+    tick: int
+    key: int
+    """Key of this tick's random numbers; see `agents.engine.noise.uniform`."""
+    flock_size: int
+
+
+class Near(NamedTuple):
+    """The block of agents around one agent: all within its range, some beyond it, and itself.
+
+    Arrays hold at least `count` entries. A rule picks its neighbours with `adjacent`.
+    """
+
+    count: int
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    ux: np.ndarray
+    uy: np.ndarray
+    uz: np.ndarray
+    signal: np.ndarray
+    """What the agents tell each other, shape (K, count or more)."""
+
+
+class Wish(NamedTuple):
+    """What a rule answers: the weighted mean heading of those it listens to.
+
+    Its direction is the wanted heading. Its length, at most 1, is the agreement among those
+    listened to; vectorial noise is weighed against it. (0, 0, 0) means: keep the heading.
+    """
+
+    x: float
+    y: float
+    z: float
+
+
+class Moved(NamedTuple):
+    """What a body answers: where it is after the tick, before the world's edges act."""
+
+    x: float
+    y: float
+    z: float
+    ux: float
+    uy: float
+    uz: float
+    speed: float
+
+
+@compiled
+def adjacent(me, near, j, r):
+    """a_ij of Liu et al. 2021 (11): 1.0 if 0 < |x_i - x_j| <= r, else 0.0; without a branch."""
+    dx = near.x[j] - me.x
+    dy = near.y[j] - me.y
+    dz = near.z[j] - me.z
+    d2 = dx * dx + dy * dy + dz * dz
+    return 1.0 if (d2 > 0.0) & (d2 <= r * r) else 0.0

@@ -1,0 +1,270 @@
+"""Cells: which agents may be near which, found once per tick.
+
+Space is divided into cells at least as wide as the rule's range, agents are sorted by cell
+(counting sort, stable, so the order never depends on the number of threads), and the agents of the
+3 x 3 (3 x 3 x 3) cells around a cell are copied into one contiguous block.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.engine.compiled import compiled
+
+MARGIN = 1.0 + 1e-9
+"""Cells are wider than the range by this factor, so that rounding never hides a neighbour."""
+
+
+class Space(NamedTuple):
+    """The world as the engine needs it; arrays have one entry per axis (3)."""
+
+    size: np.ndarray
+    """Length of each side of the box, float64."""
+    wraps: np.ndarray
+    """1 where positions wrap."""
+    images: np.ndarray
+    """1 where neighbours are seen across the seam (minimum image)."""
+
+
+class Grid(NamedTuple):
+    """The cells of one tick; `plan` fills it in place."""
+
+    origin: np.ndarray
+    """Lower corner, float64 (3,)."""
+    extent: np.ndarray
+    """Length of each side, float64 (3,)."""
+    inverse: np.ndarray
+    """Cells per unit of length, float64 (3,)."""
+    shape: np.ndarray
+    """Cells along each axis, int64 (3,)."""
+    start: np.ndarray
+    """First slot of each cell, int32 (cells + 1 or more,)."""
+    count: np.ndarray
+    """Agents of each part and cell while sorting, int32 (parts, cells + 1 or more)."""
+
+
+class Slots(NamedTuple):
+    """The agents sorted by cell: a frozen copy of the flock at the start of the tick."""
+
+    cell: np.ndarray
+    """Cell of each row, int32 (N,)."""
+    row: np.ndarray
+    """Row of each slot, int32 (N,)."""
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    """Empty in 2-D, as is uz."""
+    ux: np.ndarray
+    uy: np.ndarray
+    uz: np.ndarray
+    signal: np.ndarray
+    """Shape (K, N)."""
+    queue: np.ndarray
+    """Room for a list of slots, int32 (N,); empty for rules without signals."""
+
+
+@compiled
+def plan(grid, space, reach, position):
+    """Lay cells of at least `reach` over the box, or over the flock along open axes."""
+    n, dim = position.shape
+    room = grid.start.shape[0] - 1
+    side = reach * MARGIN
+    for axis in range(dim):
+        if space.wraps[axis]:
+            grid.origin[axis] = 0.0
+            grid.extent[axis] = space.size[axis]
+        else:
+            low = math.inf
+            high = -math.inf
+            for i in range(n):
+                low = min(low, position[i, axis])
+                high = max(high, position[i, axis])
+            grid.origin[axis] = low
+            grid.extent[axis] = high - low
+    while True:
+        cells = 1.0
+        for axis in range(3):
+            number = max(1.0, math.floor(grid.extent[axis] / side)) if axis < dim else 1.0
+            if space.images[axis] and number < 3.0:
+                number = 1.0
+            cells *= number
+            grid.shape[axis] = int(min(number, 2.0**30))
+            grid.inverse[axis] = number / grid.extent[axis] if number > 1.0 else 0.0
+        if cells <= room:
+            return
+        side *= max(1.01, (cells / room) ** (1.0 / dim))
+
+
+@compiled
+def into_box(x, length):
+    """x brought into [0, length) by whole lengths."""
+    if 0.0 <= x < length:
+        return x
+    x -= length * math.floor(x / length)
+    return x if x < length else 0.0
+
+
+@compiled
+def cell_of(grid, space, position, i):
+    """The cell of row i (int), its position brought into the box; -1 if that is no number."""
+    cell = 0
+    for axis in range(position.shape[1] - 1, -1, -1):
+        x = position[i, axis]
+        if not (abs(x) < math.inf):
+            return -1
+        if space.wraps[axis]:
+            x = into_box(x, space.size[axis])
+            position[i, axis] = x
+        n = grid.shape[axis]
+        at = int((x - grid.origin[axis]) * grid.inverse[axis])
+        cell = cell * n + min(max(at, 0), n - 1)
+    return cell
+
+
+@compiled
+def count_rows(grid, space, slots, position, part, low, high):
+    """First pass of the sort: note the cell of rows low to high, count them for this part.
+
+    Returns the first row whose position is not finite, or -1.
+    """
+    cells = grid.shape[0] * grid.shape[1] * grid.shape[2]
+    count = grid.count[part]
+    for cell in range(cells):
+        count[cell] = 0
+    bad = -1
+    for i in range(low, high):
+        cell = cell_of(grid, space, position, i)
+        if cell < 0:
+            bad = i if bad < 0 else bad
+            cell = 0
+        slots.cell[i] = cell
+        count[cell] += 1
+    return bad
+
+
+@compiled
+def share_slots(grid, parts):
+    """Second pass: turn counts into the first slot of each cell, and of each part in it.
+
+    Returns the number of agents in the fullest cell.
+    """
+    cells = grid.shape[0] * grid.shape[1] * grid.shape[2]
+    slot = 0
+    fullest = 0
+    for cell in range(cells):
+        grid.start[cell] = slot
+        for part in range(parts):
+            here = grid.count[part, cell]
+            grid.count[part, cell] = slot
+            slot += here
+        fullest = max(fullest, slot - grid.start[cell])
+    grid.start[cells] = slot
+    return fullest
+
+
+@compiled
+def place_rows(grid, slots, part, low, high):
+    """Third pass: give rows low to high their slots."""
+    count = grid.count[part]
+    for i in range(low, high):
+        cell = slots.cell[i]
+        slot = count[cell]
+        count[cell] = slot + 1
+        slots.row[slot] = i
+
+
+@compiled
+def fill_slots(slots, position, heading, memory, low, high):
+    """Fourth pass: copy the rows of slots low to high, so that a cell's agents lie together."""
+    dim = position.shape[1]
+    for slot in range(low, high):
+        i = slots.row[slot]
+        slots.x[slot] = position[i, 0]
+        slots.y[slot] = position[i, 1]
+        slots.ux[slot] = heading[i, 0]
+        slots.uy[slot] = heading[i, 1]
+        if dim == 3:
+            slots.z[slot] = position[i, 2]
+            slots.uz[slot] = heading[i, 2]
+        for k in range(memory.shape[0]):
+            slots.signal[k, slot] = memory[k, i]
+
+
+@compiled
+def axis_cells(grid, space, axis, at):
+    """The up to three cells around `at` along an axis, as a first offset and a number of them."""
+    if grid.shape[axis] == 1:
+        return 0, 1
+    if space.images[axis]:
+        return -1, 3
+    first = -1 if at > 0 else 0
+    last = 1 if at < grid.shape[axis] - 1 else 0
+    return first, last - first + 1
+
+
+@compiled
+def wrapped(grid, space, axis, at):
+    """Cell index along a wrapping axis and the shift (length) to its nearest image."""
+    n = grid.shape[axis]
+    if at < 0:
+        return at + n, -space.size[axis]
+    if at >= n:
+        return at - n, space.size[axis]
+    return at, 0.0
+
+
+@compiled
+def copy_column(target, m, source, first, n, shift):
+    """target[m : m + n] = source[first : first + n] + shift; unsigned, to be vector code."""
+    to, of = np.uintp(m), np.uintp(first)
+    for k in range(np.uintp(n)):
+        target[to + k] = source[of + k] + shift
+
+
+@compiled
+def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
+    """Copy slots first to last behind the m agents already in the block, shifted."""
+    n = last - first
+    copy_column(block[0], m, slots.x, first, n, sx)
+    copy_column(block[1], m, slots.y, first, n, sy)
+    copy_column(block[3], m, slots.ux, first, n, 0.0)
+    copy_column(block[4], m, slots.uy, first, n, 0.0)
+    if slots.z.shape[0] > 0:
+        copy_column(block[2], m, slots.z, first, n, sz)
+        copy_column(block[5], m, slots.uz, first, n, 0.0)
+    for q in range(signals.shape[0]):
+        copy_column(signals[q], m, slots.signal[q], first, n, 0.0)
+    return m + n
+
+
+@compiled
+def fill_block(grid, space, slots, cell, block, signals):
+    """Copy the agents of the cells around `cell` into the block, shifted to the nearest image.
+
+    Returns how many. Neighbouring cells along x are neighbours in memory too, so that away from
+    the seam three of them are one run.
+    """
+    nx, ny = grid.shape[0], grid.shape[1]
+    cx, cy, cz = cell % nx, (cell // nx) % ny, cell // (nx * ny)
+    fx, mx = axis_cells(grid, space, 0, cx)
+    fy, my = axis_cells(grid, space, 1, cy)
+    fz, mz = axis_cells(grid, space, 2, cz)
+    m = 0
+    for kz in range(fz, fz + mz):
+        az, sz = wrapped(grid, space, 2, cz + kz)
+        for ky in range(fy, fy + my):
+            ay, sy = wrapped(grid, space, 1, cy + ky)
+            base = (az * ny + ay) * nx
+            if cx + fx >= 0 and cx + fx + mx <= nx:
+                first = grid.start[base + cx + fx]
+                last = grid.start[base + cx + fx + mx]
+                m = copy_run(slots, block, signals, m, first, last, 0.0, sy, sz)
+            else:
+                for kx in range(fx, fx + mx):
+                    ax, sx = wrapped(grid, space, 0, cx + kx)
+                    first, last = grid.start[base + ax], grid.start[base + ax + 1]
+                    m = copy_run(slots, block, signals, m, first, last, sx, sy, sz)
+    return m

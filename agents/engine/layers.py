@@ -1,0 +1,91 @@
+"""Layers: how many hops an agent is from an information agent (Liu et al. 2021, section 2.1)."""
+
+from __future__ import annotations
+
+import math
+
+from agents.engine.block import adjacent
+from agents.engine.cells import axis_cells, wrapped
+from agents.engine.compiled import compiled
+
+
+@compiled
+def separation(space, grid, axis, d):
+    """d along an axis of a single cell, to the nearest image if the world shows images."""
+    if space.images[axis] and grid.shape[axis] == 1:
+        length = space.size[axis]
+        return d - length * math.floor(d / length + 0.5)
+    return d
+
+
+@compiled
+def visit(space, grid, slots, slot, r, k, tail):
+    """Give the unvisited neighbours of a slot the next layer and queue them; returns the tail."""
+    layer = slots.signal[k]
+    nx, ny = grid.shape[0], grid.shape[1]
+    cell = slots.cell[slots.row[slot]]
+    cx, cy, cz = cell % nx, (cell // nx) % ny, cell // (nx * ny)
+    fx, mx = axis_cells(grid, space, 0, cx)
+    fy, my = axis_cells(grid, space, 1, cy)
+    fz, mz = axis_cells(grid, space, 2, cz)
+    unknown = float(layer.shape[0] + 1)
+    flat = slots.z.shape[0] == 0
+    for kz in range(fz, fz + mz):
+        az, sz = wrapped(grid, space, 2, cz + kz)
+        for ky in range(fy, fy + my):
+            ay, sy = wrapped(grid, space, 1, cy + ky)
+            for kx in range(fx, fx + mx):
+                ax, sx = wrapped(grid, space, 0, cx + kx)
+                at = (az * ny + ay) * nx + ax
+                for j in range(grid.start[at], grid.start[at + 1]):
+                    if layer[j] < unknown:
+                        continue
+                    dx = separation(space, grid, 0, slots.x[j] + sx - slots.x[slot])
+                    dy = separation(space, grid, 1, slots.y[j] + sy - slots.y[slot])
+                    d2 = dx * dx + dy * dy
+                    if not flat:
+                        dz = separation(space, grid, 2, slots.z[j] + sz - slots.z[slot])
+                        d2 += dz * dz
+                    if 0.0 < d2 <= r * r:
+                        layer[j] = layer[slot] + 1.0
+                        slots.queue[tail] = j
+                        tail += 1
+    return tail
+
+
+@compiled
+def search_layers(flock, space, grid, slots, r, k, depth):
+    """Layers (4) by breadth-first search from the information agents, into signal k of the slots.
+
+    Information agents are layer 1; the search stops at layer `depth`; all others get N + 1, which
+    means unknown.
+    """
+    n = slots.row.shape[0]
+    tail = 0
+    for slot in range(n):
+        if flock.informed[slots.row[slot]]:
+            slots.signal[k, slot] = 1.0
+            slots.queue[tail] = slot
+            tail += 1
+        else:
+            slots.signal[k, slot] = n + 1.0
+    at = 0
+    while at < tail:
+        slot = slots.queue[at]
+        at += 1
+        if slots.signal[k, slot] < depth:
+            tail = visit(space, grid, slots, slot, r, k, tail)
+
+
+@compiled
+def next_layer(me, near, r, k, informed):
+    """l_i(k+1) = 1 + min l_j(k) over the neighbours (5), at most N + 1, which means unknown."""
+    if informed:
+        return 1.0
+    unknown = me.flock_size + 1.0
+    least = unknown
+    layer = near.signal[k]
+    for j in range(near.count):
+        if adjacent(me, near, j, r) > 0.0 and layer[j] < least:
+            least = layer[j]
+    return min(least + 1.0, unknown)

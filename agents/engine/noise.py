@@ -1,0 +1,137 @@
+"""Noise that is a hash: the same (seed, tick, agent, draw) gives the same number, always.
+
+Nothing is drawn in order, so the order of agents, the number of threads and a restart from a
+saved state cannot change it. The hash is the finaliser of SplitMix64 (Steele, Lea and Flood 2014)
+applied to a counter, which is that generator read at a chosen place.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from agents.engine.compiled import compiled
+
+GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+M1 = np.uint64(0xBF58476D1CE4E5B9)
+M2 = np.uint64(0x94D049BB133111EB)
+S27, S30, S31, S11 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(11)
+ONE = np.uint64(1)
+DRAWS = np.uint64(16)
+"""Draws reserved for each agent and tick: 0 to 3 are the engine's, 4 to 15 a rule's own."""
+
+ANGULAR, VECTORIAL = 0, 1
+"""Kinds of noise: turn the wanted heading by an angle, or add a random vector to the mean."""
+
+HALF_PI_HIGH = 1.57079632673412561417
+HALF_PI_LOW = 6.07710050650619224932e-11
+
+
+@compiled
+def mix(z):
+    """The finaliser of SplitMix64: uint64 -> uint64, a bijection."""
+    z = (z ^ (z >> S30)) * M1
+    z = (z ^ (z >> S27)) * M2
+    return z ^ (z >> S31)
+
+
+@compiled
+def tick_key(seed, tick):
+    """Key of one tick's random numbers, uint64, from the run's seed (>= 0) and the tick (>= 0)."""
+    return mix(mix(np.uint64(seed) + GOLDEN) + (np.uint64(tick) + ONE) * GOLDEN)
+
+
+@compiled
+def uniform(key, agent, draw):
+    """A number uniform in [0, 1) for this tick's key, agent id and draw (0 to 15)."""
+    counter = np.uint64(agent) * DRAWS + np.uint64(draw)
+    return float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
+
+
+@compiled
+def cos_sin(angle):
+    """Cosine and sine of |angle| <= 8 rad, within 2 units in the last place, without a branch.
+
+    Argument reduction and polynomials are those of fdlibm; written out so that the bits do not
+    depend on the machine's mathematical library.
+    """
+    quarter = math.floor(angle * (2.0 / math.pi) + 0.5)
+    y = (angle - quarter * HALF_PI_HIGH) - quarter * HALF_PI_LOW
+    z = y * y
+    s = y + y * z * (
+        -1.66666666666666324348e-01
+        + z
+        * (
+            8.33333333332248946124e-03
+            + z
+            * (
+                -1.98412698298579493134e-04
+                + z
+                * (
+                    2.75573137070700676789e-06
+                    + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+                )
+            )
+        )
+    )
+    c = 1.0 - 0.5 * z + z * z * (
+        4.16666666666666019037e-02
+        + z
+        * (
+            -1.38888888888741095749e-03
+            + z
+            * (
+                2.48015872894767294178e-05
+                + z
+                * (
+                    -2.75573143513906633035e-07
+                    + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
+                )
+            )
+        )
+    )
+    quadrant = int(quarter) & 3
+    cosine = s if quadrant & 1 else c
+    sine = c if quadrant & 1 else s
+    cosine = -cosine if (quadrant == 1) | (quadrant == 2) else cosine
+    sine = -sine if quadrant >= 2 else sine
+    return cosine, sine
+
+
+@compiled
+def random_direction(key, agent, dim):
+    """A unit vector, uniform on the circle (dim 2, draw 0) or the sphere (dim 3, draws 0 and 1)."""
+    c, s = cos_sin(2.0 * math.pi * uniform(key, agent, 0))
+    if dim == 2:
+        return c, s, 0.0
+    z = 2.0 * uniform(key, agent, 1) - 1.0
+    rho = math.sqrt(max(0.0, 1.0 - z * z))
+    return rho * c, rho * s, z
+
+
+@compiled
+def turned(ux, uy, uz, eta, key, agent, dim):
+    """A unit heading turned by angular noise of full width eta (rad).
+
+    In 2-D by an angle uniform in [-eta/2, eta/2) (Vicsek et al. 1995; Liu et al. 2021 (6)); in 3-D
+    to a direction uniform on the spherical cap of half-angle eta/2 about the heading, eta = 2 pi
+    being the whole sphere.
+    """
+    if dim == 2:
+        c, s = cos_sin(eta * (uniform(key, agent, 0) - 0.5))
+        return c * ux - s * uy, s * ux + c * uy, 0.0
+    edge, _ = cos_sin(0.5 * eta)
+    along = 1.0 - uniform(key, agent, 1) * (1.0 - edge)
+    across = math.sqrt(max(0.0, 1.0 - along * along))
+    c, s = cos_sin(2.0 * math.pi * uniform(key, agent, 0))
+    # An orthonormal pair across the heading, without a singular direction (Duff et al. 2017).
+    sign = math.copysign(1.0, uz)
+    a = -1.0 / (sign + uz)
+    b = ux * uy * a
+    p, q = across * c, across * s
+    return (
+        along * ux + p * (1.0 + sign * ux * ux * a) + q * b,
+        along * uy + p * sign * b + q * (sign + uy * uy * a),
+        along * uz - p * sign * ux - q * uy,
+    )

@@ -1,0 +1,252 @@
+"""Runs the compiled loop over a flock's arrays: on one thread or several, whole or agent by agent."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.engine import phases
+from agents.engine.cells import Grid, Slots, Space
+from agents.observables.consistency import NOTHING, Watch, is_consistent
+
+SPLIT_FROM = 10_000
+"""Agents below which one thread is faster than several."""
+
+
+class Arrays(NamedTuple):
+    """The flock: one row per agent."""
+
+    position: np.ndarray
+    heading: np.ndarray
+    speed: np.ndarray
+    informed: np.ndarray
+    ids: np.ndarray
+    memory: np.ndarray
+    """Signals, shape (K, N)."""
+
+
+def empty_slots(n: int, dim: int, signals: int) -> Slots:
+    """Room for a sorted copy of n agents."""
+    n3 = n if dim == 3 else 0
+    return Slots(
+        np.zeros(n, np.int32),
+        np.zeros(n, np.int32),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n3),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n3),
+        np.empty((signals, n)),
+        np.zeros(n if signals else 0, np.int32),
+    )
+
+
+class Desk(NamedTuple):
+    """One thread's working space."""
+
+    block: np.ndarray
+    """A neighbourhood block: positions, headings, positions of nearest images; (9, room)."""
+    signals: np.ndarray
+    """The block's signals, (K, room)."""
+    mine: np.ndarray
+    """One agent's signals as it reads them, (K,), and as it writes them."""
+    out: np.ndarray
+
+
+def empty_desk(room: int, signals: int) -> Desk:
+    """A desk for blocks of up to `room` agents."""
+    return Desk(
+        np.zeros((9, room)), np.zeros((signals, room)), np.zeros(signals), np.zeros(signals)
+    )
+
+
+def empty_grid(n: int, parts: int) -> Grid:
+    """Room for as many cells as are worth having for n agents."""
+    room = max(64, n) + 1
+    return Grid(
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros(3),
+        np.ones(3, np.int64),
+        np.zeros(room, np.int32),
+        np.zeros((parts, room), np.int32),
+    )
+
+
+class NotANumber(ArithmeticError):
+    """A rule gave an agent a position that is not a finite number."""
+
+
+class Engine:
+    """The compiled loop of a rule over a flock's arrays."""
+
+    def __init__(self, module, arrays: Arrays, space: Space, seed: int, threads: int = 1):
+        self.module = module
+        self.arrays = arrays
+        self.space = space
+        self.seed = seed
+        n, dim = arrays.position.shape
+        self.parts = max(1, threads) if n >= SPLIT_FROM else 1
+        self.slots = empty_slots(n, dim, arrays.memory.shape[0])
+        self.grid = empty_grid(n, self.parts)
+        self.desks = [empty_desk(256, arrays.memory.shape[0]) for _ in range(self.parts)]
+
+    def widen(self, room: int) -> None:
+        """Larger desks."""
+        self.desks = [empty_desk(room, len(self.arrays.memory)) for _ in self.desks]
+
+    def refuse(self, row: int, tick: int) -> None:
+        """Name the agent whose position is no number."""
+        raise NotANumber(
+            f"agent {self.arrays.ids[row]} has position {self.arrays.position[row].tolist()} at "
+            f"tick {tick}: every position must be a finite number"
+        )
+
+
+class Synchronous(Engine):
+    """All agents decide on the same instant, then all have moved."""
+
+    def __init__(self, module, arrays: Arrays, space: Space, seed: int, threads: int = 1):
+        super().__init__(module, arrays, space, seed, threads)
+        self.pool = ThreadPoolExecutor(self.parts) if self.parts > 1 else None
+        self.place = np.empty(0, np.int64)
+
+    def call(self, p, noise, reach, tick, ticks, work, watch=NOTHING):
+        """One call of the compiled loop, with a larger desk if it asks for one."""
+        part = work[1]
+        done = 0
+        while True:
+            more, last_off, bad, need = self.module.advance(
+                self.arrays,
+                self.space,
+                self.grid,
+                self.slots,
+                self.desks[part],
+                p,
+                noise,
+                reach,
+                self.seed,
+                tick + done,
+                ticks - done,
+                work,
+                watch,
+            )
+            done += more
+            watch = watch._replace(last_off=last_off)
+            if bad >= 0:
+                self.refuse(bad, tick + done)
+            if not need:
+                return done, last_off
+            self.widen(2 * need)
+
+    def run(self, p, noise: int, reach: float, tick: int, ticks: int, watch: Watch = NOTHING):
+        """Run ticks; returns (ticks done, last tick not consistent or -1)."""
+        n = len(self.arrays.position)
+        if self.pool is None or watch.kind:
+            return self.call(p, noise, reach, tick, ticks, (phases.ALL, 0, 1, 0, n), watch)
+        for k in range(ticks):
+            self.shared_tick(p, noise, reach, tick + k)
+        return ticks, -1
+
+    def open(self, p, noise: int, reach: float, tick: int) -> None:
+        """Freeze the flock for agents that decide one by one."""
+        n = len(self.arrays.position)
+        self.call(p, noise, reach, tick, 1, (phases.OPEN, 0, 1, 0, n))
+        self.place = np.argsort(self.slots.row)
+
+    def one(self, p, noise: int, reach: float, tick: int, row: int) -> None:
+        """Let the agent of one row of an opened tick decide and move."""
+        slot = int(self.place[row])
+        self.call(p, noise, reach, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
+
+    def shared_tick(self, p, noise, reach, tick) -> None:
+        """One tick, each phase of it on all threads."""
+        n = len(self.arrays.position)
+        edges = [n * part // self.parts for part in range(self.parts + 1)]
+
+        def alone(phase: int) -> None:
+            self.call(p, noise, reach, tick, 1, (phase, 0, self.parts, 0, n))
+
+        def together(phase: int) -> None:
+            assert self.pool is not None
+            jobs = [
+                self.pool.submit(
+                    self.call, p, noise, reach, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1])
+                )
+                for k in range(1, self.parts)
+            ]
+            self.call(p, noise, reach, tick, 1, (phase, 0, self.parts, 0, edges[1]))
+            for job in jobs:
+                job.result()
+
+        alone(phases.PLAN)
+        together(phases.COUNT)
+        alone(phases.SHARE)
+        together(phases.PLACE)
+        together(phases.FILL)
+        alone(phases.PREPARE)
+        together(phases.SWEEP)
+
+
+class InTurn(Engine):
+    """Agents act one after another, each on the flock as those before it have left it."""
+
+    def __init__(self, module, arrays: Arrays, space: Space, seed: int, shuffled: bool):
+        super().__init__(module, arrays, space, seed)
+        self.shuffled = shuffled
+
+    def call(self, p, noise, reach, tick, order: np.ndarray, opens: bool) -> None:
+        """Let the rows of `order` act, after opening the tick if `opens`."""
+        first = 0
+        while True:
+            first, bad = self.module.advance(
+                self.arrays,
+                self.space,
+                self.grid,
+                self.slots,
+                self.desks[0],
+                p,
+                noise,
+                reach,
+                self.seed,
+                tick,
+                order,
+                first,
+                opens,
+            )
+            if bad >= 0:
+                self.refuse(bad, tick)
+            if first == len(order):
+                return
+            opens = False
+            self.widen(2 * self.desks[0].block.shape[1])
+
+    def run(self, p, noise: int, reach: float, tick: int, ticks: int, watch: Watch = NOTHING):
+        """Run ticks; returns (ticks done, last tick not consistent or -1)."""
+        last_off = watch.last_off
+        for now in range(tick, tick + ticks):
+            if watch.kind:
+                if not is_consistent(self.arrays.heading, watch):
+                    last_off = now
+                elif now - last_off >= watch.hold:
+                    return now - tick, last_off
+            self.call(p, noise, reach, now, self.order(now), True)
+        return ticks, last_off
+
+    def order(self, tick: int) -> np.ndarray:
+        """The rows in the order in which they act: by row, or shuffled by seed and tick."""
+        n = len(self.arrays.position)
+        if not self.shuffled:
+            return np.arange(n)
+        return np.random.default_rng([self.seed, tick]).permutation(n)
+
+    def open(self, p, noise: int, reach: float, tick: int) -> None:
+        """Begin a tick in which agents are called one by one."""
+        self.call(p, noise, reach, tick, np.empty(0, np.int64), True)
+
+    def one(self, p, noise: int, reach: float, tick: int, row: int) -> None:
+        """Let the agent of one row act."""
+        self.call(p, noise, reach, tick, np.array([row]), False)

@@ -1,0 +1,221 @@
+"""The tick: every agent decides on the flock as it stands, then all of them have moved.
+
+This file is a template. `agents.engine.loop` loads it once for each rule and body as a module of
+its own, with `decide`, `remember`, `show`, `prepare`, `move`, `DIM` and `SIGNALS` put in place of
+the names below, because numba caches a kernel on disk only if it reaches the rule as a global.
+
+Everything a tick does passes through the one loop in `advance`: many ticks in one call, a share of
+the flock on one of several threads, a single agent. They run the same machine instructions on the
+same blocks, and so give the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numba
+
+from agents.engine.block import Me, Near
+from agents.engine.cells import (
+    count_rows,
+    fill_block,
+    fill_slots,
+    into_box,
+    place_rows,
+    plan,
+    share_slots,
+)
+from agents.engine.compiled import FAST, compiled
+from agents.engine.flat import zeros
+from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
+from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
+from agents.observables.consistency import is_consistent
+
+if TYPE_CHECKING:
+    from agents.engine.template import DIM, SIGNALS, decide, move, prepare, remember, show
+
+KEEP = 1e-12
+"""A wish shorter than this has no direction: the heading is kept."""
+
+
+@compiled
+def nearest_images(space, grid, block, m, x, y, z):
+    """For axes of a single cell: bring every agent of the block to its image nearest to (x, y, z).
+
+    The images stand in rows 6 to 8 of the block, where `Near` reads positions.
+    """
+    for axis in range(DIM):
+        here = x if axis == 0 else (y if axis == 1 else z)
+        length = space.size[axis]
+        if space.images[axis] and grid.shape[axis] == 1:
+            for j in range(m):
+                d = block[axis, j] - here
+                block[6 + axis, j] = here + (d - length * math.floor(d / length + 0.5))
+        else:
+            for j in range(m):
+                block[6 + axis, j] = block[axis, j]
+
+
+@compiled
+def headed(me, wish, noise, eta):
+    """The wanted heading, a unit vector: the wish with its noise; without a wish, the old one."""
+    x, y, z = wish.x, wish.y, wish.z
+    if noise == VECTORIAL and eta > 0.0:
+        if x * x + y * y + z * z < KEEP * KEEP:
+            x, y, z = me.ux, me.uy, me.uz
+        ex, ey, ez = random_direction(me.key, me.id, DIM)
+        x, y, z = x + eta * ex, y + eta * ey, z + eta * ez
+    length = math.sqrt(x * x + y * y + z * z)
+    if length < KEEP:
+        x, y, z = me.ux, me.uy, me.uz
+    else:
+        x, y, z = x / length, y / length, z / length
+    if noise != VECTORIAL and eta > 0.0:
+        return turned(x, y, z, eta, me.key, me.id, DIM)
+    return x, y, z
+
+
+@compiled
+def settle(flock, space, i, moved):
+    """Write what the body answered into row i, within the world's edges."""
+    flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
+    flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
+    flock.heading[i, 0] = moved.ux
+    flock.heading[i, 1] = moved.uy
+    if DIM == 3:
+        flock.position[i, 2] = into_box(moved.z, space.size[2]) if space.wraps[2] else moved.z
+        flock.heading[i, 2] = moved.uz
+    flock.speed[i] = moved.speed
+
+
+@compiled
+def act(flock, space, i, me, near, p, noise, out):
+    """One agent's tick: decide, add noise, move, remember. An information agent only moves."""
+    if flock.informed[i]:
+        ux, uy, uz = me.ux, me.uy, me.uz
+    else:
+        ux, uy, uz = headed(me, decide(me, near, p), noise, p.eta)
+    settle(flock, space, i, move(me, ux, uy, uz, p))
+    if SIGNALS > 0:
+        for k in range(SIGNALS):
+            out[k] = me.signal[k]
+        remember(me, near, p, flock.informed[i], out)
+        for k in range(SIGNALS):
+            flock.memory[k, i] = out[k]
+
+
+@compiled
+def myself(flock, slots, slot, mine, tick, key):
+    """`Me` of a slot; `mine` receives its signals."""
+    for k in range(SIGNALS):
+        mine[k] = slots.signal[k, slot]
+    i = slots.row[slot]
+    return Me(
+        slots.x[slot],
+        slots.y[slot],
+        slots.z[slot] if DIM == 3 else 0.0,
+        slots.ux[slot],
+        slots.uy[slot],
+        slots.uz[slot] if DIM == 3 else 0.0,
+        flock.speed[i],
+        mine,
+        flock.ids[i],
+        tick,
+        key,
+        flock.ids.shape[0],
+    )
+
+
+@compiled
+def ready(flock, space, grid, slots, p, tick, key, mine, out):
+    """Before anyone decides: what each agent shows, and what the rule needs of the whole flock."""
+    if SIGNALS > 0:
+        for slot in range(slots.row.shape[0]):
+            me = myself(flock, slots, slot, mine, tick, key)
+            for k in range(SIGNALS):
+                out[k] = mine[k]
+            show(me, p, out)
+            for k in range(SIGNALS):
+                slots.signal[k, slot] = out[k]
+        prepare(flock, space, grid, slots, p, tick)
+        for slot in range(slots.row.shape[0]):
+            for k in range(SIGNALS):
+                flock.memory[k, slots.row[slot]] = slots.signal[k, slot]
+
+
+@compiled
+def nearby(m, block, at, signals):
+    """The block's m agents as a rule sees them; positions start at row `at`."""
+    if DIM == 2:
+        flat = zeros()
+        return Near(m, block[at], block[at + 1], flat, block[3], block[4], flat, signals)
+    return Near(
+        m, block[at], block[at + 1], block[at + 2], block[3], block[4], block[5], signals
+    )
+
+
+@compiled
+def sweep(flock, space, grid, slots, desk, p, noise, tick, key, first, last):
+    """The agents of slots first to last act, cell by cell."""
+    block = desk.block
+    lone = False
+    for axis in range(DIM):
+        lone = lone or (space.images[axis] == 1 and grid.shape[axis] == 1)
+    at = 6 if lone else 0
+    slot = first
+    while slot < last:
+        cell = slots.cell[slots.row[slot]]
+        end = min(last, grid.start[cell + 1])
+        m = fill_block(grid, space, slots, cell, block, desk.signals)
+        near = nearby(m, block, at, desk.signals)
+        while slot < end:
+            me = myself(flock, slots, slot, desk.mine, tick, key)
+            if lone:
+                nearest_images(space, grid, block, m, me.x, me.y, me.z)
+            act(flock, space, slots.row[slot], me, near, p, noise, desk.out)
+            slot += 1
+
+
+@numba.njit(nogil=True, fastmath=FAST, error_model="numpy", _nrt=False)
+def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, ticks, work, watch):
+    """Run `ticks` ticks, or the asked phases of one.
+
+    `work` = (phases, part, parts, first row, last row): phases is a sum of PLAN .. SWEEP, and the
+    rows (slots, while sweeping) are those of this part. `watch` = (kind, bound, hold, x, y, z):
+    stop once the flock has been consistent within `bound` for `hold` ticks; see
+    `agents.observables.consistency.is_consistent`. Returns (ticks done, last tick that was not
+    consistent or -1, first row with a position that is no number or -1, room that the desk's block
+    lacks or 0); where it lacks room, the tick has not begun.
+    """
+    phases, part, parts, first, last = work
+    last_off = watch.last_off
+    done = 0
+    while done < ticks:
+        now = tick + done
+        if watch.kind > 0:
+            if not is_consistent(flock.heading, watch):
+                last_off = now
+            elif now - last_off >= watch.hold:
+                break
+        key = tick_key(seed, now)
+        if phases & PLAN:
+            plan(grid, space, reach, flock.position)
+        if phases & COUNT:
+            bad = count_rows(grid, space, slots, flock.position, part, first, last)
+            if bad >= 0:
+                return done, last_off, bad, 0
+        if phases & SHARE:
+            need = min(3**DIM * share_slots(grid, parts), flock.ids.shape[0])
+            if need > desk.block.shape[1]:
+                return done, last_off, -1, need
+        if phases & PLACE:
+            place_rows(grid, slots, part, first, last)
+        if phases & FILL:
+            fill_slots(slots, flock.position, flock.heading, flock.memory, first, last)
+        if phases & PREPARE:
+            ready(flock, space, grid, slots, p, now, key, desk.mine, desk.out)
+        if phases & SWEEP:
+            sweep(flock, space, grid, slots, desk, p, noise, now, key, first, last)
+        done += 1
+    return done, last_off, -1, 0

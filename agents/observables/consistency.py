@@ -1,0 +1,144 @@
+"""Degree of consistency with a reference heading, and the time to reach it (Liu et al. 2021)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.engine.compiled import compiled
+
+DESIRED = 0.9984
+"""Deg_con^d, the degree at which Liu et al. 2021 call a flock consistent (section 3.1)."""
+HOLD = 60
+"""Ticks for which it must hold before it is believed."""
+
+
+class Watch(NamedTuple):
+    """What a compiled run watches for: consistency within a bound, held for some ticks."""
+
+    kind: int
+    """0 nothing, 1 consistency with (x, y, z), 2 consistency with the flock's mean heading."""
+    bound: float
+    """Largest sum of squared angles, rad^2."""
+    hold: int
+    last_off: int
+    """Last tick at which it was not consistent, -1 for none so far."""
+    x: float
+    y: float
+    z: float
+
+
+NOTHING = Watch(0, 0.0, 0, -1, 0.0, 0.0, 0.0)
+
+
+@compiled
+def squared_angle(heading, i, x, y, z):
+    """Square of the angle (rad) between row i and a unit vector; exact for small and large."""
+    dx, dy = heading[i, 0] - x, heading[i, 1] - y
+    sx, sy = heading[i, 0] + x, heading[i, 1] + y
+    apart = dx * dx + dy * dy
+    along = sx * sx + sy * sy
+    if heading.shape[1] == 3:
+        dz, sz = heading[i, 2] - z, heading[i, 2] + z
+        apart += dz * dz
+        along += sz * sz
+    angle = 2.0 * math.atan2(math.sqrt(apart), math.sqrt(along))
+    return angle * angle
+
+
+@compiled
+def mean_direction(heading):
+    """Unit vector (x, y, z) of the mean heading; (1, 0, 0) if it vanishes."""
+    x = y = z = 0.0
+    for i in range(heading.shape[0]):
+        x += heading[i, 0]
+        y += heading[i, 1]
+        if heading.shape[1] == 3:
+            z += heading[i, 2]
+    length = math.sqrt(x * x + y * y + z * z)
+    if length < 1e-12:
+        return 1.0, 0.0, 0.0
+    return x / length, y / length, z / length
+
+
+@compiled
+def is_consistent(heading, watch):
+    """Whether the squared angles to the reference sum to at most `watch.bound`."""
+    x, y, z = watch.x, watch.y, watch.z
+    if watch.kind == 2:
+        x, y, z = mean_direction(heading)
+    total = 0.0
+    for i in range(heading.shape[0]):
+        total += squared_angle(heading, i, x, y, z)
+        if total > watch.bound:
+            return False
+    return True
+
+
+@compiled
+def total_squared_angle(heading, x, y, z):
+    """Sum over the flock of the squared angles (rad^2) to a unit vector."""
+    total = 0.0
+    for i in range(heading.shape[0]):
+        total += squared_angle(heading, i, x, y, z)
+    return total
+
+
+def reference_vector(heading: np.ndarray, reference) -> tuple[float, float, float]:
+    """(x, y, z) of a reference: an angle (rad, 2-D), a vector, or None for the mean heading."""
+    if reference is None:
+        x, y, z = mean_direction(np.ascontiguousarray(heading, float))
+        return float(x), float(y), float(z)
+    vector = np.atleast_1d(np.asarray(reference, float))
+    if vector.size == 1:
+        return math.cos(vector[0]), math.sin(vector[0]), 0.0
+    vector = vector / np.linalg.norm(vector)
+    return float(vector[0]), float(vector[1]), float(vector[2]) if vector.size == 3 else 0.0
+
+
+def consistency(heading: np.ndarray, reference=None) -> float:
+    """Degree of consistency Deg_con of headings with a reference (Liu et al. 2021 (28), (29)).
+
+    Parameters
+    ----------
+    heading: (N, dim) unit vectors.
+    reference: theta^d as an angle (rad, 2-D) or a vector (dim,); None takes the mean heading, as
+        for models that do not converge to a given direction.
+
+    Returns
+    -------
+    1 - sqrt(sum of squared angles) / (N pi), in [0, 1]; 1 for an empty flock.
+
+    >>> consistency(np.array([[1.0, 0.0], [1.0, 0.0]]), 0.0)
+    1.0
+    """
+    n = len(heading)
+    if n == 0:
+        return 1.0
+    x, y, z = reference_vector(heading, reference)
+    total = total_squared_angle(np.ascontiguousarray(heading, float), x, y, z)
+    return 1.0 - math.sqrt(total) / (n * math.pi)
+
+
+def convergence_time(degrees, desired: float = DESIRED) -> int | None:
+    """k_con (27): the first tick from which the degree of consistency stays at `desired` or above.
+
+    `degrees` holds Deg_con for k = 0, 1, 2, ...; None if its last value is below `desired`.
+
+    >>> convergence_time([0.5, 0.9990, 0.7, 0.9985, 0.9990])
+    3
+    """
+    below = np.flatnonzero(np.asarray(degrees) < desired)
+    k = 0 if below.size == 0 else int(below[-1]) + 1
+    return k if k < len(degrees) else None
+
+
+def watch_for(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> Watch:
+    """A `Watch` for n agents: until Deg_con >= desired has held for `hold` ticks."""
+    bound = ((1.0 - desired) * n * math.pi) ** 2
+    if reference is None:
+        return Watch(2, bound, hold, -1, 0.0, 0.0, 0.0)
+    x, y, z = reference_vector(np.empty((0, 2)), reference)
+    return Watch(1, bound, hold, -1, x, y, z)

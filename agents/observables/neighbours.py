@@ -1,0 +1,56 @@
+"""Who is near whom: the graph of agents within a distance r, and what follows from it directly."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+def tree(position: np.ndarray, size, images) -> cKDTree:
+    """A k-d tree of positions (N, dim), periodic along the axes in `images` of length `size`."""
+    images = np.asarray(images, bool)
+    size = np.asarray(size, float)
+    if not images.any():
+        return cKDTree(position)
+    inside = np.where(images, np.mod(position, size), position)
+    return cKDTree(np.where(images & (inside >= size), 0.0, inside), boxsize=np.where(images, size, 0.0))
+
+
+def links(position: np.ndarray, r: float, size, images) -> np.ndarray:
+    """Pairs (i < j) with 0 < |x_i - x_j| <= r: rows, int (M, 2), sorted.
+
+    Parameters
+    ----------
+    position: (N, dim), length. r: > 0, length.
+    size: (dim,) sides of the box; images: (dim,) bool, axes seen across the seam.
+    """
+    if len(position) < 2:
+        return np.empty((0, 2), np.int64)
+    found = tree(position, size, images)
+    pairs = found.query_pairs(r, output_type="ndarray")
+    apart = separation(found.data[pairs[:, 0]], found.data[pairs[:, 1]], size, images)
+    pairs = pairs[(apart != 0.0).any(axis=1)].astype(np.int64)
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def separation(a: np.ndarray, b: np.ndarray, size, images) -> np.ndarray:
+    """Vectors from a to the nearest image of b, (..., dim)."""
+    d = np.asarray(b) - np.asarray(a)
+    size = np.asarray(size, float)
+    return np.where(images, d - size * np.round(d / size), d)
+
+
+def mean_neighbours(position: np.ndarray, r: float, size, images) -> float:
+    """Mean number of neighbours within r; 0 for an empty flock."""
+    if len(position) == 0:
+        return 0.0
+    return 2.0 * len(links(position, r, size, images)) / len(position)
+
+
+def nearest_neighbour(position: np.ndarray, size, images) -> np.ndarray:
+    """Distance from each agent to its nearest other, (N,), length; inf for a lone agent."""
+    if len(position) < 2:
+        return np.full(len(position), np.inf)
+    found = tree(position, size, images)
+    distance, _ = found.query(found.data, k=2)
+    return distance[:, 1]

@@ -1,0 +1,236 @@
+"""Recordings: positions and headings per tick as Parquet, with the run's spec in the metadata.
+
+While a run lasts its frames go to `NAME.part`, an Arrow stream that holds every frame written even
+if the process is killed; at the end it becomes the Parquet file in one move. `recover` does the
+same for a `.part` that a kill has left.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from agents.engine.runner import Arrays
+from agents.spec import Spec
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from agents.flock import Flock
+
+KEY = b"flockscope"
+FORMAT = 1
+AXES = "xyz"
+FLUSH_ROWS = 20_000
+"""Rows that may be in flight before they are written to the disk."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """A flock's state as read from a file."""
+
+    spec: Spec
+    tick: int
+    next_id: int
+    arrays: Arrays
+
+
+class Recorder:
+    """Writes frames of a flock to a Parquet file; a context manager.
+
+    Leaving it by an exception other than KeyboardInterrupt removes the `.part` and leaves no file.
+    Raises Refusal if the file cannot be written, as when the disk is full.
+    """
+
+    def __init__(self, path: str | Path, flock: Flock):
+        self.path = Path(path)
+        self.part = self.path.with_name(self.path.name + ".part")
+        self.flock = flock
+        self.waiting: list = []
+        self.rows = 0
+        self.frames = 0
+
+    def __enter__(self) -> Recorder:
+        import pyarrow as pa
+
+        meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": self.flock.next_id}
+        schema = self.frame().schema.with_metadata({KEY: json.dumps(meta).encode()})
+        if self.part.exists():
+            raise Refusal(
+                f"{self.part} is left from a run that was killed: "
+                f"`flockscope recover {self.part}` makes a recording of it, or delete it"
+            )
+        try:
+            self.file = open(self.part, "xb")  # noqa: SIM115 - closed in __exit__
+        except OSError as error:
+            raise refused(self.path, error) from None
+        self.stream = pa.ipc.new_stream(self.file, schema)
+        return self
+
+    def __exit__(self, kind, error, trace) -> None:
+        if kind is None or issubclass(kind, KeyboardInterrupt):
+            try:
+                self.flush()
+                self.stream.close()
+                self.file.close()
+                finish(self.part, self.path)
+            except OSError as failure:
+                self.discard()
+                raise refused(self.path, failure) from None
+        else:
+            self.discard()
+
+    def discard(self) -> None:
+        """Leave nothing behind."""
+        try:
+            self.file.close()
+        except OSError:
+            pass
+        self.part.unlink(missing_ok=True)
+
+    def frame(self):
+        """The flock now, as a record batch with one row per agent."""
+        import pyarrow as pa
+
+        flock = self.flock
+        n = len(flock.ids)
+        columns = {"tick": np.full(n, flock.tick), "id": flock.ids.copy()}
+        for axis, letter in enumerate(AXES[: flock.world.dim]):
+            columns[letter] = flock.position[:, axis].copy()
+        for axis, letter in enumerate(AXES[: flock.world.dim]):
+            columns["u" + letter] = flock.heading[:, axis].copy()
+        columns["speed"] = flock.speed.copy()
+        columns["informed"] = flock.informed.copy()
+        for name, values in zip(flock.model.rule.signals, flock.signals(), strict=True):
+            columns[name] = values.copy()
+        return pa.RecordBatch.from_pydict(columns)
+
+    def write(self) -> None:
+        """Record the flock as it is now. Raises Refusal."""
+        batch = self.frame()
+        self.waiting.append(batch)
+        self.rows += batch.num_rows
+        self.frames += 1
+        if self.rows >= FLUSH_ROWS:
+            try:
+                self.flush()
+            except OSError as error:
+                raise refused(self.path, error) from None
+
+    def flush(self) -> None:
+        """Bring what waits to the disk."""
+        import pyarrow as pa
+
+        if self.waiting:
+            table = pa.Table.from_batches(self.waiting).combine_chunks()
+            self.stream.write_table(table)
+            self.file.flush()
+        self.waiting, self.rows = [], 0
+
+
+def refused(path: Path, error: OSError) -> Refusal:
+    """The refusal for a file that cannot be written."""
+    return Refusal(f"recording {str(path)!r} cannot be written: {error.strerror or error}")
+
+
+def finish(part: Path, path: Path) -> int:
+    """Turn a `.part` stream into the Parquet file `path`; returns the rows. Raises OSError."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    made = path.with_name(path.name + ".tmp")
+    rows = 0
+    try:
+        with open(part, "rb") as source:
+            stream = pa.ipc.open_stream(source)
+            with pq.ParquetWriter(made, stream.schema, compression="zstd") as writer:
+                while True:
+                    try:
+                        batch = stream.read_next_batch()
+                    except (StopIteration, pa.ArrowInvalid, OSError):
+                        break
+                    writer.write_batch(batch)
+                    rows += batch.num_rows
+        os.replace(made, path)
+    finally:
+        made.unlink(missing_ok=True)
+    part.unlink()
+    return rows
+
+
+def recover(part: str | Path) -> tuple[Path, int]:
+    """Make a recording of what a killed run has left; returns its path and its rows.
+
+    Raises Refusal if `part` is no such file, or the recording exists already.
+    """
+    import pyarrow as pa
+
+    part = Path(part)
+    path = part.with_suffix("")
+    if part.suffix != ".part":
+        raise Refusal(f"{str(part)!r} is not a .part file of a recording")
+    if path.exists():
+        raise Refusal(f"{str(path)!r} exists already: move it away first")
+    try:
+        return path, finish(part, path)
+    except OSError as error:
+        raise Refusal(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
+    except pa.ArrowInvalid:
+        raise Refusal(f"{str(part)!r} is not a recording that flockscope has begun") from None
+
+
+def read_state(path: str | Path, tick: int | None = None) -> Saved:
+    """The state at a tick (by default the last) of a saved state or recording. Raises Refusal."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        file = pq.ParquetFile(path)
+        meta = json.loads((file.schema_arrow.metadata or {})[KEY])
+        wanted = last_tick(file) if tick is None else tick
+        table = pq.read_table(path, filters=[("tick", "==", wanted)])
+        next_id, text = int(meta["next_id"]), str(meta["spec"])
+    except OSError as error:
+        raise Refusal(f"state {str(path)!r} cannot be read: {error.strerror or error}") from None
+    except (pa.ArrowException, KeyError, TypeError, ValueError):
+        raise Refusal(
+            f"{str(path)!r} is not a state or a recording of flockscope (Parquet with its spec)"
+        ) from None
+    if table.num_rows == 0:
+        raise Refusal(f"tick = {wanted} is not in {str(path)!r}")
+    spec = Spec.from_toml(text, str(path))
+    return Saved(spec, wanted, next_id, arrays_of(table, spec, path))
+
+
+def last_tick(file) -> int:
+    """The last tick of a recording, from its statistics."""
+    column = file.schema_arrow.names.index("tick")
+    groups = [file.metadata.row_group(k).column(column) for k in range(file.num_row_groups)]
+    return max(group.statistics.max for group in groups)
+
+
+def arrays_of(table, spec: Spec, path) -> Arrays:
+    """The arrays of one tick of a recording. Raises Refusal if columns are missing."""
+    from agents.catalogue import model
+
+    axes = AXES[: spec.dim]
+    try:
+        column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+        signals = [column[name] for name in model(spec.model).rule.signals]
+        arrays = Arrays(
+            np.column_stack([column[a] for a in axes]),
+            np.column_stack([column["u" + a] for a in axes]),
+            column["speed"].copy(),
+            column["informed"].astype(np.bool_),
+            column["id"].copy(),
+            np.array(signals, float).reshape(len(signals), table.num_rows),
+        )
+    except KeyError as missing:
+        raise Refusal(f"{str(path)!r} has no column {missing}") from None
+    if not (np.isfinite(arrays.position).all() and np.isfinite(arrays.heading).all()):
+        raise Refusal(f"{str(path)!r} holds positions or headings that are no finite numbers")
+    return Arrays(*(np.ascontiguousarray(array) for array in arrays))

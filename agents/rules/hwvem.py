@@ -1,0 +1,157 @@
+"""HWVEM: neighbours weigh by their layer below the information UAV (Liu et al. 2021, 2.1, 2.2).
+
+Printed with the index i, the weights (14) and (15) are those of the neighbour j, as the text around
+them says and as the results of table 1 need. A neighbour of unknown layer weighs 0.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from agents.declare import Rule, parameter
+from agents.engine.block import Wish, adjacent
+from agents.engine.compiled import compiled
+from agents.engine.layers import next_layer, search_layers
+from agents.rules.vicsek import Vicsek
+
+LAYER = 0
+INSTANT = 1.0
+"""Index of `instant` among the choices of `layers`."""
+
+
+class HierarchicalWeighting(Vicsek):
+    """Parameters of HWVEM."""
+
+    p1: float = parameter(
+        0.1,
+        "Evens out the absolute layer weight 1/l + p1: the larger, the less the layer counts",
+        symbol="p_1",
+        low=0.0,
+        high=5.0,
+        step=0.05,
+        source="Liu et al. 2021, (14)",
+    )
+    p2: float = parameter(
+        5.0,
+        "How many times more a neighbour weighs than one a layer further from the information UAV",
+        symbol="p_2",
+        low=1.0,
+        high=100.0,
+        step=0.5,
+        source="Liu et al. 2021, (15)",
+    )
+    neighbourhood_weight: bool = parameter(
+        True,
+        "Whether a neighbour counts more when few of the neighbours share its layer",
+        symbol="w^{nei}",
+        source="Liu et al. 2021, (16), (17); figure 6",
+    )
+    layers: Literal["delayed", "instant"] = parameter(
+        "delayed",
+        "Whether word of the layers spreads one hop per tick (5), or is known at once (4)",
+        symbol="l",
+        source="Liu et al. 2021, (4), (5)",
+    )
+
+
+@compiled
+def contribution(layer, nearest, neighbours, alike, p):
+    """c_ij (13) of a neighbour: absolute (14), relative (15) and neighbourhood (16), (17) weight.
+
+    `nearest` is the least layer among the neighbours: dividing by p2**-nearest leaves the mean as
+    it is and keeps large p2 from underflowing. `alike` of the `neighbours` share the layer.
+    """
+    status = neighbours / alike
+    nei = math.log(status) if p.neighbourhood_weight > 0.0 and status > math.e else 1.0
+    return (1.0 / layer + p.p1) * p.p2 ** (nearest - layer) * nei
+
+
+@compiled
+def survey(me, near, r, above):
+    """Over the neighbours of a layer > `above`: the least such layer, and how many there are."""
+    least = me.flock_size + 1.0
+    count = 0.0
+    layer = near.signal[LAYER]
+    for j in range(near.count):
+        a = adjacent(me, near, j, r)
+        count += a
+        if a > 0.0 and above < layer[j] < least:
+            least = layer[j]
+    return least, count
+
+
+@compiled
+def decide(me, near, p):
+    """Weighted mean heading of the neighbours (9), summed layer by layer."""
+    unknown = me.flock_size + 1.0
+    layer = near.signal[LAYER]
+    nearest, neighbours = survey(me, near, p.r, 0.0)
+    x = y = z = total = 0.0
+    current = nearest
+    while current < unknown:
+        sx = sy = sz = alike = 0.0
+        for j in range(near.count):
+            a = adjacent(me, near, j, p.r) if layer[j] == current else 0.0
+            sx += a * near.ux[j]
+            sy += a * near.uy[j]
+            sz += a * near.uz[j]
+            alike += a
+        c = contribution(current, nearest, neighbours, alike, p)
+        x += c * sx
+        y += c * sy
+        z += c * sz
+        total += c * alike
+        current, _ = survey(me, near, p.r, current)
+    if total == 0.0:
+        return Wish(0.0, 0.0, 0.0)
+    return Wish(x / total, y / total, z / total)
+
+
+@compiled
+def prepare(flock, space, grid, slots, p, tick):
+    """Layers by search: at the first tick, and at every tick if they are known at once."""
+    if tick == 0 or p.layers == INSTANT:
+        search_layers(flock, space, grid, slots, p.r, LAYER, slots.row.shape[0] + 1)
+
+
+@compiled
+def remember(me, near, p, informed, out):
+    """Word of the layers spreads one hop: (5)."""
+    if p.layers != INSTANT:
+        out[LAYER] = next_layer(me, near, p.r, LAYER, informed)
+
+
+@compiled
+def weigh(me, near, p, out):
+    """Weights h_ij (10) of the agents of the block."""
+    unknown = me.flock_size + 1.0
+    layer = near.signal[LAYER]
+    nearest, neighbours = survey(me, near, p.r, 0.0)
+    for j in range(near.count):
+        alike = 0.0
+        for n in range(near.count):
+            alike += adjacent(me, near, n, p.r) if layer[n] == layer[j] else 0.0
+        out[j] = 0.0
+        if adjacent(me, near, j, p.r) > 0.0 and layer[j] < unknown:
+            out[j] = contribution(layer[j], nearest, neighbours, alike, p)
+
+
+HWVEM = Rule(
+    name="hwvem",
+    title="Hierarchical weighting Vicsek model",
+    summary="Neighbours count by how few hops they are from the information UAV, so that its "
+    "heading runs through the flock layer by layer.",
+    equation=r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i} h_{ij}\sin\theta_j,"
+    r"\sum_{j \in \mathcal{N}_i} h_{ij}\cos\theta_j\Big) + \Delta\theta_i, \qquad "
+    r"h_{ij} = \Big(\frac{1}{l_j} + p_1\Big)\, p_2^{-l_j}\, \max(1, \ln d_{ij})",
+    source="Liu et al. 2021, (5), (9) to (17)",
+    parameters=HierarchicalWeighting,
+    decide=decide,
+    signals=("layer",),
+    prepare=prepare,
+    remember=remember,
+    weigh=weigh,
+    informed=1,
+    converges=True,
+)

@@ -1,0 +1,147 @@
+"""IVEM and IVEM-A: turn to the middle of the two most different neighbours (Liu et al. 2021).
+
+Angles are raw, in [0, 2 pi), and are not wrapped: 350 and 10 degrees are far apart. 2-D only.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Rule, parameter
+from agents.engine.block import Wish, adjacent
+from agents.engine.compiled import compiled
+from agents.engine.layers import search_layers
+from agents.rules.vicsek import Vicsek
+
+ANGLE, LAYER = 0, 1
+FULL = 2.0 * math.pi
+
+
+class ImprovedVicsekInformed(Vicsek):
+    """Parameters of IVEM-A."""
+
+    k_iu: float = parameter(
+        100.0,
+        "Weight of an information UAV for those in direct contact with it; other neighbours weigh 1",
+        symbol="k_{IU}",
+        low=0.0,
+        high=1000.0,
+        step=1.0,
+        source="Liu et al. 2021, section 3.1.2",
+    )
+
+
+@compiled
+def show(me, p, out):
+    """An agent shows its heading as an angle in [0, 2 pi)."""
+    angle = math.atan2(me.uy, me.ux)
+    out[ANGLE] = angle + FULL if angle < 0.0 else angle
+
+
+@compiled
+def extremes(me, near, p):
+    """Least and largest angle among the neighbours, (inf, -inf) without any."""
+    least, largest = math.inf, -math.inf
+    for j in range(near.count):
+        if adjacent(me, near, j, p.r) > 0.0:
+            least = min(least, near.signal[ANGLE, j])
+            largest = max(largest, near.signal[ANGLE, j])
+    return least, largest
+
+
+@compiled
+def decide(me, near, p):
+    """theta_i + lambda (max - min) / 2: (30), (31)."""
+    theta = me.signal[ANGLE]
+    least, largest = extremes(me, near, p)
+    if least > largest:
+        return Wish(0.0, 0.0, 0.0)
+    if theta <= least:
+        theta += (largest - least) / 2.0
+    elif theta >= largest:
+        theta -= (largest - least) / 2.0
+    return Wish(math.cos(theta), math.sin(theta), 0.0)
+
+
+@compiled
+def decide_informed(me, near, p):
+    """In direct contact with an information UAV: the weighted mean; else as IVEM."""
+    x = y = total = contact = 0.0
+    for j in range(near.count):
+        a = adjacent(me, near, j, p.r)
+        knows = a if near.signal[LAYER, j] == 1.0 else 0.0
+        h = a - knows + p.k_iu * knows
+        x += h * near.ux[j]
+        y += h * near.uy[j]
+        total += h
+        contact += knows
+    if contact == 0.0 or total == 0.0:
+        return decide(me, near, p)
+    return Wish(x / total, y / total, 0.0)
+
+
+@compiled
+def prepare(flock, space, grid, slots, p, tick):
+    """Mark the information UAVs: layer 1."""
+    search_layers(flock, space, grid, slots, p.r, LAYER, 1)
+
+
+@compiled
+def weigh(me, near, p, out):
+    """Only the two extremes count: weight 1."""
+    least, largest = extremes(me, near, p)
+    for j in range(near.count):
+        angle = near.signal[ANGLE, j]
+        out[j] = adjacent(me, near, j, p.r) if angle in (least, largest) else 0.0
+
+
+@compiled
+def weigh_informed(me, near, p, out):
+    """In contact with an information UAV: k_IU for it and 1 for others; else as IVEM."""
+    contact = 0.0
+    for j in range(near.count):
+        out[j] = adjacent(me, near, j, p.r)
+        if near.signal[LAYER, j] == 1.0:
+            contact += out[j]
+            out[j] *= p.k_iu
+    if contact == 0.0:
+        weigh(me, near, p, out)
+
+
+EQUATION = (
+    r"\theta_i(k+1) = \theta_i(k) + \lambda\, \frac{\max_j\theta_j - \min_j\theta_j}{2}, \qquad "
+    r"\lambda = \begin{cases} 1 & \theta_i \le \min_j\theta_j \\ 0 & \text{between} \\ "
+    r"-1 & \theta_i \ge \max_j\theta_j \end{cases}"
+)
+
+IVEM = Rule(
+    name="ivem",
+    title="Improved Vicsek model",
+    summary="An agent at the edge of its neighbours' headings turns to the middle of the two most "
+    "different ones; an agent between them keeps its heading.",
+    equation=EQUATION,
+    source="Liu et al. 2021, (30), (31)",
+    parameters=Vicsek,
+    decide=decide,
+    dimensions=(2,),
+    signals=("angle",),
+    show=show,
+    weigh=weigh,
+)
+
+IVEM_A = Rule(
+    name="ivem-a",
+    title="Improved Vicsek model with an information UAV",
+    summary="IVEM, but an agent in direct contact with the information UAV follows it almost alone.",
+    equation=EQUATION,
+    source="Liu et al. 2021, section 3.1.2",
+    parameters=ImprovedVicsekInformed,
+    decide=decide_informed,
+    dimensions=(2,),
+    signals=("angle", "layer"),
+    show=show,
+    prepare=prepare,
+    weigh=weigh_informed,
+    informed=1,
+    converges=True,
+)

@@ -1,0 +1,82 @@
+"""VEM and VEM-A: the Vicsek model, without and with an information UAV.
+
+Vicsek et al. 1995; Liu et al. 2021 (6). Every agent takes the mean heading of all agents within r,
+itself among them. VEM-A is the same rule in a flock with an information agent, whom nobody weighs
+more than any other.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Parameters, Rule, parameter
+from agents.engine.block import Wish, adjacent
+from agents.engine.compiled import compiled
+
+
+class Vicsek(Parameters):
+    """Parameters that the whole Vicsek family shares."""
+
+    r: float = parameter(
+        1.0,
+        "Interaction radius: agents within it are neighbours",
+        symbol="r",
+        unit="length",
+        low=0.05,
+        high=10.0,
+        step=0.05,
+        source="Liu et al. 2021, (6)",
+    )
+    eta: float = parameter(
+        0.0,
+        "Noise intensity: full width of the angle added to the heading (angular noise, rad), or "
+        "length of the random vector added to the mean heading (vectorial noise)",
+        symbol="\\eta",
+        unit="rad",
+        low=0.0,
+        high=round(2 * math.pi, 4),
+        step=0.05,
+        source="Liu et al. 2021, (6); vectorial: Grégoire and Chaté 2004",
+    )
+
+
+@compiled
+def decide(me, near, p):
+    """Mean heading over the neighbours and itself: (6)."""
+    x, y, z, n = me.ux, me.uy, me.uz, 1.0
+    for j in range(near.count):
+        a = adjacent(me, near, j, p.r)
+        x += a * near.ux[j]
+        y += a * near.uy[j]
+        z += a * near.uz[j]
+        n += a
+    return Wish(x / n, y / n, z / n)
+
+
+EQUATION = (
+    r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i \cup \{i\}} \sin\theta_j, "
+    r"\sum_{j \in \mathcal{N}_i \cup \{i\}} \cos\theta_j\Big) + \Delta\theta_i"
+)
+
+VEM = Rule(
+    name="vem",
+    title="Vicsek model",
+    summary="Each agent takes the mean heading of all agents within r, itself among them.",
+    equation=EQUATION,
+    source="Vicsek et al. 1995; Liu et al. 2021, (6)",
+    parameters=Vicsek,
+    decide=decide,
+)
+
+VEM_A = Rule(
+    name="vem-a",
+    title="Vicsek model with an information UAV",
+    summary="The Vicsek model in a flock where one agent knows the heading to take and never turns; "
+    "nobody weighs it more than any other.",
+    equation=EQUATION,
+    source="Liu et al. 2021, (6) and section 3.1.2",
+    parameters=Vicsek,
+    decide=decide,
+    informed=1,
+    converges=True,
+)

@@ -1,0 +1,97 @@
+"""WVEM: neighbours weigh by their contact with the information UAV (Liu et al. 2021, 3.1.2)."""
+
+from __future__ import annotations
+
+from agents.declare import Rule, parameter
+from agents.engine.block import Wish, adjacent
+from agents.engine.compiled import compiled
+from agents.engine.layers import search_layers
+from agents.rules.vicsek import Vicsek
+
+LAYER = 0
+
+
+class WeightedVicsek(Vicsek):
+    """Parameters of WVEM."""
+
+    k_alpha: float = parameter(
+        30.0,
+        "Weight of an information UAV",
+        symbol="k_\\alpha",
+        low=0.0,
+        high=200.0,
+        step=1.0,
+        source="Liu et al. 2021, section 3.1.2",
+    )
+    k_beta: float = parameter(
+        18.0,
+        "Weight of a neighbour that is in direct contact with an information UAV",
+        symbol="k_\\beta",
+        low=0.0,
+        high=200.0,
+        step=1.0,
+        source="Liu et al. 2021, section 3.1.2",
+    )
+    k_gamma: float = parameter(
+        1.0,
+        "Weight of every other neighbour",
+        symbol="k_\\gamma",
+        low=0.0,
+        high=200.0,
+        step=0.5,
+        source="Liu et al. 2021, section 3.1.2",
+    )
+
+
+@compiled
+def weight(layer, p):
+    """k_alpha for an information UAV, k_beta in direct contact with one, else k_gamma."""
+    return p.k_alpha if layer == 1.0 else (p.k_beta if layer == 2.0 else p.k_gamma)
+
+
+@compiled
+def decide(me, near, p):
+    """Weighted mean heading of the neighbours, itself left out."""
+    layer = near.signal[LAYER]
+    x = y = z = total = 0.0
+    for j in range(near.count):
+        h = adjacent(me, near, j, p.r) * weight(layer[j], p)
+        x += h * near.ux[j]
+        y += h * near.uy[j]
+        z += h * near.uz[j]
+        total += h
+    if total == 0.0:
+        return Wish(0.0, 0.0, 0.0)
+    return Wish(x / total, y / total, z / total)
+
+
+@compiled
+def prepare(flock, space, grid, slots, p, tick):
+    """Who is in direct contact with an information UAV at this tick: layer 2."""
+    search_layers(flock, space, grid, slots, p.r, LAYER, 2)
+
+
+@compiled
+def weigh(me, near, p, out):
+    """Weights h_ij of the agents of the block."""
+    for j in range(near.count):
+        out[j] = adjacent(me, near, j, p.r) * weight(near.signal[LAYER, j], p)
+
+
+WVEM = Rule(
+    name="wvem",
+    title="Weighting Vicsek model",
+    summary="Neighbours count by what they can know: the information UAV most, those in direct "
+    "contact with it next, all others least.",
+    equation=r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i} k_j \sin\theta_j, "
+    r"\sum_{j \in \mathcal{N}_i} k_j \cos\theta_j\Big) + \Delta\theta_i, \qquad "
+    r"k_j \in \{k_\alpha, k_\beta, k_\gamma\}",
+    source="Liu et al. 2021, section 3.1.2 and reference 16",
+    parameters=WeightedVicsek,
+    decide=decide,
+    signals=("layer",),
+    prepare=prepare,
+    weigh=weigh,
+    informed=1,
+    converges=True,
+)

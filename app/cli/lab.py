@@ -1,0 +1,100 @@
+"""`flockscope` and `flockscope lab`: the laboratory in a browser."""
+
+from __future__ import annotations
+
+import signal
+import time
+import webbrowser
+from typing import Annotated, Any
+
+import typer
+
+from agents.catalogue import MODELS
+from agents.catalogue import model as find_model
+from agents.declare import checked
+from app.viewer.start import Start
+from worlds.refusal import Refusal
+
+NOISE = 0.3
+"""Noise that keeps the picture alive, rad, for models that have any and unless told otherwise."""
+
+
+def lab(
+    model: Annotated[str, typer.Option(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
+    agents: Annotated[int, typer.Option(min=1, help="Number of agents.")] = 100,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the run.")] = 1,
+    dim: Annotated[int, typer.Option(min=2, max=3, help="2 or 3 dimensions.")] = 2,
+    world: Annotated[str, typer.Option(help="wrap, wrap-plain or open.")] = "wrap",
+    set: Annotated[
+        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
+    ] = None,
+    speed: Annotated[float, typer.Option(min=0.1, help="Ticks per second at first.")] = 15.0,
+    threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on.")] = 8080,
+    host: Annotated[
+        str, typer.Option(help="Address to serve on; 0.0.0.0 lets the whole network in.")
+    ] = "127.0.0.1",
+    open_browser: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the browser.")
+    ] = True,
+) -> None:
+    """Open the laboratory: watch a flock in the browser, steer it and measure it."""
+    from app.viewer.laboratory import Laboratory
+
+    try:
+        start = Start(
+            model=find_model(model).name,
+            agents=agents,
+            seed=seed,
+            dim=dim,
+            world=world,
+            threads=threads,
+            parameters=parameters(model, set or []),
+        )
+        laboratory = Laboratory(start, host, port, speed)
+    except Refusal as refusal:
+        typer.echo(f"flockscope: {refusal}", err=True)
+        raise typer.Exit(2) from None
+    serve(laboratory, open_browser)
+
+
+def parameters(model: str, settings: list[str]) -> dict[str, Any]:
+    """The parameters that `--set` gives, and a little noise. Raises Refusal."""
+    declared = MODELS[model].parameters
+    given = dict(assignment(setting) for setting in settings)
+    lively = {"eta": NOISE} if "eta" in declared.model_fields else {}
+    made = checked(declared, lively | given, "--set").model_dump()
+    return {name: made[name] for name in lively | given}
+
+
+def assignment(setting: str) -> tuple[str, Any]:
+    """Name and value of `NAME=VALUE`. Raises Refusal for anything else."""
+    name, equals, text = setting.partition("=")
+    if not equals or not name.strip():
+        raise Refusal(f"--set {setting} is not of the form NAME=VALUE")
+    return name.strip(), number(text.strip())
+
+
+def number(text: str) -> Any:
+    """A number where the text is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def serve(laboratory: Any, open_browser: bool) -> None:
+    """Tell the address and serve until Ctrl-C."""
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    try:
+        typer.echo(f"flockscope is at {laboratory.address} (Ctrl-C stops it)")
+        if not laboratory.simulation.ready.wait(0.8):
+            typer.echo("compiling the model: only its first start takes these seconds ...")
+        if open_browser:
+            webbrowser.open(laboratory.address)
+        while True:
+            time.sleep(3600)
+    except KeyboardInterrupt:
+        typer.echo("")
+    finally:
+        laboratory.close()

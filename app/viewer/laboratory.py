@@ -1,0 +1,290 @@
+"""The laboratory: a flock that runs, a picture of it, and panels to steer it, in a browser."""
+
+from __future__ import annotations
+
+import math
+import queue
+import threading
+import time
+import traceback
+from dataclasses import replace
+
+import numpy as np
+import viser
+
+from app.viewer.frame import Frame
+from app.viewer.panels.downloads import Downloads
+from app.viewer.panels.guide import open_guide
+from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.inspector import Inspector
+from app.viewer.panels.monitors import Monitors
+from app.viewer.panels.parameters import ParametersPanel
+from app.viewer.panels.plots import Plots
+from app.viewer.panels.run import RunPanel
+from app.viewer.panels.setup import SetupPanel
+from app.viewer.panels.style import CSS
+from app.viewer.panels.view import ViewPanel
+from app.viewer.picture import Wanted
+from app.viewer.scene import COLOURINGS, Look, Scene
+from app.viewer.server import close_server, open_server
+from app.viewer.simulation import Simulation
+from app.viewer.start import Start
+from app.viewer.values import show
+
+PANELS = 0.25
+"""Time between two refreshments of the panels, s."""
+FASTEST, SLOWEST = 1 / 30, 1 / 4
+"""Shortest and longest time between two frames drawn, s."""
+SETTLING = 5.0
+"""Time in which a new browser's canvas finds its shape, s."""
+BANDWIDTH = 16e6
+"""What all browsers together may be sent, bytes/s."""
+AGENT_BYTES = 28
+"""What one agent takes in one frame, bytes."""
+
+
+def drawing_period(agents: int, browsers: int) -> float:
+    """Time between two frames, s: longer for a large flock and for many browsers.
+
+    >>> round(1 / drawing_period(1000, 1)), round(1 / drawing_period(1000, 40))
+    (30, 14)
+    """
+    wanted = agents * AGENT_BYTES * max(1, browsers) / BANDWIDTH
+    return min(max(FASTEST, wanted), SLOWEST)
+
+
+class Laboratory:
+    """Serves one flock to any number of browsers; all see the same run.
+
+    Raises Refusal if the port is busy.
+    """
+
+    def __init__(
+        self,
+        start: Start | None = None,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        speed: float = 15.0,
+        running: bool = True,
+    ):
+        self.server = open_server(host, port)
+        self.host = host
+        self.simulation = Simulation(start or Start(), speed, running)
+        self.scene = Scene(self.server)
+        self.selected: int | None = None
+        self.wanted = Wanted()
+        self.drawn: tuple[Frame, Look] | None = None
+        self.closing = threading.Event()
+        self.furnish()
+        self.listen()
+        self.drawing = threading.Thread(target=self.draw, name="drawing", daemon=True)
+        self.drawing.start()
+
+    @property
+    def address(self) -> str:
+        """Where a browser on this machine finds it."""
+        host = "localhost" if self.host in ("0.0.0.0", "::", "127.0.0.1") else self.host
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.server.get_port()}"
+
+    def close(self) -> None:
+        """Stop drawing, running and serving."""
+        self.closing.set()
+        self.drawing.join(2.0)
+        self.simulation.close()
+        close_server(self.server)
+
+    def furnish(self) -> None:
+        """Build the panels."""
+        gui = self.server.gui
+        gui.configure_theme(
+            control_width="large",
+            show_logo=False,
+            show_share_button=False,
+            brand_color=(28, 126, 214),
+        )
+        gui.set_panel_label("flockscope")
+        gui.add_html(CSS)
+        state = self.simulation.state
+        run_place = gui.add_folder(None)
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Rule", viser.Icon.ADJUSTMENTS):
+            self.parameters = ParametersPanel(gui, self.simulation)
+        with tabs.add_tab("Setup", viser.Icon.TOOLS):
+            self.setup = SetupPanel(gui, state.start)
+        with tabs.add_tab("View", viser.Icon.EYE):
+            self.view = ViewPanel(gui, Look(), self.point)
+        with tabs.add_tab("Save", viser.Icon.DOWNLOAD):
+            Downloads(gui, self.simulation)
+        with run_place:
+            self.run = RunPanel(gui, self.simulation, self.setup)
+        guide = gui.add_button("Guide", icon=viser.Icon.BOOK, color="gray")
+        guide.on_click(self.guide_clicked)
+        left = gui.add_panel()
+        with left.add_tab("Monitors", viser.Icon.CHART_LINE):
+            self.monitors = Monitors(gui)
+            self.plots = Plots(gui)
+        left.dock_left()
+        left.set_width(310)
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(330)
+        self.inspector = Inspector(gui, lambda: self.select(None))
+
+    def listen(self) -> None:
+        """Connect clicks, drags and keys."""
+        self.server.on_client_connect(self.settle)
+        self.scene.on_agent_clicked(self.select)
+        self.scene.on_leader_dragged(self.steer)
+        self.view.steer.on_update(self.steering_switched)
+        add_hotkeys(
+            self.server.gui,
+            {
+                "space": lambda _: self.simulation.toggle(),
+                "T": lambda _: self.simulation.step(),
+                "R": lambda _: self.simulation.reset(),
+                "N": lambda _: self.run.set_up(),
+                "pageup": lambda _: self.run.change_speed(1),
+                "pagedown": lambda _: self.run.change_speed(-1),
+                "1": lambda client: self.point(client, "top-down"),
+                "2": lambda client: self.point(client, "perspective"),
+                "3": lambda client: self.point(client, "side"),
+                "F": lambda client: self.point(client, "follow"),
+                "C": lambda _: self.next_colour(),
+                "L": lambda _: self.switch_links(),
+                "H": lambda client: open_guide(client, self.simulation.state.start.model),
+            },
+        )
+
+    # What browsers ask for.
+
+    async def guide_clicked(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            open_guide(event.client, self.simulation.state.start.model)
+
+    async def steering_switched(self, _event: viser.GuiEvent) -> None:
+        self.scene.show_leader_gizmo(self.view.steer.value)
+
+    def select(self, row: int | None) -> None:
+        """Inspect an agent; None for none."""
+        self.selected = row
+
+    def next_colour(self) -> None:
+        """Colour by the next quantity."""
+        place = COLOURINGS.index(self.view.colour.value)
+        show(self.view.colour, COLOURINGS[(place + 1) % len(COLOURINGS)])
+
+    def switch_links(self) -> None:
+        """Show links, or hide them."""
+        show(self.view.links, not self.view.links.value)
+
+    def point(self, client: viser.ClientHandle, camera: str) -> None:
+        """Point one browser's camera."""
+        self.scene.camera(client, camera)
+
+    async def settle(self, client: viser.ClientHandle) -> None:
+        """Point a new browser's camera again when its panels have taken their places."""
+        connected, shape = time.monotonic(), client.camera.aspect
+
+        async def reshaped(camera: viser.CameraHandle) -> None:
+            nonlocal shape
+            frame = self.simulation.frame
+            new = camera.image_width / max(1, camera.image_height)
+            if frame is None or time.monotonic() > connected + SETTLING or abs(new - shape) < 0.02:
+                return
+            shape = new
+            self.point(client, "top-down" if frame.dim == 2 else "perspective")
+
+        client.camera.on_update(reshaped)
+
+    def leader(self) -> int | None:
+        """Row of the information agent; None if there is none."""
+        frame = self.simulation.frame
+        if frame is None or not frame.informed.any():
+            return None
+        return int(np.argmax(frame.informed))
+
+    def steer(self, position: np.ndarray, heading: np.ndarray) -> None:
+        """Put the information agent where it was dragged, within the world."""
+        frame, row = self.simulation.frame, self.leader()
+        if frame is None or row is None:
+            return
+        position, heading = np.asarray(position, float), np.asarray(heading, float)
+        length = float(np.linalg.norm(heading))
+        if position.shape != (frame.dim,) or heading.shape != (frame.dim,):
+            return
+        if not np.isfinite(position).all() or not math.isfinite(length) or length < 1e-9:
+            return
+        far = 100.0 * float(frame.size.max())
+        inside = np.where(frame.wraps, position % frame.size, np.clip(position, -far, far))
+        self.simulation.place(row, inside, heading / length)
+
+    # The drawing thread.
+
+    def draw(self) -> None:
+        """Draw the latest frame and refresh the panels, until closed."""
+        panels_due = 0.0
+        while not self.closing.is_set():
+            began = time.monotonic()
+            browsers = len(self.server.get_clients())
+            try:
+                self.tell()
+                self.want()
+                self.draw_latest()
+                if began >= panels_due:
+                    panels_due = began + PANELS
+                    self.refresh(browsers)
+            except Exception as error:
+                traceback.print_exception(error)
+                self.closing.wait(1.0)
+            frame = self.simulation.frame
+            agents = 0 if frame is None else len(frame.ids)
+            period = drawing_period(agents, browsers) if browsers else SLOWEST
+            self.closing.wait(max(0.002, period - (time.monotonic() - began)))
+
+    def draw_latest(self) -> None:
+        """Draw the simulation's frame if it, or the look, is new."""
+        frame, look = self.simulation.frame, self.view.look()
+        if frame is None or (self.drawn and self.drawn[0] is frame and self.drawn[1] == look):
+            return
+        self.scene.show(frame, look)
+        self.drawn = (frame, look)
+
+    def want(self) -> None:
+        """Tell the simulation what frames must hold, if that has changed."""
+        look = self.view.look()
+        wanted = replace(
+            Wanted(),
+            layers=look.colour == "layer",
+            groups=look.colour == "group",
+            links=look.links,
+            row=self.selected,
+        )
+        if wanted != self.wanted:
+            self.wanted = wanted
+            self.simulation.want(wanted)
+
+    def refresh(self, browsers: int) -> None:
+        """Bring the panels up to date."""
+        state, frame = self.simulation.state, self.simulation.frame
+        readings = self.simulation.readings
+        self.run.refresh(state)
+        self.setup.refresh(state)
+        self.parameters.refresh(state)
+        if frame is None or readings is None or self.drawn is None:
+            return
+        look = self.drawn[1]
+        legend = self.scene.legend(look, frame)
+        self.monitors.refresh(state, frame, readings, browsers, look.colour, legend)
+        self.plots.refresh(readings)
+        self.inspector.refresh(frame)
+
+    def tell(self) -> None:
+        """Show what the simulation has to say in every browser."""
+        notices: set[str] = set()
+        while len(notices) < 3:
+            try:
+                notices.add(self.simulation.notices.get_nowait())
+            except queue.Empty:
+                break
+        for client in self.server.get_clients().values():
+            for notice in notices:
+                client.add_notification("flockscope", notice, color="red", auto_close_seconds=10.0)

@@ -1,0 +1,73 @@
+"""The papers' symbols for places that know no LaTeX, and their equations as pictures."""
+
+from __future__ import annotations
+
+import io
+import re
+
+GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "eta": "η",
+    "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π",
+    "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ", "varphi": "φ", "chi": "χ", "psi": "ψ",
+    "omega": "ω", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ",
+}  # fmt: skip
+LOWERED = str.maketrans("0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
+
+
+def plain(symbol: str) -> str:
+    r"""A LaTeX symbol as text.
+
+    >>> plain(r"v_0"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}")
+    ('v₀', 'η', 'k IU', 'w nei')
+    """
+    text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
+    text = re.sub(r"\\+([A-Za-z]+)", lambda found: GREEK.get(found[1], found[1]), text)
+    text = re.sub(r"_\{?([0-9]+|[a-z])\}?(?![a-z])", lowered, text)
+    return " ".join(re.sub(r"[_^{}\\]+", " ", text).split())
+
+
+def lowered(found: re.Match[str]) -> str:
+    """A subscript in small figures where Unicode has them all."""
+    small = found[1].translate(LOWERED)
+    return small if small != found[1] else f" {found[1]}"
+
+
+def equation_svg(latex: str, size: float = 14.0) -> list[str | None]:
+    r"""The lines of an equation, broken at `\qquad`, each as an SVG element.
+
+    None stands for a line that matplotlib cannot set.
+    """
+    lines = [line.strip().rstrip(",") for line in latex.split(r"\qquad")]
+    return [line_svg(in_mathtext(line), size) for line in lines if line]
+
+
+def in_mathtext(latex: str) -> str:
+    """LaTeX in the part of it that matplotlib knows."""
+    latex = re.sub(r"\\[Bb]igg?([(\[])", r"\\left\1", latex)
+    latex = re.sub(r"\\[Bb]igg?([)\]])", r"\\right\1", latex)
+    return re.sub(r"\\begin\{cases\}(.*?)\\end\{cases\}", cases_in_a_row, latex, flags=re.S)
+
+
+def cases_in_a_row(found: re.Match[str]) -> str:
+    """Cases beside each other instead of below each other."""
+    rows = [row.split("&") for row in found[1].split(r"\\")]
+    return r";\quad ".join(r"\;\;(".join(part.strip() for part in row) + ")" for row in rows)
+
+
+def line_svg(latex: str, size: float) -> str | None:
+    """One line of mathematics as an SVG element; None where matplotlib cannot set it."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(0.01, 0.01))
+    FigureCanvasSVG(figure)
+    figure.text(0, 0, f"${latex}$", fontsize=size, math_fontfamily="cm")
+    drawn = io.StringIO()
+    try:
+        with rc_context({"svg.fonttype": "path"}):
+            figure.savefig(drawn, format="svg", bbox_inches="tight", transparent=True)
+    except ValueError:
+        return None
+    text = drawn.getvalue()
+    return text[text.index("<svg") :]

@@ -1,0 +1,61 @@
+"""How many ticks to run now, so that a run keeps its speed and commands are answered soon."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+ANSWER = 0.02
+"""Longest time to spend in one call of the flock, s; commands wait for it."""
+WINDOW = 1.5
+"""Time over which the rate is measured, s."""
+
+
+class Pace:
+    """Shares time out into ticks: `speed` ticks/s, infinity for as fast as it goes."""
+
+    def __init__(self, speed: float):
+        self.speed = speed
+        self.cost = ANSWER
+        """Seconds per tick, as measured."""
+        self.due = 0.0
+        self.done = 0
+        self.marks: deque[tuple[float, int]] = deque()
+
+    def restart(self) -> None:
+        """Start to count afresh: the next tick is due at once."""
+        self.due = 0.0
+        self.marks.clear()
+
+    def wait(self, now: float) -> float:
+        """Time until the next tick is due, s."""
+        return 0.0 if math.isinf(self.speed) else max(0.0, self.due - now)
+
+    def ticks_due(self, now: float) -> int:
+        """Ticks to run now; a run that cannot keep up does not try to catch up."""
+        most = max(1, int(ANSWER / self.cost))
+        if math.isinf(self.speed):
+            return most
+        if self.due == 0.0:
+            self.due = now
+        if now < self.due:
+            return 0
+        ticks = min(most, 1 + int((now - self.due) * self.speed))
+        self.due += ticks / self.speed
+        if self.due < now - 0.25:
+            self.due = now
+        return ticks
+
+    def took(self, ticks: int, seconds: float) -> None:
+        """Note how long ticks took."""
+        each = max(seconds / ticks, 1e-7)
+        self.cost = min(each, 2.0 * self.cost)
+        self.done += ticks
+
+    def rate(self, now: float) -> float:
+        """Ticks per second over the last WINDOW, ticks/s."""
+        self.marks.append((now, self.done))
+        while len(self.marks) > 2 and self.marks[1][0] < now - WINDOW:
+            self.marks.popleft()
+        (then, before), (last, after) = self.marks[0], self.marks[-1]
+        return (after - before) / (last - then) if last > then else 0.0

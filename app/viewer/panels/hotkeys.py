@@ -1,0 +1,42 @@
+"""Keys for what is done often. viser itself moves the camera with W A S D Q E and the arrows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+KEYS = {
+    "space": "Go or pause",
+    "T": "Step one tick",
+    "R": "Reset: the same run from its start",
+    "N": "Setup: a new flock",
+    "pageup": "Faster",
+    "pagedown": "Slower",
+    "1": "Camera: top-down",
+    "2": "Camera: perspective",
+    "3": "Camera: side",
+    "F": "Camera: follow the clicked agent",
+    "C": "Colour by the next quantity",
+    "L": "Links on or off",
+    "H": "Guide",
+}
+"""Key -> what it does; every one has an action in `add_hotkeys`."""
+
+
+def add_hotkeys(gui: viser.GuiApi, actions: dict[str, Callable[[viser.ClientHandle], Any]]) -> None:
+    """Give every key of KEYS its action, which takes the browser where it was pressed."""
+    for key, words in KEYS.items():
+        command: Any = gui.add_command(words, hotkey=key)  # type: ignore[arg-type]
+        command.on_trigger(triggered(actions[key]))
+
+
+def triggered(action: Callable[[viser.ClientHandle], Any]) -> Callable:
+    """The action as viser calls it: in order, on its event loop."""
+
+    async def run(event: Any) -> None:
+        if event.client is not None:
+            action(event.client)
+
+    return run

@@ -1,0 +1,88 @@
+"""A control for every parameter that the rule and the body declare."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from typing import Any
+
+import viser
+
+from agents.catalogue import MODELS
+from agents.declare import Declared, declared
+from app.viewer.notation import plain
+from app.viewer.simulation import Simulation, State
+
+
+class ParametersPanel:
+    """Sliders, switches and choices that act on the running flock at once."""
+
+    def __init__(self, gui: viser.GuiApi, simulation: Simulation):
+        self.gui = gui
+        self.simulation = simulation
+        self.folder = gui.add_folder(None)
+        self.controls: dict[str, Any] = {}
+        self.model = ""
+        self.shown_run = -1
+
+    def refresh(self, state: State) -> None:
+        """Follow a new set-up: other controls for another model, values for the same."""
+        if state.run == self.shown_run or not state.values:
+            return
+        self.shown_run = state.run
+        if state.start.model != self.model:
+            self.model = state.start.model
+            self.rebuild(state)
+        for name, control in self.controls.items():
+            control.value = state.values[name]
+
+    def rebuild(self, state: State) -> None:
+        """Controls for the model's parameters."""
+        for child in tuple(self.folder._children.values()):
+            child.remove()
+        model = MODELS[self.model]
+        with self.folder:
+            self.controls = {
+                one.name: self.control(one, state.values[one.name])
+                for one in declared(model.parameters)
+            }
+
+    def control(self, one: Declared, value: Any) -> Any:
+        """The control of one parameter."""
+        label, hint = worded(one)
+        made: Any
+        if one.kind == "switch":
+            made = self.gui.add_checkbox(label, bool(value), hint=hint)
+        elif one.kind == "choice":
+            made = self.gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
+        else:
+            made = self.slider(one, label, hint, value)
+
+        async def changed(event: viser.GuiEvent) -> None:
+            if event.client is not None:
+                self.simulation.set(one.name, made.value).add_done_callback(restore)
+
+        def restore(answer: Future) -> None:
+            if answer.exception() is not None:
+                made.value = self.simulation.state.values[one.name]
+
+        made.on_update(changed)
+        return made
+
+    def slider(self, one: Declared, label: str, hint: str, value: Any) -> Any:
+        """A slider over the declared range."""
+        assert one.low is not None
+        assert one.high is not None
+        kind = int if isinstance(one.default, int) else float
+        step = one.step or (1 if kind is int else (one.high - one.low) / 200)
+        return self.gui.add_slider(
+            label, kind(one.low), kind(one.high), kind(step), kind(value), hint=hint
+        )
+
+
+def worded(one: Declared) -> tuple[str, str]:
+    """Label and hint of a parameter: a number by its symbol and unit, anything else by name."""
+    hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
+    if one.kind != "number":
+        return one.name.replace("_", " "), hint
+    unit = "" if one.unit == "1" else f" ({one.unit})"
+    return f"{plain(one.symbol)}{unit}", hint

@@ -1,0 +1,60 @@
+"""The run so far as curves."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+from viser import uplot
+
+from app.viewer.panels.style import BLUE, GREEN, ORANGE, block, key
+from app.viewer.readings import Readings
+
+HEIGHT = 160
+PADDING = (10, 14, 0, 0)
+
+
+class Plots:
+    """Order and structure of the flock over time."""
+
+    def __init__(self, gui: viser.GuiApi):
+        gui.add_html(head("Order", [("polarisation", BLUE), ("consistency", GREEN)]))
+        self.order = chart(gui, (BLUE, GREEN), uplot.Scale(range=(0.0, 1.02)))
+        gui.add_html(head("Neighbours", [("mean number within r", ORANGE)]))
+        self.neighbours = chart(gui, (ORANGE,), uplot.Scale(auto=True))
+
+    def refresh(self, readings: Readings) -> None:
+        """Draw the run as far as it has come."""
+        draw(self.order, readings.order.arrays())
+        draw(self.neighbours, readings.structure.arrays()[:2])
+
+
+def head(title: str, entries: list[tuple[str, str]]) -> str:
+    """A plot's title with the key to its curves."""
+    return block(f'<div class="fs-head">{title}{key(entries)}</div>')
+
+
+def chart(gui: viser.GuiApi, colours: tuple[str, ...], scale: uplot.Scale) -> viser.GuiUplotHandle:
+    """An empty plot with a curve of each colour."""
+    nothing = np.zeros(1)
+    curves = tuple(
+        uplot.Series(stroke=colour, width=2, points={"show": False}) for colour in colours
+    )
+    return gui.add_uplot(
+        (nothing, *(nothing for _ in colours)),
+        (uplot.Series(label="tick"), *curves),
+        scales={"x": uplot.Scale(time=False), "y": scale},
+        axes=(uplot.Axis(size=26), uplot.Axis(size=44)),
+        legend=uplot.Legend(show=False),
+        height=HEIGHT,
+        padding=PADDING,
+    )
+
+
+def draw(plot: viser.GuiUplotHandle, columns: tuple[np.ndarray, ...]) -> None:
+    """Show columns if there is anything new in them."""
+    new = len(columns[0]) and (
+        len(columns[0]) != len(plot.data[0])
+        or any(not np.array_equal(a, b) for a, b in zip(columns, plot.data, strict=True))
+    )
+    if new:
+        plot.data = columns

@@ -1,0 +1,106 @@
+"""Go, pause, step, set up, and how fast."""
+
+from __future__ import annotations
+
+import html
+import math
+
+import viser
+
+from agents.catalogue import MODELS
+from app.viewer.panels.setup import SetupPanel
+from app.viewer.panels.style import GREEN, GREY, ORANGE, block
+from app.viewer.simulation import Simulation, State
+from app.viewer.values import show
+
+SPEEDS = {
+    "0.5 ticks/s": 0.5,
+    "1 tick/s": 1.0,
+    "2 ticks/s": 2.0,
+    "5 ticks/s": 5.0,
+    "10 ticks/s": 10.0,
+    "15 ticks/s": 15.0,
+    "30 ticks/s": 30.0,
+    "60 ticks/s": 60.0,
+    "200 ticks/s": 200.0,
+    "1000 ticks/s": 1000.0,
+    "as fast as it goes": math.inf,
+}
+
+
+class RunPanel:
+    """The buttons that everybody needs all the time, at the top of the controls."""
+
+    def __init__(self, gui: viser.GuiApi, simulation: Simulation, setup: SetupPanel):
+        self.simulation = simulation
+        self.setup = setup
+        self.status = gui.add_html("")
+        self.switch = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="blue")
+        self.actions = gui.add_button_group(
+            "Flock",
+            ("Setup", "Step", "Reset"),
+            hint="Setup builds a flock from the Setup tab. Step runs one tick. "
+            "Reset begins the same run again.",
+        )
+        names = list(SPEEDS)
+        self.speed = gui.add_dropdown(
+            "Speed", names, initial_value=nearest(simulation.state.speed), hint="Ticks per second"
+        )
+        self.switch.on_click(self.toggled)
+        self.actions.on_click(self.acted)
+        self.speed.on_update(self.paced)
+
+    async def toggled(self, _event: viser.GuiEvent) -> None:
+        self.simulation.toggle()
+
+    async def acted(self, event: viser.GuiEvent) -> None:
+        match event.target.value:
+            case "Setup":
+                self.set_up()
+            case "Step":
+                self.simulation.step()
+            case "Reset":
+                self.simulation.reset()
+
+    async def paced(self, event: viser.GuiEvent) -> None:
+        self.simulation.run_at(SPEEDS[event.target.value])
+
+    def set_up(self) -> None:
+        """Build a flock from the Setup tab."""
+        self.simulation.setup(self.setup.next_start(self.simulation.state.values))
+
+    def change_speed(self, by: int) -> None:
+        """Go to a faster or slower speed of the list."""
+        names = list(SPEEDS)
+        place = names.index(self.speed.value) + by
+        show(self.speed, names[min(max(place, 0), len(names) - 1)])
+        self.simulation.run_at(SPEEDS[self.speed.value])
+
+    def refresh(self, state: State) -> None:
+        """Show how the simulation stands."""
+        self.status.content = block(status(state))
+        self.switch.label = "Pause" if state.running else "Go"
+        self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
+        self.switch.color = "blue" if state.running else "green"
+
+
+def nearest(speed: float) -> str:
+    """The speed of the list that is nearest."""
+    if math.isinf(speed):
+        return list(SPEEDS)[-1]
+    return min(SPEEDS, key=lambda name: abs(SPEEDS[name] - speed))
+
+
+def status(state: State) -> str:
+    """The state in a line, with a coloured dot."""
+    if state.error:
+        why = html.escape(state.error)
+        return f'<div class="fs-error"><b>Stopped.</b> {why}<br>Press Setup.</div>'
+    title = "" if state.busy else f" · {html.escape(MODELS[state.start.model].title)}"
+    colour, words = GREY, "paused"
+    if state.busy:
+        colour, words = ORANGE, "setting up …"
+    elif state.running:
+        colour, words = GREEN, "running"
+    dot = f'<span class="fs-dot" style="background:{colour}"></span>'
+    return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'

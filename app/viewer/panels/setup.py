@@ -1,0 +1,144 @@
+"""What takes effect at Setup: the model, its size, its world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from agents.catalogue import MODELS
+from app.viewer.panels.style import block
+from app.viewer.simulation import State
+from app.viewer.start import ACTIVATIONS, MOST_AGENTS, NOISES, WORLDS, Start
+from app.viewer.values import show
+
+DIMENSIONS = {"2-D": 2, "3-D": 3}
+LARGEST_SEED = 2**31 - 1
+NAMES = {
+    "model": "model",
+    "agents": "agents",
+    "size": "side",
+    "dim": "dimension",
+    "world": "world",
+    "activation": "turns",
+    "noise": "noise",
+    "informed": "informed",
+}
+"""What the fields of a start are called in the panel."""
+
+
+class SetupPanel:
+    """The fields of a `Start`; nothing happens until Setup is pressed."""
+
+    def __init__(self, gui: viser.GuiApi, start: Start):
+        self.running = start
+        self.shown_run = -1
+        titles = [model.title for model in MODELS.values()]
+        self.note = gui.add_html("")
+        self.model = gui.add_dropdown(
+            "Model", titles, initial_value=MODELS[start.model].title, hint="The rule agents follow"
+        )
+        self.agents = gui.add_number(
+            "Agents", start.agents, min=1, max=MOST_AGENTS, step=10, hint="Number of agents"
+        )
+        self.informed = gui.add_number(
+            "Informed",
+            MODELS[start.model].informed if start.informed is None else start.informed,
+            min=0,
+            max=100,
+            step=1,
+            hint="Information agents: they know the heading to take and keep it",
+        )
+        self.dim = gui.add_dropdown(
+            "Dimension", list(DIMENSIONS), initial_value=f"{start.dim}-D", hint="Plane or space"
+        )
+        self.world = gui.add_dropdown(
+            "World",
+            list(WORLDS.values()),
+            initial_value=WORLDS[start.world],
+            hint="What happens at the edges: agents come in again at the other side (and see "
+            "each other across the seam, or not), or there is no edge",
+        )
+        self.size = gui.add_number(
+            "Side",
+            0.0 if start.size is None else start.size,
+            min=0.0,
+            max=1000.0,
+            step=0.5,
+            hint="Side of the world (length); 0 keeps the density of the paper",
+        )
+        self.activation = gui.add_dropdown(
+            "Turns",
+            list(ACTIVATIONS.values()),
+            initial_value=ACTIVATIONS[start.activation],
+            hint="Who decides when: all on the same instant, or one after the other as in NetLogo",
+        )
+        self.noise = gui.add_dropdown(
+            "Noise",
+            list(NOISES.values()),
+            initial_value=NOISES[start.noise],
+            hint="Angular: an angle is added to the heading. Vectorial: a vector is added to the "
+            "mean heading",
+        )
+        self.seed = gui.add_number(
+            "Seed", start.seed, min=0, max=LARGEST_SEED, step=1, hint="Same seed, same run"
+        )
+        self.new_seed = gui.add_checkbox(
+            "New seed", True, hint="Take the next seed at every Setup, for a new random start"
+        )
+        self.model.on_update(self.model_chosen)
+
+    async def model_chosen(self, event: viser.GuiEvent) -> None:
+        """A model brings its own number of information agents and its dimensions."""
+        model = MODELS[named(self.model.value)]
+        show(self.informed, model.informed)
+        if event.client is not None and DIMENSIONS[self.dim.value] not in model.dimensions:
+            show(self.dim, f"{model.dimensions[0]}-D")
+
+    def chosen(self) -> Start:
+        """The start as the fields have it, with the running seed and no parameters."""
+        model = named(self.model.value)
+        return Start(
+            model=model,
+            agents=self.agents.value,
+            seed=self.running.seed,
+            size=self.size.value or None,
+            dim=DIMENSIONS[self.dim.value],
+            world=key_of(WORLDS, self.world.value),
+            activation=key_of(ACTIVATIONS, self.activation.value),
+            noise=key_of(NOISES, self.noise.value),
+            informed=None if self.informed.value == MODELS[model].informed else self.informed.value,
+            threads=self.running.threads,
+        )
+
+    def next_start(self, values: dict[str, Any]) -> Start:
+        """The start for Setup; a model that stays keeps its parameters' values."""
+        start = self.chosen()
+        if self.new_seed.value and self.seed.value == self.running.seed:
+            show(self.seed, (self.seed.value + 1) % LARGEST_SEED)
+        kept = dict(values) if start.model == self.running.model else {}
+        return start.but(seed=self.seed.value, parameters=kept)
+
+    def refresh(self, state: State) -> None:
+        """Say what differs from the running flock; after a set-up nothing does."""
+        self.running = state.start
+        if state.run != self.shown_run:
+            self.shown_run = state.run
+            show(self.seed, state.start.seed)
+        changed = self.chosen().differs(state.start)
+        named_ones = ", ".join(NAMES[name] for name in changed)
+        self.note.content = block(
+            f'<div class="fs-note">Changed: <b>{named_ones}</b>. Press Setup to use it.</div>'
+            if changed
+            else '<div class="fs-quiet">Takes effect at Setup.</div>'
+        )
+
+
+def named(title: str) -> str:
+    """Name of the model with that title."""
+    return next(name for name, model in MODELS.items() if model.title == title)
+
+
+def key_of(choices: dict[str, str], words: str) -> str:
+    """The choice that is worded so."""
+    return next(key for key, value in choices.items() if value == words)

@@ -1,0 +1,37 @@
+"""How the HTML in the panels looks: cards, keys, bars and tables."""
+
+from __future__ import annotations
+
+from app.viewer.scene.static_files import static_folder
+
+BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#f08c00", "#2b8a3e", "#e03131", "#868e96"
+
+CSS = f"<style>{(static_folder() / 'panels.css').read_text()}</style>"
+
+
+def block(content: str) -> str:
+    """Content of a panel in the house's type and spacing."""
+    return f'<div class="fs">{content}</div>'
+
+
+def cards(values: dict[str, str]) -> str:
+    """A grid of cards, name -> value."""
+    made = "".join(
+        f'<div class="fs-card"><span>{name}</span><b>{value}</b></div>'
+        for name, value in values.items()
+    )
+    return block(f'<div class="fs-cards">{made}</div>')
+
+
+def key(entries: list[tuple[str, str]]) -> str:
+    """A key to colours: (label, css colour)."""
+    made = "".join(
+        f'<span><i style="background:{colour}"></i>{label}</span>' for label, colour in entries
+    )
+    return f'<div class="fs-key">{made}</div>'
+
+
+def table(rows: dict[str, str]) -> str:
+    """A table of two columns."""
+    made = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in rows.items())
+    return f'<table class="fs-table">{made}</table>'

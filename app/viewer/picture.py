@@ -1,0 +1,105 @@
+"""Takes frames of a flock; what is costly is taken as asked for, and not for every frame."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from agents.flock import Flock
+from app.viewer.frame import Frame, Inspection
+from app.viewer.ration import Ration
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the viewer wants to know beside positions and headings."""
+
+    layers: bool = False
+    groups: bool = False
+    links: bool = False
+    row: int | None = None
+    """Row of the agent to inspect."""
+
+
+@dataclass
+class Camera:
+    """Takes frames of one flock."""
+
+    flock: Flock
+    run: int
+    wanted: Wanted = Wanted()
+    layer: np.ndarray | None = None
+    group: np.ndarray | None = None
+    links: np.ndarray | None = None
+    fastest: float = 1e-12
+    ration: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.15))
+
+    def want(self, wanted: Wanted) -> None:
+        """Change what is wanted; it is in the next frame."""
+        self.wanted = wanted
+        self.ration.renew()
+
+    def take(self) -> Frame:
+        """A frame of the flock now; layers, groups and links may be a few ticks old."""
+        if self.ration.due(time.perf_counter()):
+            with self.ration.measured():
+                self.examine()
+        flock = self.flock
+        speed = flock.speed.copy()
+        self.fastest = max(self.fastest, float(speed.max(initial=0.0)))
+        return Frame(
+            run=self.run,
+            tick=flock.tick,
+            dim=flock.position.shape[1],
+            size=np.array(flock.world.size, float),
+            wraps=np.array(flock.world.wraps, bool),
+            reach=float(flock.reach),
+            speed_scale=self.fastest,
+            position=flock.position.copy(),
+            heading=flock.heading.copy(),
+            speed=speed,
+            informed=flock.informed.copy(),
+            ids=flock.ids.copy(),
+            layer=self.layer,
+            group=self.group,
+            links=self.links,
+            inspected=self.inspect(),
+        )
+
+    def examine(self) -> None:
+        """What is found by looking at the whole flock, if wanted."""
+        wanted, flock = self.wanted, self.flock
+        self.layer = np.array(flock.layers()) if wanted.layers else None
+        self.group = np.array(flock.group_labels()) if wanted.groups else None
+        self.links = np.array(flock.links()) if wanted.links else None
+
+    def inspect(self) -> Inspection | None:
+        """The wanted agent and whom it listens to."""
+        row = self.wanted.row
+        if row is None or not 0 <= row < len(self.flock.ids):
+            return None
+        seen = self.flock.inspect(row)
+        return Inspection(
+            id=int(seen.id),
+            row=row,
+            neighbours=np.array(seen.neighbours),
+            separation=np.array(seen.separation),
+            weights=np.array(seen.weights),
+            facts=facts(self.flock, row, seen.signals),
+        )
+
+
+def facts(flock: Flock, row: int, signals: dict[str, float]) -> dict[str, str]:
+    """An agent's state in words, name -> value with unit."""
+    x = flock.position[row]
+    ux = flock.heading[row]
+    told = {
+        "position": "(" + ", ".join(f"{value:.2f}" for value in x) + ")",
+        "heading": f"{np.degrees(np.arctan2(ux[1], ux[0])) % 360:.0f}°",
+    }
+    if len(ux) == 3:
+        told["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
+    told["speed"] = f"{flock.speed[row]:.3g} per tick"
+    return told | {name: f"{value:g}" for name, value in signals.items()}

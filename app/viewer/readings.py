@@ -1,0 +1,93 @@
+"""What the monitors show of a flock, and its course over the run."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from agents.flock import Flock
+from app.viewer.ration import Ration
+
+ORDER = ("polarisation", "consistency")
+"""Quick to measure: read many times a second."""
+STRUCTURE = ("mean-neighbours", "groups", "largest-group")
+"""Needs the flock's graph: read a few times a second, less for a large flock."""
+POINTS = 600
+"""Points in a plot at most."""
+
+
+class Course:
+    """How readings went over the run: at most POINTS points, thinned as the run grows."""
+
+    def __init__(self, *names: str):
+        self.names = names
+        self.columns: list[list[float]] = [[] for _ in range(1 + len(names))]
+        self.lock = threading.Lock()
+        self.apart = 1
+        """Ticks that must lie between two points."""
+
+    def add(self, tick: int, values: dict[str, float]) -> None:
+        """Note values at a tick; a second note at one tick replaces the first."""
+        with self.lock:
+            ticks = self.columns[0]
+            if ticks and tick - ticks[-1] < self.apart:
+                if tick != ticks[-1]:
+                    return
+                for column in self.columns:
+                    column.pop()
+            ticks.append(float(tick))
+            for column, name in zip(self.columns[1:], self.names, strict=True):
+                column.append(values[name])
+            if len(ticks) > POINTS:
+                self.columns = [column[::2] for column in self.columns]
+                self.apart = max(2 * self.apart, int(self.columns[0][-1]) // POINTS)
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """Ticks, then one array for each name."""
+        with self.lock:
+            return tuple(np.array(column, float) for column in self.columns)
+
+
+@dataclass
+class Readings:
+    """Reads one flock's observables, no more often than is fair to the flock."""
+
+    flock: Flock
+    values: dict[str, float] = field(default_factory=dict)
+    layers: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    """Number of agents in layers 1, 2, ...; agents of unknown layer left out."""
+    unknown: int = 0
+    """Agents that no information reaches."""
+    order: Course = field(default_factory=lambda: Course(*ORDER))
+    structure: Course = field(default_factory=lambda: Course(*STRUCTURE))
+    quick: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.05))
+    slow: Ration = field(default_factory=lambda: Ration(period=1 / 4, share=0.1))
+
+    def read(self, at_once: bool = False) -> None:
+        """Read what is due; everything if `at_once`."""
+        now = time.perf_counter()
+        if at_once or self.quick.due(now):
+            with self.quick.measured():
+                self.note(self.order)
+        if at_once or self.slow.due(now):
+            with self.slow.measured():
+                self.note(self.structure)
+                self.count_layers()
+
+    def note(self, course: Course) -> None:
+        """Read a course's observables and add them to it."""
+        seen = {name: float(self.flock.observe(name)) for name in course.names}
+        self.values = self.values | seen
+        course.add(self.flock.tick, seen)
+
+    def count_layers(self) -> None:
+        """Count the agents of each layer."""
+        if not self.flock.informed.any():
+            return
+        layer = np.asarray(self.flock.layers())
+        known = layer[(layer > 0) & (layer <= len(layer))]
+        self.layers = np.bincount(known)[1:] if known.size else np.zeros(0, int)
+        self.unknown = len(layer) - known.size

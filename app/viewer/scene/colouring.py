@@ -1,0 +1,92 @@
+"""The colour of every agent, and what the colours mean."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.viewer.frame import Frame
+from app.viewer.scene import palette
+from app.viewer.scene.look import Look
+
+
+def agent_colours(frame: Frame, look: Look) -> np.ndarray:
+    """Colours (N, 3), sRGB in [0, 1]; information agents always wear their own."""
+    colours = _colours(frame, look)
+    colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
+    return colours
+
+
+def _colours(frame: Frame, look: Look) -> np.ndarray:
+    count = len(frame.position)
+    match look.colour:
+        case "heading":
+            return palette.by_heading(frame.heading)
+        case "speed":
+            return palette.by_speed(frame.speed, frame.speed_scale)
+        case "layer":
+            return _known(frame.layer, palette.by_layer, count)
+        case "group":
+            return _known(frame.group, palette.by_group, count)
+    return np.tile(palette.PLAIN, (count, 1))
+
+
+def _known(labels: np.ndarray | None, colour, count: int) -> np.ndarray:
+    """Colours of labels that were asked for a moment ago and may not be there yet."""
+    if labels is None or len(labels) != count:
+        return np.tile(palette.UNKNOWN, (count, 1))
+    return colour(np.asarray(labels))
+
+
+def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
+    """What the colours mean: (words, CSS colour), in reading order."""
+    leader = [("information agent", palette.css(palette.LEADER))] if frame.informed.any() else []
+    match look.colour:
+        case "heading":
+            return _heading_legend(frame.dim) + leader
+        case "speed":
+            return _speed_legend(frame.speed_scale) + leader
+        case "layer":
+            return _layer_legend(frame)
+        case "group":
+            return _group_legend(frame) + leader
+    return [("agent", palette.css(palette.PLAIN)), *leader]
+
+
+def _heading_legend(dim: int) -> list[tuple[str, str]]:
+    compass: dict[str, tuple[float, ...]] = {
+        "+x": (1, 0, 0),
+        "+y": (0, 1, 0),
+        "−x": (-1, 0, 0),
+        "−y": (0, -1, 0),
+    }
+    if dim == 3:
+        compass |= {"+x, climbing": (0.5, 0, 0.87), "+x, diving": (0.5, 0, -0.87)}
+    headings = np.array(list(compass.values()), dtype=float)[:, :dim]
+    words = [f"heading {name}" for name in compass]
+    return list(zip(words, map(palette.css, palette.by_heading(headings)), strict=True))
+
+
+def _speed_legend(full: float) -> list[tuple[str, str]]:
+    speeds = np.array([0.0, 0.5, 1.0]) * full
+    words = [f"{speed:.3g} per tick" for speed in speeds]
+    words[-1] += " or faster"
+    return list(zip(words, map(palette.css, palette.by_speed(speeds, full)), strict=True))
+
+
+def _layer_legend(frame: Frame) -> list[tuple[str, str]]:
+    last = len(palette.LAYERS)
+    layers = np.empty(0, int) if frame.layer is None else np.asarray(frame.layer)
+    known = layers[layers <= len(layers)]
+    deepest = min(int(known.max(initial=1)), last)
+    entries = [("1 information agent", palette.css(palette.LAYERS[0]))]
+    for layer in range(2, deepest + 1):
+        words = f"layer {layer}" if layer < last else f"layer {last} and farther"
+        entries.append((words, palette.css(palette.LAYERS[layer - 1])))
+    return [*entries, ("unknown", palette.css(palette.UNKNOWN))]
+
+
+def _group_legend(frame: Frame) -> list[tuple[str, str]]:
+    count = 1 if frame.group is None else int(np.max(frame.group, initial=0)) + 1
+    last = len(palette.GROUPS)
+    words = ["largest group", *(f"group {rank}" for rank in range(2, last)), "smaller groups"]
+    return list(zip(words, map(palette.css, palette.GROUPS), strict=True))[: min(count, last)]

@@ -1,0 +1,67 @@
+"""Words beside agents: the information agent's name, and identities if asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+from viser import LabelHandle, SceneApi
+
+from app.viewer.scene.picture import Changes, Picture
+
+MOST = 120
+"""Identities are written beside at most this many agents."""
+
+
+class Labels:
+    """A label for the first information agent and a pool of labels for identities."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._leader = scene.add_label(
+            "/flock/leader",
+            "information UAV",
+            anchor="bottom-center",
+            font_screen_scale=1.1,
+            visible=False,
+        )
+        self._pool: list[LabelHandle] = []
+
+    def draw(self, picture: Picture) -> Changes:
+        changes: Changes = [(self._leader, "visible", picture.leader is not None)]
+        if picture.leader is not None:
+            changes.append((self._leader, "position", self._beside(picture, picture.leader)))
+            informed = int(np.count_nonzero(picture.frame.informed))
+            words = "information UAV" if informed == 1 else f"information UAV (1 of {informed})"
+            changes.append((self._leader, "text", words))
+        return changes + self._draw_identities(picture)
+
+    def _draw_identities(self, picture: Picture) -> Changes:
+        count = len(picture.at)
+        wanted = min(count, MOST) if picture.look.labels else 0
+        if picture.look.labels and count > MOST and picture.frame.inspected is not None:
+            rows = picture.frame.inspected.neighbours[:MOST]
+        else:
+            rows = np.arange(wanted)
+        while len(self._pool) < len(rows):
+            self._pool.append(self._new(len(self._pool)))
+        changes: Changes = []
+        for label, row in zip(self._pool, rows, strict=False):
+            changes.append((label, "text", str(picture.frame.ids[row])))
+            changes.append((label, "position", self._beside(picture, int(row))))
+            changes.append((label, "visible", row != picture.leader))
+        return changes + [(label, "visible", False) for label in self._pool[len(rows) :]]
+
+    def _new(self, number: int) -> LabelHandle:
+        return self._scene.add_label(
+            f"/flock/identities/{number}",
+            "",
+            anchor="bottom-center",
+            font_screen_scale=0.75,
+            visible=False,
+        )
+
+    @staticmethod
+    def _beside(picture: Picture, row: int) -> np.ndarray:
+        """A place clear of the agent and its halo: above it on the screen."""
+        clear = 1.05 * picture.length * float(picture.size[row])
+        up = np.array([0.0, clear, 0.0]) if picture.stage.dim == 2 else np.array([0, 0, clear])
+        return picture.at[row] + up

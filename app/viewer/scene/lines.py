@@ -1,0 +1,35 @@
+"""A node of line segments that may be empty."""
+
+from __future__ import annotations
+
+import numpy as np
+from viser import LineSegmentsHandle, SceneApi
+
+from app.viewer.scene.picture import Changes
+
+_DOT = np.zeros((1, 2, 3), dtype=np.float32)
+
+
+def add_lines(scene: SceneApi, name: str, thickness: float) -> LineSegmentsHandle:
+    """An empty set of segments, `thickness` pixels wide."""
+    return scene.add_line_segments(
+        name,
+        _DOT,
+        np.zeros(3, dtype=np.uint8),
+        thickness=thickness,
+        thickness_units="screen",
+        visible=False,
+    )
+
+
+def segments(
+    handle: LineSegmentsHandle, points: np.ndarray, colours: np.ndarray | tuple[int, int, int]
+) -> Changes:
+    """Draw the segments (K, 2, 3) in colours (K, 2, 3) or (3,), bytes; hide the node when K = 0."""
+    if not len(points):
+        return [(handle, "visible", False)]
+    return [
+        (handle, "points", points.astype(np.float32)),
+        (handle, "colors", np.asarray(colours, dtype=np.uint8)),
+        (handle, "visible", True),
+    ]

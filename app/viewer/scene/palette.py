@@ -1,0 +1,117 @@
+"""The scene's colours, all as sRGB in [0, 1]."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.viewer.scene.oklch import oklch
+
+
+def srgb(css: str) -> np.ndarray:
+    """A CSS colour #rrggbb as sRGB (3,) in [0, 1]."""
+    return np.array([int(css[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
+
+
+def css(colour: np.ndarray) -> str:
+    """The inverse of `srgb`."""
+    red, green, blue = np.rint(255.0 * np.clip(colour, 0.0, 1.0)).astype(int)
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+SKY_HIGH, SKY_LOW = srgb("#e3eaf4"), srgb("#f6f8fb")
+FLOOR = srgb("#fbfcfe")
+FOG = srgb("#edf1f7")
+EDGE = srgb("#64748b")
+EDGE_SPACE = srgb("#8493a8")
+EDGE_LIGHT = srgb("#b4bfce")
+LINK = srgb("#9db0c9")
+
+PLAIN = srgb("#2f6fde")
+LEADER = srgb("#e11d48")
+HALO = srgb("#f08a00")
+SELECTED = srgb("#0f172a")
+UNKNOWN = srgb("#aab4c2")
+
+LAYERS = np.array(
+    [
+        LEADER,
+        srgb("#f97316"),
+        srgb("#e0a800"),
+        srgb("#4fae2b"),
+        srgb("#0ea5a0"),
+        srgb("#2f7df0"),
+        srgb("#6d4be0"),
+        srgb("#a836c9"),
+        srgb("#7a3358"),
+    ]
+)
+"""Layers 1 to 8, then all farther ones; `UNKNOWN` for agents nobody leads."""
+
+GROUPS = np.array(
+    [
+        srgb("#1f5fe0"),
+        srgb("#f08c1a"),
+        srgb("#1fa774"),
+        srgb("#c63d96"),
+        srgb("#8a63d8"),
+        srgb("#c9a21b"),
+        srgb("#24a6c4"),
+        srgb("#d9534a"),
+        srgb("#9aa5b4"),
+    ]
+)
+"""The largest group, the seven after it, then all smaller ones."""
+
+_HUES = 360
+_RISES = 33
+HUE_EAST = np.deg2rad(255.0)
+"""Hue of an agent heading along +x; the hue grows with the azimuth."""
+HUE_YELLOW = np.deg2rad(95.0)
+"""The hue that turns to mud unless it is made lighter than the others."""
+
+
+def _heading_table() -> np.ndarray:
+    """(rises, hues, 3): hue by azimuth; lighter climbing, darker diving."""
+    hue = HUE_EAST + np.linspace(0.0, 2.0 * np.pi, _HUES, endpoint=False)
+    rise = np.linspace(-0.13, 0.11, _RISES)
+    level = 0.675 + 0.085 * np.cos(hue - HUE_YELLOW)
+    return oklch(level + rise[:, None], np.full((_RISES, _HUES), 0.20), hue[None, :])
+
+
+def _speed_table() -> np.ndarray:
+    """(256, 3): slow pale blue, over violet, to fast crimson."""
+    t = np.linspace(0.0, 1.0, 256)
+    hue = np.deg2rad(225.0 + 150.0 * t)
+    return oklch(0.80 - 0.25 * t, 0.09 + 0.14 * t, hue)
+
+
+HEADINGS = _heading_table()
+SPEEDS = _speed_table()
+
+
+def by_heading(heading: np.ndarray) -> np.ndarray:
+    """Headings (N, dim) -> colours (N, 3)."""
+    azimuth = np.arctan2(heading[:, 1], heading[:, 0])
+    column = np.rint(azimuth * (_HUES / (2.0 * np.pi))).astype(int) % _HUES
+    if heading.shape[1] == 2:
+        return HEADINGS[_RISES // 2, column]
+    rise = np.arcsin(np.clip(heading[:, 2], -1.0, 1.0)) / np.pi + 0.5
+    return HEADINGS[np.rint(rise * (_RISES - 1)).astype(int), column]
+
+
+def by_speed(speed: np.ndarray, full: float) -> np.ndarray:
+    """Speeds (N,) -> colours (N, 3), the last of the table from `full` on."""
+    share = np.clip(speed / full if full > 0.0 else np.zeros_like(speed), 0.0, 1.0)
+    return SPEEDS[np.rint(255.0 * share).astype(int)]
+
+
+def by_layer(layer: np.ndarray) -> np.ndarray:
+    """Layers (N,), 1 the information agents, N + 1 unknown -> colours (N, 3)."""
+    colours = LAYERS[np.clip(layer - 1, 0, len(LAYERS) - 1)]
+    colours[layer > len(layer)] = UNKNOWN
+    return colours
+
+
+def by_group(group: np.ndarray) -> np.ndarray:
+    """Labels (N,), 0 the largest group -> colours (N, 3)."""
+    return GROUPS[np.clip(group, 0, len(GROUPS) - 1)]

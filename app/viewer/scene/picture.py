@@ -1,0 +1,111 @@
+"""What every part of the drawing needs of a frame, worked out once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.viewer.frame import Frame
+from app.viewer.scene import palette
+from app.viewer.scene.attitude import attitude
+from app.viewer.scene.colouring import agent_colours
+from app.viewer.scene.look import Look
+from app.viewer.scene.shapes import dart_length
+from app.viewer.scene.stage import Stage
+
+POINTS_BEYOND = 10_000
+"""More agents than this are drawn as points."""
+
+Changes = list[tuple[Any, str, Any]]
+"""Node handle, property, new value: collected first, then assigned in one go."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One frame on the display."""
+
+    frame: Frame
+    look: Look
+    stage: Stage
+    at: np.ndarray
+    """Where each agent is drawn, (N, 3)."""
+    wxyz: np.ndarray
+    """Attitude of each agent, (N, 4)."""
+    colour: np.ndarray
+    """Colour of each agent, sRGB (N, 3)."""
+    length: float
+    """Length of a common agent."""
+    size: np.ndarray
+    """Length of each agent as a multiple of `length`, (N,)."""
+
+    @property
+    def backdrop(self) -> np.ndarray:
+        """What lies behind the agents: faint things are mixed with it."""
+        return palette.FLOOR if self.stage.dim == 2 else palette.FOG
+
+    @property
+    def leader(self) -> int | None:
+        """Row of the first information agent."""
+        rows = np.flatnonzero(self.frame.informed)
+        return int(rows[0]) if len(rows) else None
+
+    def mixed(self, colour: np.ndarray, share: float | np.ndarray) -> np.ndarray:
+        """`colour` with a `share` of the backdrop in it."""
+        return colour + share * (self.backdrop - colour)
+
+    @property
+    def inspected(self) -> int | None:
+        """Row of the inspected agent, if it is there."""
+        inspected = self.frame.inspected
+        if inspected is None or not 0 <= inspected.row < len(self.at):
+            return None
+        return int(inspected.row)
+
+
+LEADER_SIZE = 1.75
+LEADER_LEAST = 0.045
+"""Length of an information agent as a multiple of the world's longest side, at least."""
+FEW_LEADERS = 12
+"""More information agents than this keep a common size and wear no halo."""
+INSPECTED_SIZE = 1.45
+DIMMED = 0.72
+
+
+def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
+    """Work out positions, attitudes, colours and sizes; agents hover just above a flat floor."""
+    count = len(frame.position)
+    length = dart_length(count, stage.half) * float(np.clip(look.agent_size, 0.1, 10.0))
+    at = stage.shown(frame.position)
+    size = np.ones(count, dtype=np.float32)
+    if np.count_nonzero(frame.informed) <= FEW_LEADERS:
+        size[frame.informed] = max(LEADER_SIZE, LEADER_LEAST * stage.side / length)
+    colour = agent_colours(frame, look)
+    made = Picture(frame, look, stage, at, attitude(frame.heading), colour, length, size)
+    if made.inspected is not None:
+        _single_out(made)
+    if stage.dim == 2:
+        at[:, 2] = 0.22 * length * size
+    return made
+
+
+def _single_out(made: Picture) -> None:
+    """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
+    inspected = made.frame.inspected
+    assert inspected is not None
+    near = inspected.neighbours
+    dimmed = made.mixed(made.colour, DIMMED)
+    kept = np.zeros(len(made.colour), dtype=bool)
+    kept[near] = True
+    kept[inspected.row] = True
+    kept |= made.frame.informed
+    made.colour[~kept] = dimmed[~kept]
+    made.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
+    made.size[inspected.row] *= INSPECTED_SIZE
+
+
+def shares(weights: np.ndarray) -> np.ndarray:
+    """Weights (M,) as shares of the largest, in [0, 1]; all 1 when they are all alike or zero."""
+    largest = float(np.max(weights, initial=0.0))
+    return np.asarray(weights) / largest if largest > 0.0 else np.ones(len(weights))

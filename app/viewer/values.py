@@ -1,0 +1,67 @@
+"""Lets only usable values of a browser through to a control."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import viser
+
+LONGEST_TEXT = 200
+
+
+class UnusableError(ValueError):
+    """A value that cannot even be clamped: the wrong type, NaN, or an unknown choice."""
+
+
+def within(value: Any, low: float | None, high: float | None, kind: type = float) -> Any:
+    """A number clamped to [low, high], as `kind`. Raises UnusableError for what is no number.
+
+    >>> within(7, 0.0, 6.28), within(-3.7, 1, 100, int)
+    (6.28, 1)
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
+        raise UnusableError(f"{value!r} is not a number")
+    if low is not None:
+        value = max(low, value)
+    if high is not None:
+        value = min(high, value)
+    if isinstance(value, float) and math.isinf(value):
+        raise UnusableError("infinity is not allowed")
+    try:
+        return kind(value)
+    except OverflowError:
+        raise UnusableError("the number is too large") from None
+
+
+def one_of(value: Any, choices: tuple[str, ...]) -> str:
+    """A choice that is offered. Raises UnusableError for any other."""
+    if not isinstance(value, str) or value not in choices:
+        raise UnusableError(f"{value!r} is not offered")
+    return value
+
+
+def usable(control: Any, value: Any) -> Any:
+    """The value that a control may take when a browser sends `value`. Raises UnusableError."""
+    if getattr(control, "disabled", False):
+        raise UnusableError("the control is disabled")
+    if isinstance(control, viser.GuiButtonHandle):
+        return True
+    if isinstance(control, viser.GuiCheckboxHandle):
+        if not isinstance(value, bool):
+            raise UnusableError(f"{value!r} is neither on nor off")
+        return value
+    if isinstance(control, viser.GuiSliderHandle | viser.GuiNumberHandle):
+        return within(value, control.min, control.max, type(control.value))
+    if isinstance(control, viser.GuiDropdownHandle | viser.GuiButtonGroupHandle):
+        return one_of(value, tuple(control.options))
+    if isinstance(control, viser.GuiTextHandle):
+        if not isinstance(value, str) or len(value) > LONGEST_TEXT:
+            raise UnusableError("the text is too long")
+        return value
+    raise UnusableError("this control takes no values")
+
+
+def show(control: Any, value: Any) -> None:
+    """Give a control a value in all browsers; viser's types do not say that one may."""
+    control.value = value

@@ -1,0 +1,47 @@
+"""Flocks for tests, made with the public API."""
+
+import numpy as np
+
+from agents import Flock
+
+from . import vicsek_family as family
+from .scenes import SEED
+from .vicsek_family import Parameters
+
+
+def build(model, where, seed=SEED, threads=1, noise="angular", activation="synchronous", **given):
+    """A Flock in a Scene; `given` are the rule's parameters."""
+    return Flock(
+        model,
+        start=where.start,
+        size=where.size,
+        world=where.edges,
+        activation=activation,
+        noise=noise,
+        rng=seed,
+        threads=threads,
+        r=where.r,
+        v0=where.v0,
+        **given,
+    )
+
+
+def parameters(where, **given):
+    """The oracle's parameters for a Scene."""
+    return Parameters(r=where.r, v0=where.v0, **given)
+
+
+def at_rest(model, position, angles, informed=(), world="open", v0=1e-9, **given):
+    """A flock so slow that nothing but headings changes."""
+    position = np.array(position, dtype=float)
+    start = {
+        "position": position,
+        "heading": np.array([family.unit(a) for a in angles]),
+        "informed": np.isin(np.arange(len(position)), informed),
+    }
+    return Flock(model, start=start, size=(10.0, 10.0), world=world, r=1.0, v0=v0, **given)
+
+
+def angles_of(flock):
+    """Angles (list of N) of planar headings in [0, 2 pi)."""
+    return [family.angle(u) for u in flock.heading]

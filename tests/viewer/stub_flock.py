@@ -1,0 +1,79 @@
+"""A flock that needs no compiler: what the simulation asks of a flock, and nothing else."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from agents.declare import Parameters, checked, parameter
+from app.viewer.start import Start
+
+
+class Knobs(Parameters):
+    """One parameter."""
+
+    eta: float = parameter(0.5, "Noise", symbol=r"\eta", source="none", low=0.0, high=6.28)
+
+
+class StubFlock:
+    """Agents that fly straight on; at the tick `breaks_at` they raise `error` instead."""
+
+    def __init__(
+        self,
+        start: Start,
+        breaks_at: float = float("inf"),
+        error: Exception | None = None,
+        cost: float = 0.0,
+    ):
+        n = start.agents
+        rng = np.random.default_rng(start.seed)
+        self.position = rng.uniform(0, 5, (n, start.dim))
+        self.heading = np.zeros((n, start.dim))
+        self.heading[:, 0] = 1.0
+        self.speed = np.full(n, 0.03)
+        self.informed = np.arange(n) == 0
+        self.ids = np.arange(n)
+        self.world = SimpleNamespace(size=np.full(start.dim, 5.0), wraps=np.full(start.dim, True))
+        self.reach = 1.0
+        self.tick = 0
+        self.parameters = checked(Knobs, start.parameters)
+        self.spec = SimpleNamespace(to_toml=lambda: f"seed = {start.seed}\n")
+        self.breaks_at, self.error, self.cost = breaks_at, error or ArithmeticError("NaN"), cost
+
+    def advance(self, ticks: int) -> None:
+        for _ in range(ticks):
+            if self.tick >= self.breaks_at:
+                raise self.error
+            time.sleep(self.cost)
+            self.position = (self.position + 0.03 * self.heading) % 5.0
+            self.tick += 1
+
+    def set(self, **values) -> None:
+        self.parameters = checked(Knobs, self.parameters.model_dump() | values)
+
+    def observe(self, name: str) -> float:
+        return 1.0
+
+    def layers(self) -> np.ndarray:
+        return np.where(self.informed, 1, 2)
+
+    def group_labels(self) -> np.ndarray:
+        return np.zeros(len(self.ids), int)
+
+    def links(self) -> np.ndarray:
+        return np.array([[0, 1]])
+
+    def inspect(self, row: int) -> SimpleNamespace:
+        return SimpleNamespace(
+            id=row,
+            neighbours=np.array([1]),
+            separation=np.ones((1, self.position.shape[1])),
+            weights=np.array([1.0]),
+            signals={"layer": 2.0},
+        )
+
+    def save(self, path) -> None:
+        Path(path).write_bytes(b"saved")

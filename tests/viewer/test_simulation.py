@@ -1,0 +1,246 @@
+"""The simulation's thread: commands, pace, errors."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from functools import partial
+
+import numpy as np
+import pytest
+
+from app.viewer.picture import Wanted
+from app.viewer.simulation import Simulation
+from app.viewer.start import Start
+from tests.viewer.stub_flock import StubFlock
+from tests.viewer.waiting import until
+from worlds.refusal import Refusal
+
+
+@pytest.fixture
+def simulate():
+    """Makes simulations and closes them."""
+    made = []
+
+    def make(build=StubFlock, running=False, speed=math.inf, **start) -> Simulation:
+        simulation = Simulation(Start(**start), speed=speed, running=running, build=build)
+        made.append(simulation)
+        assert simulation.ready.wait(5)
+        return simulation
+
+    yield make
+    for simulation in made:
+        simulation.close()
+        assert not simulation.thread.is_alive()
+
+
+def tick(simulation: Simulation) -> int:
+    return simulation.frame.tick
+
+
+def test_a_paused_flock_is_shown_at_tick_0_and_stays_there(simulate):
+    simulation = simulate(agents=7)
+    time.sleep(0.1)
+    assert (simulation.frame.tick, simulation.frame.position.shape) == (0, (7, 2))
+    assert not simulation.state.running
+
+
+def test_go_runs_and_pause_stops(simulate):
+    simulation = simulate()
+    simulation.go()
+    until(lambda: tick(simulation) > 10)
+    simulation.pause().result(5)
+    until(lambda: not simulation.state.running)
+    flock_tick = simulation.flock.tick
+    time.sleep(0.1)
+    assert simulation.flock.tick == flock_tick == tick(simulation)
+
+
+def test_step_runs_just_so_many_ticks_and_pauses(simulate):
+    simulation = simulate(running=True, speed=1.0)
+    simulation.pause().result(5)
+    before = simulation.flock.tick
+    simulation.step(3).result(5)
+    until(lambda: tick(simulation) == before + 3)
+    assert not simulation.state.running
+
+
+def test_reset_gives_the_same_start_and_keeps_the_parameters(simulate):
+    simulation = simulate(seed=4)
+    first = simulation.frame.position.copy()
+    simulation.set("eta", 2.0)
+    simulation.step(5).result(5)
+    simulation.reset()
+    until(lambda: simulation.frame.run == 2)
+    assert tick(simulation) == 0
+    np.testing.assert_array_equal(simulation.frame.position, first)
+    assert simulation.state.values["eta"] == 2.0
+
+
+def test_setup_builds_another_flock_and_of_many_only_the_last(simulate):
+    simulation = simulate()
+    for agents in range(2, 30):
+        simulation.setup(Start(agents=agents))
+    until(lambda: len(simulation.frame.ids) == 29)
+    assert simulation.state.agents == 29
+    assert simulation.state.run < 29
+
+
+def test_a_parameter_acts_at_once_and_one_out_of_range_is_refused(simulate):
+    simulation = simulate()
+    simulation.set("eta", 1.5).result(5)
+    assert simulation.flock.parameters.eta == 1.5 == simulation.state.values["eta"]
+    with pytest.raises(Refusal, match=r"eta = 99 is outside \[0, 6.28\]"):
+        simulation.set("eta", 99).result(5)
+    assert simulation.flock.parameters.eta == 1.5
+    assert "eta = 99" in simulation.notices.get(timeout=5)
+    assert not simulation.state.error
+
+
+def test_a_refused_setup_leaves_the_old_flock_running(simulate):
+    simulation = simulate(running=True)
+    simulation.setup(Start(parameters={"eta": -1.0}))
+    assert "eta = -1" in simulation.notices.get(timeout=5)
+    before = tick(simulation)
+    until(lambda: tick(simulation) > before)
+    assert simulation.state.run == 1
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (ArithmeticError("agent 3 has position [nan, 1.0] at tick 5"), "agent 3 has position [nan"),
+        (ZeroDivisionError("division by zero"), "division by zero"),
+        (IndexError("out of reach"), "IndexError: out of reach"),
+    ],
+)
+def test_a_rule_that_raises_stops_the_run_and_setup_mends_it(simulate, error, words, capfd):
+    broken = partial(StubFlock, breaks_at=5, error=error)
+    builds = iter([broken, StubFlock])
+    simulation = simulate(build=lambda start: next(builds)(start), running=True)
+    until(lambda: simulation.state.error)
+    assert words in simulation.state.error
+    assert words in simulation.notices.get(timeout=5)
+    assert not simulation.state.running
+    with pytest.raises(Refusal, match="press Setup"):
+        simulation.go().result(5)
+    simulation.setup(Start())
+    until(lambda: simulation.state.run == 2)
+    simulation.go().result(5)
+    until(lambda: tick(simulation) > 20)
+    assert not simulation.state.error
+    assert ("Traceback" in capfd.readouterr().err) == isinstance(error, IndexError)
+
+
+def test_a_flock_that_cannot_be_built_stops_nothing(simulate):
+    def build(start):
+        if start.agents == 13:
+            raise MemoryError("too many")
+        return StubFlock(start)
+
+    simulation = simulate(build=build)
+    simulation.setup(Start(agents=13))
+    until(lambda: "MemoryError: too many" in simulation.state.error)
+    simulation.setup(Start(agents=14))
+    until(lambda: simulation.state.agents == 14 and not simulation.state.error)
+
+
+def test_slow_motion_keeps_its_pace(simulate):
+    simulation = simulate(running=True, speed=20.0)
+    began, first = time.monotonic(), simulation.flock.tick
+    time.sleep(1.0)
+    ticks = simulation.flock.tick - first
+    assert ticks == pytest.approx(20.0 * (time.monotonic() - began), abs=4)
+
+
+def test_commands_are_answered_soon_while_it_runs_as_fast_as_it_goes(simulate):
+    simulation = simulate(build=partial(StubFlock, cost=0.0005), running=True)
+    time.sleep(0.5)
+    waits = []
+    for value in np.linspace(0, 6, 20):
+        began = time.monotonic()
+        simulation.set("eta", value).result(5)
+        waits.append(time.monotonic() - began)
+    assert np.median(waits) < 0.05
+
+
+def test_a_slow_pace_does_not_delay_commands(simulate):
+    simulation = simulate(running=True, speed=0.5)
+    began = time.monotonic()
+    simulation.set("eta", 1.0).result(5)
+    simulation.run_at(math.inf).result(5)
+    assert time.monotonic() - began < 0.5
+    until(lambda: tick(simulation) > 5)
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
+def test_an_impossible_pace_is_refused(simulate, speed):
+    with pytest.raises(Refusal, match="ticks/s"):
+        simulate().run_at(speed).result(5)
+
+
+def test_commands_from_many_threads_are_all_carried_out(simulate):
+    simulation = simulate(running=True)
+    answers = []
+
+    def shout(number: int) -> None:
+        for k in range(20):
+            answers.append(simulation.set("eta", (number + k) % 6))
+            answers.append(simulation.place(number, np.zeros(2), np.array([0.0, 1.0])))
+            answers.append((simulation.toggle, simulation.reset, simulation.step)[k % 3]())
+
+    threads = [threading.Thread(target=shout, args=(number,)) for number in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(answer.exception(10) is None for answer in answers)
+    simulation.go().result(5)
+    before = simulation.state.run
+    simulation.setup(Start(agents=5))
+    until(lambda: simulation.state.run > before and tick(simulation) > 3)
+    assert len(simulation.frame.ids) == 5
+
+
+def test_frames_are_copies_that_the_flock_does_not_touch(simulate):
+    simulation = simulate()
+    frame = simulation.frame
+    before = frame.position.copy()
+    simulation.flock.position[:] = -1.0
+    simulation.step().result(5)
+    np.testing.assert_array_equal(frame.position, before)
+
+
+def test_layers_groups_links_and_an_agent_are_in_frames_only_when_wanted(simulate):
+    simulation = simulate(agents=3)
+    frame = simulation.frame
+    assert frame.layer is frame.group is frame.links is frame.inspected is None
+    simulation.want(Wanted(layers=True, groups=True, links=True, row=2))
+    frame = until(lambda: simulation.frame if simulation.frame.layer is not None else None)
+    assert frame.layer.tolist() == [1, 2, 2]
+    assert frame.group.tolist() == [0, 0, 0]
+    assert frame.links.tolist() == [[0, 1]]
+    assert frame.inspected.row == 2
+    assert frame.inspected.facts["heading"] == "0°"
+    simulation.setup(Start(agents=2))
+    until(lambda: len(simulation.frame.ids) == 2)
+    assert simulation.frame.inspected is None
+
+
+def test_the_leader_can_be_moved_and_turned(simulate):
+    simulation = simulate()
+    simulation.place(0, np.array([1.0, 2.0]), np.array([0.0, 1.0])).result(5)
+    until(lambda: simulation.frame.position[0].tolist() == [1.0, 2.0])
+    assert simulation.frame.heading[0].tolist() == [0.0, 1.0]
+
+
+def test_spec_and_state_can_be_taken_home_while_it_runs(simulate):
+    simulation = simulate(running=True, seed=8)
+    assert simulation.spec().result(5) == "seed = 8\n"
+    assert simulation.saved().result(5) == b"saved"
+
+
+def test_nobody_reads_frames_and_it_runs_all_the_same(simulate):
+    simulation = simulate(running=True)
+    until(lambda: simulation.flock.tick > 100)

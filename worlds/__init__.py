@@ -1,0 +1,1 @@
+"""Where a flock lives: boxes, edges, layouts."""
