@@ -62,9 +62,7 @@ class Model:
     @cached_property
     def parameters(self) -> type[Parameters]:
         """The parameters of the rule and of the body, as one model."""
-        return create_model(
-            self.rule.name, __base__=(self.body.parameters, self.rule.parameters)
-        )  # type: ignore[call-overload, no-any-return]
+        return create_model(self.rule.name, __base__=(self.body.parameters, self.rule.parameters))
 
     @cached_property
     def parts(self) -> dict:

@@ -163,7 +163,7 @@ class Rule:
     prepare: Callable | None = None
     """Compiled: (flock, space, grid, slots, p, tick). What needs the whole flock, once a tick."""
     weigh: Callable | None = None
-    """Compiled: (me, near, p, out). How much it listens to each agent of the block; None: 1 each."""
+    """Compiled: (me, near, p, out). How much it listens to each of the block; None: 1 each."""
     informed: int = 0
     """Information agents unless the user says otherwise."""
     converges: bool = False

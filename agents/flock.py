@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.declare import as_floats, checked
-from agents.engine.cells import Space
-from agents.engine.loop import is_compiled, sweep_module, turns_module
-from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.runner import Arrays, InTurn, Synchronous
+from agents.declare import checked
+from agents.engine.runner import Arrays
 from agents.inspection import Inspection, inspect
 from agents.member import Member
+from agents.motion import Motion, whole
 from agents.observables.catalogue import OBSERVABLES
-from agents.observables.consistency import DESIRED, HOLD, watch_for
 from agents.observables.groups import group_labels
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 from agents.record import Recorder, read_state
 from agents.space import FlockSpace
-from agents.spec import ACTIVATIONS, NOISES, Spec, versions
+from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 from worlds.world import world as build_world
@@ -34,7 +32,7 @@ DENSITY = 4.102
 """Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
 
 
-class Flock(mesa.Model):
+class Flock(Motion, mesa.Model):
     """A flock of one model in one world.
 
     Parameters
@@ -79,10 +77,10 @@ class Flock(mesa.Model):
         **parameters: Any,
     ):
         self.model = catalogue.model(model)
-        seed = int(np.random.SeedSequence().entropy % 2**31) if rng is None else whole("seed", rng, 0)
+        seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0)
         if dim not in self.model.dimensions:
-            allowed = " or ".join(str(d) for d in self.model.dimensions)
-            raise Refusal(f"dim = {dim!r} is not allowed: {model} is defined in {allowed} dimensions")
+            allowed = " and ".join(f"{d}-D" for d in self.model.dimensions)
+            raise Refusal(f"dim = {dim!r} is not allowed: {model} is defined in {allowed}")
         if activation not in ACTIVATIONS:
             raise unknown("activation", activation, ACTIVATIONS)
         if noise not in NOISES:
@@ -103,7 +101,8 @@ class Flock(mesa.Model):
             begin, self.given = random_start(self.world, agents, informed, self.rng), False
         else:
             begin, self.given = given_start(self.world, start), True
-        self.started_with = len(begin.position) - int(begin.informed.sum()), int(begin.informed.sum())
+        knowing = int(begin.informed.sum())
+        self.started_with = len(begin.position) - knowing, knowing
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self._lay_out(begin)
@@ -128,57 +127,6 @@ class Flock(mesa.Model):
         )
         self.next_id = n + 1
 
-    def _use(self, arrays: Arrays) -> None:
-        """Take these arrays as the flock's state."""
-        self.arrays = arrays
-        self.position, self.heading, self.speed, self.informed, self.ids, self._memory = arrays
-        rule, dim, fields = self.model.rule, self.world.dim, self.model.parameters.model_fields
-        module = sweep_module(dim, len(rule.signals), self.model.parts, fields)
-        self._P = module.P
-        self.compiled_parameters = self._P(**as_floats(self.parameters))
-        three = 3 - dim
-        space = Space(
-            np.pad(np.array(self.world.size), (0, three)),
-            np.pad(self.world.wraps.astype(np.int64), (0, three)),
-            np.pad(self.world.images.astype(np.int64), (0, three)),
-        )
-        if self.activation == "synchronous":
-            self.engine: Synchronous | InTurn = Synchronous(
-                module, arrays, space, self.seed, self.threads
-            )
-        else:
-            turns = turns_module(module)
-            self.engine = InTurn(turns, arrays, space, self.seed, self.activation == "random")
-
-    @property
-    def reach(self) -> float:
-        """The largest distance at which agents notice each other, length."""
-        return float(getattr(self.parameters, self.model.rule.reach))
-
-    @property
-    def is_compiled(self) -> bool:
-        """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
-        return is_compiled(self.engine.module)
-
-    @property
-    def reference(self) -> np.ndarray | None:
-        """The heading that the flock is meant to take, (dim,); None for the mean of the flock."""
-        if not self.model.rule.converges or not self.informed.any():
-            return None
-        return self.heading[np.argmax(self.informed)]
-
-    @property
-    def _how(self) -> tuple:
-        noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
-        return self.compiled_parameters, noise, self.reach
-
-    def set(self, **values: Any) -> None:
-        """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
-        self.parameters = checked(
-            self.model.parameters, {**self.parameters.model_dump(), **values}
-        )
-        self.compiled_parameters = self._P(**as_floats(self.parameters))
-
     def step(self) -> None:
         """One tick, and collect the observables; what members have done in this tick stands."""
         self.advance(1)
@@ -188,54 +136,6 @@ class Flock(mesa.Model):
         """Run `ticks` ticks (>= 0) in compiled code, without collecting."""
         self.advance(whole("ticks", ticks, 0))
 
-    def advance(self, ticks: int) -> None:
-        """Run ticks without collecting anything; frees the GIL while it runs."""
-        if ticks > 0 and self._acted:
-            for row in range(len(self.ids)):
-                if row not in self._acted:
-                    self.step_member(row)
-            ticks -= 1
-        if ticks > 0 and len(self.ids):
-            self.engine.run(*self._how, self.tick, ticks)
-        self.tick += ticks
-
-    def run_until_consistent(
-        self, limit: int, desired: float = DESIRED, hold: int = HOLD, chunk: int = 500
-    ) -> int | None:
-        """k_con of Liu et al. 2021 (27): ticks until Deg_con >= `desired`, held for `hold` ticks.
-
-        None if it has not come after `limit` ticks. Compiled, in chunks that Ctrl-C can end.
-        """
-        watch = watch_for(len(self.ids), self.reference, desired, hold)
-        while self.tick < limit:
-            ticks = min(chunk, limit - self.tick)
-            done, last_off = self.engine.run(*self._how, self.tick, ticks, watch)
-            self.tick += done
-            if done < ticks:
-                return last_off + 1
-            watch = watch._replace(last_off=last_off)
-        return None
-
-    def step_member(self, row: int) -> None:
-        """Let one agent decide and move, as `Member.step` does.
-
-        Synchronous: it decides on the flock as it stood when the first agent of the tick stepped,
-        whatever has moved since. The tick ends when every agent has stepped, or when one steps for
-        a second time: those that have not stepped then stay where they are.
-        """
-        if row in self._acted:
-            self._end_tick()
-        if not self._acted:
-            self.engine.open(*self._how, self.tick)
-        self.engine.one(*self._how, self.tick, row)
-        self._acted.add(row)
-        if len(self._acted) == len(self.ids):
-            self._end_tick()
-
-    def _end_tick(self) -> None:
-        self._acted.clear()
-        self.tick += 1
-
     def observe(self, name: str) -> Any:
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`."""
         return observed(self, known(name))
@@ -243,19 +143,6 @@ class Flock(mesa.Model):
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
         return inspect(self, row)
-
-    def signals(self) -> np.ndarray:
-        """What agents tell each other now, (K, N), in the order of the rule's `signals`."""
-        if len(self._memory) and len(self.ids) and not self._acted:
-            self.engine.open(*self._how, self.tick)
-        return self._memory
-
-    def signal(self, name: str) -> np.ndarray:
-        """One signal by name, (N,). A layer of N + 1 is unknown. Raises Refusal."""
-        names = self.model.rule.signals
-        if name not in names:
-            raise unknown("signal", name, names)
-        return self.signals()[names.index(name)]
 
     def links(self) -> np.ndarray:
         """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
@@ -294,13 +181,13 @@ class Flock(mesa.Model):
         """Mesa's continuous space over the flock's positions."""
         return FlockSpace(self)
 
-    def append(self, position=None, heading=None, informed: bool = False) -> int:
-        """Room for one more agent, random where nothing is given; returns its row.
+    def append(self, member: Member, position, heading, informed: bool) -> int:
+        """Make a row for a new agent, random where None is given, and return it.
 
         `Member(flock, ...)` calls this; the other agents keep their rows and identities.
         """
         members = self.members
-        self._finish_tick()
+        self._end_tick()
         dim = self.world.dim
         if position is None:
             position = self.rng.uniform(0.0, 1.0, dim) * self.world.size
@@ -321,21 +208,26 @@ class Flock(mesa.Model):
             )
         )
         self.next_id += 1
+        members.append(member)
         return n
-
-    def _finish_tick(self) -> None:
-        """End a tick that only some have stepped in; rows are about to change."""
-        if self._acted:
-            self._end_tick()
 
     def drop(self, member: Member) -> None:
         """Take an agent's row out; the rows behind it move up, identities stay."""
-        self._finish_tick()
-        keep = np.arange(len(self.ids)) != member.row
-        self._use(Arrays(*(array[keep] for array in self.arrays[:-1]), self._memory[:, keep]))
         members = self.members
-        del members[member.row]
-        for later in members[member.row :]:
+        self._end_tick()
+        row = member.row
+        self._use(
+            Arrays(
+                np.delete(self.position, row, axis=0),
+                np.delete(self.heading, row, axis=0),
+                np.delete(self.speed, row),
+                np.delete(self.informed, row),
+                np.delete(self.ids, row),
+                np.delete(self._memory, row, axis=1),
+            )
+        )
+        del members[row]
+        for later in members[row:]:
             later.row -= 1
 
     @property
@@ -348,8 +240,8 @@ class Flock(mesa.Model):
             seed=self.seed,
             world=self.world.name,
             size=self.world.size,
-            activation=self.activation,
-            noise=self.noise,
+            activation=cast(Activation, self.activation),
+            noise=cast(Noise, self.noise),
             start="given" if self.given else "random",
             parameters=self.parameters.model_dump(),
             versions=versions(),
@@ -374,7 +266,7 @@ class Flock(mesa.Model):
             noise=spec.noise,
             rng=spec.seed,
             **more,
-            **spec.parameters,
+            **dict[str, Any](spec.parameters),
         )
 
     def save(self, path: str | Path) -> None:
@@ -393,13 +285,6 @@ class Flock(mesa.Model):
         flock.tick, flock.next_id = saved.tick, saved.next_id
         flock._use(saved.arrays)
         return flock
-
-
-def whole(name: str, value: Any, least: int) -> int:
-    """`value` as a whole number >= `least`. Raises Refusal."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise Refusal(f"{name} = {value!r} is not allowed: a whole number >= {least} is needed")
-    return int(value)
 
 
 def known(name: str) -> str:

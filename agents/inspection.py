@@ -68,8 +68,11 @@ def inspect(flock: Flock, row: int) -> Inspection:
         flat[: world.dim] = flock.position[row][:, None] + apart.T
         turned = np.zeros((3, len(rows)))
         turned[: world.dim] = flock.heading[rows].T
-        near = Near(len(rows), *flat, *turned, np.ascontiguousarray(signals[:, rows]))
-        rule.weigh(me, near, flock.compiled_parameters, weights)
+        x, y, z = flat
+        ux, uy, uz = turned
+        told = np.ascontiguousarray(signals[:, rows])
+        near = Near(len(rows), x, y, z, ux, uy, uz, told)
+        rule.weigh(me, near, flock.law.parameters, weights)
     if flock.informed[row]:
         weights[:] = 0.0
     return Inspection(

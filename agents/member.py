@@ -20,11 +20,9 @@ class Member(mesa.Agent):
     """
 
     def __init__(self, model: Flock, position=None, heading=None, informed=False, *, row=None):
+        self.row = model.append(self, position, heading, informed) if row is None else row
         super().__init__(model)
-        if row is None:
-            row = model.append(position, heading, informed)
-        self.row = row
-        self.unique_id = int(model.ids[row])
+        self.unique_id = int(model.ids[self.row])
 
     @property
     def position(self) -> np.ndarray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -65,7 +66,7 @@ class Recorder:
                 f"`flockscope recover {self.part}` makes a recording of it, or delete it"
             )
         try:
-            self.file = open(self.part, "xb")  # noqa: SIM115 - closed in __exit__
+            self.file = open(self.part, "xb")
         except OSError as error:
             raise refused(self.path, error) from None
         self.stream = pa.ipc.new_stream(self.file, schema)
@@ -86,10 +87,8 @@ class Recorder:
 
     def discard(self) -> None:
         """Leave nothing behind."""
-        try:
+        with suppress(OSError):
             self.file.close()
-        except OSError:
-            pass
         self.part.unlink(missing_ok=True)
 
     def frame(self):
@@ -233,4 +232,4 @@ def arrays_of(table, spec: Spec, path) -> Arrays:
         raise Refusal(f"{str(path)!r} has no column {missing}") from None
     if not (np.isfinite(arrays.position).all() and np.isfinite(arrays.heading).all()):
         raise Refusal(f"{str(path)!r} holds positions or headings that are no finite numbers")
-    return Arrays(*(np.ascontiguousarray(array) for array in arrays))
+    return Arrays._make(np.ascontiguousarray(array) for array in arrays)

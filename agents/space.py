@@ -22,9 +22,7 @@ class FlockSpace(ContinuousSpace):
     def __init__(self, flock: Flock):
         self.flock = flock
         box = np.column_stack([np.zeros(flock.world.dim), flock.world.size])
-        super().__init__(
-            box, torus=bool(flock.world.images.all()), random=flock.random, n_agents=0
-        )
+        super().__init__(box, torus=bool(flock.world.images.all()), random=flock.random, n_agents=0)
 
     @property
     def agent_positions(self) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -68,8 +69,8 @@ def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
     return np.lexsort(cell.T)
 
 
-def given_start(world: World, arrays: Mapping[str, np.ndarray]) -> Start:
-    """A start from arrays: `position` (N, dim), `heading` (N, dim), optionally `informed` (N,) bool.
+def given_start(world: World, arrays: Mapping[str, Any]) -> Start:
+    """A start from arrays: `position` (N, dim), `heading` (N, dim), `informed` (N,) bool or none.
 
     Headings are brought to length 1. Raises Refusal naming the array, the row and the value where
     something is no finite number, has no direction, or does not fit.

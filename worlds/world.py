@@ -54,7 +54,9 @@ class World:
 
 def layout_names() -> list[str]:
     """Names of the built-in worlds."""
-    return sorted(f.name.removesuffix(".toml") for f in LAYOUTS.iterdir() if f.name.endswith(".toml"))
+    return sorted(
+        f.name.removesuffix(".toml") for f in LAYOUTS.iterdir() if f.name.endswith(".toml")
+    )
 
 
 def read_layout(name: str) -> dict[str, Any]:
@@ -85,7 +87,9 @@ def world(name: str, dim: int, size: float | Sequence[float]) -> World:
     edges = layout.get("edges", "wrap")
     edges = (edges,) * dim if isinstance(edges, str) else tuple(edges)
     if len(edges) != dim:
-        raise Refusal(f"edges = {list(edges)} names {len(edges)} axes, the world has {dim} ({name})")
+        raise Refusal(
+            f"edges = {list(edges)} names {len(edges)} axes, the world has {dim} ({name})"
+        )
     for edge in edges:
         if edge not in EDGES:
             raise unknown("edge", edge, EDGES, name)

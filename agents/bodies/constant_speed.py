@@ -25,9 +25,7 @@ class ConstantSpeed(Parameters):
 @compiled
 def move(me, ux, uy, uz, p):
     """x(k+1) = x(k) + v0 u(k+1): (7) and (8)."""
-    return Moved(
-        me.x + p.v0 * ux, me.y + p.v0 * uy, me.z + p.v0 * uz, ux, uy, uz, p.v0
-    )
+    return Moved(me.x + p.v0 * ux, me.y + p.v0 * uy, me.z + p.v0 * uz, ux, uy, uz, p.v0)
 
 
 BODY = Body(

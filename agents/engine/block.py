@@ -36,10 +36,10 @@ class Me(NamedTuple):
 class Near(NamedTuple):
     """The block of agents around one agent: all within its range, some beyond it, and itself.
 
-    Arrays hold at least `count` entries. A rule picks its neighbours with `adjacent`.
+    Arrays hold at least `n` entries. A rule picks its neighbours with `adjacent`.
     """
 
-    count: int
+    n: int
     x: np.ndarray
     y: np.ndarray
     z: np.ndarray
@@ -47,7 +47,7 @@ class Near(NamedTuple):
     uy: np.ndarray
     uz: np.ndarray
     signal: np.ndarray
-    """What the agents tell each other, shape (K, count or more)."""
+    """What the agents tell each other, shape (K, n or more)."""
 
 
 class Wish(NamedTuple):

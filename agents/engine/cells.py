@@ -42,7 +42,7 @@ class Grid(NamedTuple):
     """Cells along each axis, int64 (3,)."""
     start: np.ndarray
     """First slot of each cell, int32 (cells + 1 or more,)."""
-    count: np.ndarray
+    tally: np.ndarray
     """Agents of each part and cell while sorting, int32 (parts, cells + 1 or more)."""
 
 
@@ -131,7 +131,7 @@ def count_rows(grid, space, slots, position, part, low, high):
     Returns the first row whose position is not finite, or -1.
     """
     cells = grid.shape[0] * grid.shape[1] * grid.shape[2]
-    count = grid.count[part]
+    count = grid.tally[part]
     for cell in range(cells):
         count[cell] = 0
     bad = -1
@@ -157,8 +157,8 @@ def share_slots(grid, parts):
     for cell in range(cells):
         grid.start[cell] = slot
         for part in range(parts):
-            here = grid.count[part, cell]
-            grid.count[part, cell] = slot
+            here = grid.tally[part, cell]
+            grid.tally[part, cell] = slot
             slot += here
         fullest = max(fullest, slot - grid.start[cell])
     grid.start[cells] = slot
@@ -168,7 +168,7 @@ def share_slots(grid, parts):
 @compiled
 def place_rows(grid, slots, part, low, high):
     """Third pass: give rows low to high their slots."""
-    count = grid.count[part]
+    count = grid.tally[part]
     for i in range(low, high):
         cell = slots.cell[i]
         slot = count[cell]

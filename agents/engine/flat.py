@@ -7,10 +7,11 @@ compiler sees the zeros, and what would be done with them disappears.
 from __future__ import annotations
 
 import operator
+from typing import Any
 
 from numba import types
-from numba.core.extending import intrinsic, overload, register_model
 from numba.core.datamodel import models
+from numba.core.extending import intrinsic, overload, register_model
 
 
 class ZeroColumn(types.Type):
@@ -25,7 +26,7 @@ register_model(ZeroColumn)(models.OpaqueModel)
 
 
 @intrinsic
-def zeros(typingctx):  # noqa: ARG001 - numba hands it over
+def zeros(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
     """A column of zeros, inside compiled code."""
 
     def codegen(context, builder, signature, arguments):  # noqa: ARG001

@@ -85,7 +85,7 @@ def next_layer(me, near, r, k, informed):
     unknown = me.flock_size + 1.0
     least = unknown
     layer = near.signal[k]
-    for j in range(near.count):
+    for j in range(near.n):
         if adjacent(me, near, j, r) > 0.0 and layer[j] < least:
             least = layer[j]
     return min(least + 1.0, unknown)

@@ -110,14 +110,14 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
     spec.loader.exec_module(module)
     fingerprint(module.advance, digest, seen)
     module.__dict__["cache_folder"] = cache_base() / "kernels" / digest.hexdigest()[:24]
-    numba.config.CACHE_DIR = str(module.cache_folder)
+    setattr(numba.config, "CACHE_DIR", str(module.cache_folder))  # noqa: B010 - made at run time
     module.advance.enable_caching()
     return module
 
 
 def parameter_tuple(module_name: str, fields) -> type:
     """A NamedTuple class of floats that pickles by its module, as numba's cache needs."""
-    return namedtuple("P", fields, module=module_name)  # type: ignore[misc]  # noqa: PYI024
+    return namedtuple("P", fields, module=module_name)
 
 
 def is_compiled(module: types.ModuleType) -> bool:

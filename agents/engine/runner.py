@@ -1,9 +1,9 @@
-"""Runs the compiled loop over a flock's arrays: on one thread or several, whole or agent by agent."""
+"""Runs the compiled loop over a flock's arrays: on some threads, whole or agent by agent."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +42,17 @@ def empty_slots(n: int, dim: int, signals: int) -> Slots:
         np.empty((signals, n)),
         np.zeros(n if signals else 0, np.int32),
     )
+
+
+class Law(NamedTuple):
+    """What every agent goes by in a tick."""
+
+    parameters: Any
+    """The rule's and the body's parameters as floats: the loop's `P`."""
+    noise: int
+    """Kind of noise: `agents.engine.noise.ANGULAR` or `VECTORIAL`."""
+    reach: float
+    """The largest distance at which agents notice each other, length."""
 
 
 class Desk(NamedTuple):
@@ -114,7 +125,7 @@ class Synchronous(Engine):
         self.pool = ThreadPoolExecutor(self.parts) if self.parts > 1 else None
         self.place = np.empty(0, np.int64)
 
-    def call(self, p, noise, reach, tick, ticks, work, watch=NOTHING):
+    def call(self, law, tick, ticks, work, watch=NOTHING):
         """One call of the compiled loop, with a larger desk if it asks for one."""
         part = work[1]
         done = 0
@@ -125,9 +136,9 @@ class Synchronous(Engine):
                 self.grid,
                 self.slots,
                 self.desks[part],
-                p,
-                noise,
-                reach,
+                law.parameters,
+                law.noise,
+                law.reach,
                 self.seed,
                 tick + done,
                 ticks - done,
@@ -142,43 +153,43 @@ class Synchronous(Engine):
                 return done, last_off
             self.widen(2 * need)
 
-    def run(self, p, noise: int, reach: float, tick: int, ticks: int, watch: Watch = NOTHING):
+    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING):
         """Run ticks; returns (ticks done, last tick not consistent or -1)."""
         n = len(self.arrays.position)
         if self.pool is None or watch.kind:
-            return self.call(p, noise, reach, tick, ticks, (phases.ALL, 0, 1, 0, n), watch)
+            return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), watch)
         for k in range(ticks):
-            self.shared_tick(p, noise, reach, tick + k)
+            self.shared_tick(law, tick + k)
         return ticks, -1
 
-    def open(self, p, noise: int, reach: float, tick: int) -> None:
+    def open(self, law: Law, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""
         n = len(self.arrays.position)
-        self.call(p, noise, reach, tick, 1, (phases.OPEN, 0, 1, 0, n))
+        self.call(law, tick, 1, (phases.OPEN, 0, 1, 0, n))
         self.place = np.argsort(self.slots.row)
 
-    def one(self, p, noise: int, reach: float, tick: int, row: int) -> None:
+    def one(self, law: Law, tick: int, row: int) -> None:
         """Let the agent of one row of an opened tick decide and move."""
         slot = int(self.place[row])
-        self.call(p, noise, reach, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
+        self.call(law, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
 
-    def shared_tick(self, p, noise, reach, tick) -> None:
+    def shared_tick(self, law, tick) -> None:
         """One tick, each phase of it on all threads."""
         n = len(self.arrays.position)
         edges = [n * part // self.parts for part in range(self.parts + 1)]
 
         def alone(phase: int) -> None:
-            self.call(p, noise, reach, tick, 1, (phase, 0, self.parts, 0, n))
+            self.call(law, tick, 1, (phase, 0, self.parts, 0, n))
 
         def together(phase: int) -> None:
             assert self.pool is not None
             jobs = [
                 self.pool.submit(
-                    self.call, p, noise, reach, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1])
+                    self.call, law, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1])
                 )
                 for k in range(1, self.parts)
             ]
-            self.call(p, noise, reach, tick, 1, (phase, 0, self.parts, 0, edges[1]))
+            self.call(law, tick, 1, (phase, 0, self.parts, 0, edges[1]))
             for job in jobs:
                 job.result()
 
@@ -198,7 +209,7 @@ class InTurn(Engine):
         super().__init__(module, arrays, space, seed)
         self.shuffled = shuffled
 
-    def call(self, p, noise, reach, tick, order: np.ndarray, opens: bool) -> None:
+    def call(self, law, tick, order: np.ndarray, opens: bool) -> None:
         """Let the rows of `order` act, after opening the tick if `opens`."""
         first = 0
         while True:
@@ -208,9 +219,9 @@ class InTurn(Engine):
                 self.grid,
                 self.slots,
                 self.desks[0],
-                p,
-                noise,
-                reach,
+                law.parameters,
+                law.noise,
+                law.reach,
                 self.seed,
                 tick,
                 order,
@@ -224,7 +235,7 @@ class InTurn(Engine):
             opens = False
             self.widen(2 * self.desks[0].block.shape[1])
 
-    def run(self, p, noise: int, reach: float, tick: int, ticks: int, watch: Watch = NOTHING):
+    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING):
         """Run ticks; returns (ticks done, last tick not consistent or -1)."""
         last_off = watch.last_off
         for now in range(tick, tick + ticks):
@@ -233,7 +244,7 @@ class InTurn(Engine):
                     last_off = now
                 elif now - last_off >= watch.hold:
                     return now - tick, last_off
-            self.call(p, noise, reach, now, self.order(now), True)
+            self.call(law, now, self.order(now), True)
         return ticks, last_off
 
     def order(self, tick: int) -> np.ndarray:
@@ -243,10 +254,10 @@ class InTurn(Engine):
             return np.arange(n)
         return np.random.default_rng([self.seed, tick]).permutation(n)
 
-    def open(self, p, noise: int, reach: float, tick: int) -> None:
+    def open(self, law: Law, tick: int) -> None:
         """Begin a tick in which agents are called one by one."""
-        self.call(p, noise, reach, tick, np.empty(0, np.int64), True)
+        self.call(law, tick, np.empty(0, np.int64), True)
 
-    def one(self, p, noise: int, reach: float, tick: int, row: int) -> None:
+    def one(self, law: Law, tick: int, row: int) -> None:
         """Let the agent of one row act."""
-        self.call(p, noise, reach, tick, np.array([row]), False)
+        self.call(law, tick, np.array([row]), False)

@@ -12,9 +12,7 @@ same blocks, and so give the same bits.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
-
-import numba
+from typing import TYPE_CHECKING, Any
 
 from agents.engine.block import Me, Near
 from agents.engine.cells import (
@@ -26,7 +24,7 @@ from agents.engine.cells import (
     plan,
     share_slots,
 )
-from agents.engine.compiled import FAST, compiled
+from agents.engine.compiled import compiled, entry
 from agents.engine.flat import zeros
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
@@ -148,11 +146,9 @@ def ready(flock, space, grid, slots, p, tick, key, mine, out):
 def nearby(m, block, at, signals):
     """The block's m agents as a rule sees them; positions start at row `at`."""
     if DIM == 2:
-        flat = zeros()
+        flat: Any = zeros()
         return Near(m, block[at], block[at + 1], flat, block[3], block[4], flat, signals)
-    return Near(
-        m, block[at], block[at + 1], block[at + 2], block[3], block[4], block[5], signals
-    )
+    return Near(m, block[at], block[at + 1], block[at + 2], block[3], block[4], block[5], signals)
 
 
 @compiled
@@ -177,7 +173,7 @@ def sweep(flock, space, grid, slots, desk, p, noise, tick, key, first, last):
             slot += 1
 
 
-@numba.njit(nogil=True, fastmath=FAST, error_model="numpy", _nrt=False)
+@entry
 def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, ticks, work, watch):
     """Run `ticks` ticks, or the asked phases of one.
 

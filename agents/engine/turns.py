@@ -8,10 +8,7 @@ tick.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
-
-import numba
 
 from agents.engine.block import Me
 from agents.engine.cells import (
@@ -24,7 +21,7 @@ from agents.engine.cells import (
     share_slots,
     wrapped,
 )
-from agents.engine.compiled import FAST, compiled
+from agents.engine.compiled import compiled, entry
 from agents.engine.noise import tick_key
 
 if TYPE_CHECKING:
@@ -33,7 +30,7 @@ if TYPE_CHECKING:
 
 @compiled
 def link(grid, slots, i, cell):
-    """Put row i at the head of a cell's list. `grid.start` holds heads, `slots.row` what follows."""
+    """Put row i at the head of a cell's list: `grid.start` the heads, `slots.row` what follows."""
     slots.row[i] = grid.start[cell]
     grid.start[cell] = i
     slots.cell[i] = cell
@@ -133,7 +130,7 @@ def gather(flock, space, grid, slots, desk, p, i, tick, key):
     return m
 
 
-@numba.njit(nogil=True, fastmath=FAST, error_model="numpy", _nrt=False)
+@entry
 def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, order, first, opens):
     """Let the rows order[first:] act in turn, after opening the tick if `opens`.
 

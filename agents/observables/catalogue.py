@@ -68,7 +68,9 @@ OBSERVABLES = {
             "[0, N - 1]",
             lambda flock: 2.0 * len(flock.links()) / max(1, len(flock.position)),
         ),
-        Observable("nearest-neighbour", "Least distance between agents", "length", "[0, inf]", nearest),
+        Observable(
+            "nearest-neighbour", "Least distance between agents", "length", "[0, inf]", nearest
+        ),
         Observable(
             "connectivity",
             "Algebraic connectivity of the r-graph",

@@ -9,7 +9,7 @@ from agents.observables.groups import graph
 
 
 def layers(links: np.ndarray, informed: np.ndarray) -> np.ndarray:
-    """Layer of each agent, int (N,): 1 information agent, 2 in contact with one, ...; N + 1 unknown.
+    """Layer of each agent, int (N,): 1 information agent, 2 in contact with one; N + 1 unknown.
 
     `links` are undirected pairs of rows (M, 2), `informed` (N,) bool.
     """

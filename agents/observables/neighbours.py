@@ -13,7 +13,9 @@ def tree(position: np.ndarray, size, images) -> cKDTree:
     if not images.any():
         return cKDTree(position)
     inside = np.where(images, np.mod(position, size), position)
-    return cKDTree(np.where(images & (inside >= size), 0.0, inside), boxsize=np.where(images, size, 0.0))
+    return cKDTree(
+        np.where(images & (inside >= size), 0.0, inside), boxsize=np.where(images, size, 0.0)
+    )
 
 
 def links(position: np.ndarray, r: float, size, images) -> np.ndarray:

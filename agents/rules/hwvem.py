@@ -73,7 +73,7 @@ def survey(me, near, r, above):
     least = me.flock_size + 1.0
     count = 0.0
     layer = near.signal[LAYER]
-    for j in range(near.count):
+    for j in range(near.n):
         a = adjacent(me, near, j, r)
         count += a
         if a > 0.0 and above < layer[j] < least:
@@ -91,7 +91,7 @@ def decide(me, near, p):
     current = nearest
     while current < unknown:
         sx = sy = sz = alike = 0.0
-        for j in range(near.count):
+        for j in range(near.n):
             a = adjacent(me, near, j, p.r) if layer[j] == current else 0.0
             sx += a * near.ux[j]
             sy += a * near.uy[j]
@@ -128,9 +128,9 @@ def weigh(me, near, p, out):
     unknown = me.flock_size + 1.0
     layer = near.signal[LAYER]
     nearest, neighbours = survey(me, near, p.r, 0.0)
-    for j in range(near.count):
+    for j in range(near.n):
         alike = 0.0
-        for n in range(near.count):
+        for n in range(near.n):
             alike += adjacent(me, near, n, p.r) if layer[n] == layer[j] else 0.0
         out[j] = 0.0
         if adjacent(me, near, j, p.r) > 0.0 and layer[j] < unknown:
@@ -142,8 +142,8 @@ HWVEM = Rule(
     title="Hierarchical weighting Vicsek model",
     summary="Neighbours count by how few hops they are from the information UAV, so that its "
     "heading runs through the flock layer by layer.",
-    equation=r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i} h_{ij}\sin\theta_j,"
-    r"\sum_{j \in \mathcal{N}_i} h_{ij}\cos\theta_j\Big) + \Delta\theta_i, \qquad "
+    equation=r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i} h_{ij}"
+    r"\sin\theta_j, \sum_{j \in \mathcal{N}_i} h_{ij}\cos\theta_j\Big) + \Delta\theta_i, \qquad "
     r"h_{ij} = \Big(\frac{1}{l_j} + p_1\Big)\, p_2^{-l_j}\, \max(1, \ln d_{ij})",
     source="Liu et al. 2021, (5), (9) to (17)",
     parameters=HierarchicalWeighting,

@@ -22,7 +22,7 @@ class ImprovedVicsekInformed(Vicsek):
 
     k_iu: float = parameter(
         100.0,
-        "Weight of an information UAV for those in direct contact with it; other neighbours weigh 1",
+        "Weight of an information UAV for those in direct contact with it; others weigh 1",
         symbol="k_{IU}",
         low=0.0,
         high=1000.0,
@@ -42,7 +42,7 @@ def show(me, p, out):
 def extremes(me, near, p):
     """Least and largest angle among the neighbours, (inf, -inf) without any."""
     least, largest = math.inf, -math.inf
-    for j in range(near.count):
+    for j in range(near.n):
         if adjacent(me, near, j, p.r) > 0.0:
             least = min(least, near.signal[ANGLE, j])
             largest = max(largest, near.signal[ANGLE, j])
@@ -67,7 +67,7 @@ def decide(me, near, p):
 def decide_informed(me, near, p):
     """In direct contact with an information UAV: the weighted mean; else as IVEM."""
     x = y = total = contact = 0.0
-    for j in range(near.count):
+    for j in range(near.n):
         a = adjacent(me, near, j, p.r)
         knows = a if near.signal[LAYER, j] == 1.0 else 0.0
         h = a - knows + p.k_iu * knows
@@ -90,7 +90,7 @@ def prepare(flock, space, grid, slots, p, tick):
 def weigh(me, near, p, out):
     """Only the two extremes count: weight 1."""
     least, largest = extremes(me, near, p)
-    for j in range(near.count):
+    for j in range(near.n):
         angle = near.signal[ANGLE, j]
         out[j] = adjacent(me, near, j, p.r) if angle in (least, largest) else 0.0
 
@@ -99,7 +99,7 @@ def weigh(me, near, p, out):
 def weigh_informed(me, near, p, out):
     """In contact with an information UAV: k_IU for it and 1 for others; else as IVEM."""
     contact = 0.0
-    for j in range(near.count):
+    for j in range(near.n):
         out[j] = adjacent(me, near, j, p.r)
         if near.signal[LAYER, j] == 1.0:
             contact += out[j]
@@ -132,7 +132,7 @@ IVEM = Rule(
 IVEM_A = Rule(
     name="ivem-a",
     title="Improved Vicsek model with an information UAV",
-    summary="IVEM, but an agent in direct contact with the information UAV follows it almost alone.",
+    summary="IVEM, but an agent in direct contact with the information UAV listens to it most.",
     equation=EQUATION,
     source="Liu et al. 2021, section 3.1.2",
     parameters=ImprovedVicsekInformed,

@@ -44,7 +44,7 @@ class Vicsek(Parameters):
 def decide(me, near, p):
     """Mean heading over the neighbours and itself: (6)."""
     x, y, z, n = me.ux, me.uy, me.uz, 1.0
-    for j in range(near.count):
+    for j in range(near.n):
         a = adjacent(me, near, j, p.r)
         x += a * near.ux[j]
         y += a * near.uy[j]
@@ -71,8 +71,8 @@ VEM = Rule(
 VEM_A = Rule(
     name="vem-a",
     title="Vicsek model with an information UAV",
-    summary="The Vicsek model in a flock where one agent knows the heading to take and never turns; "
-    "nobody weighs it more than any other.",
+    summary="The Vicsek model in a flock where one agent knows the heading to take and never "
+    "turns; nobody weighs it more than any other.",
     equation=EQUATION,
     source="Liu et al. 2021, (6) and section 3.1.2",
     parameters=Vicsek,

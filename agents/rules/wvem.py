@@ -54,7 +54,7 @@ def decide(me, near, p):
     """Weighted mean heading of the neighbours, itself left out."""
     layer = near.signal[LAYER]
     x = y = z = total = 0.0
-    for j in range(near.count):
+    for j in range(near.n):
         h = adjacent(me, near, j, p.r) * weight(layer[j], p)
         x += h * near.ux[j]
         y += h * near.uy[j]
@@ -74,7 +74,7 @@ def prepare(flock, space, grid, slots, p, tick):
 @compiled
 def weigh(me, near, p, out):
     """Weights h_ij of the agents of the block."""
-    for j in range(near.count):
+    for j in range(near.n):
         out[j] = adjacent(me, near, j, p.r) * weight(near.signal[LAYER, j], p)
 
 
@@ -83,8 +83,8 @@ WVEM = Rule(
     title="Weighting Vicsek model",
     summary="Neighbours count by what they can know: the information UAV most, those in direct "
     "contact with it next, all others least.",
-    equation=r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i} k_j \sin\theta_j, "
-    r"\sum_{j \in \mathcal{N}_i} k_j \cos\theta_j\Big) + \Delta\theta_i, \qquad "
+    equation=r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i} k_j "
+    r"\sin\theta_j, \sum_{j \in \mathcal{N}_i} k_j \cos\theta_j\Big) + \Delta\theta_i, \qquad "
     r"k_j \in \{k_\alpha, k_\beta, k_\gamma\}",
     source="Liu et al. 2021, section 3.1.2 and reference 16",
     parameters=WeightedVicsek,

@@ -1,0 +1,187 @@
+"""The flock's arrays in motion: the state, the compiled loop over it, the ticks."""
+
+from __future__ import annotations
+
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from agents.catalogue import Model
+from agents.declare import Parameters, as_floats, checked
+from agents.engine.cells import Space
+from agents.engine.loop import is_compiled, sweep_module, turns_module
+from agents.engine.noise import ANGULAR, VECTORIAL
+from agents.engine.runner import Arrays, InTurn, Law, Synchronous
+from agents.observables.consistency import DESIRED, HOLD, watch_for
+from worlds.refusal import Refusal, unknown
+from worlds.world import World
+
+
+class Motion:
+    """State and ticks of a flock; what `agents.Flock` is beside a Mesa model.
+
+    Attributes
+    ----------
+    position, heading: (N, dim) float64, length and unit vectors. speed: (N,), length/tick.
+    informed: (N,) bool, information agents. ids: (N,) int, identities, which no row ever shares.
+    tick: int, ticks done. seed: int. parameters: those of the rule and the body.
+
+    The arrays are the truth and may be written to between ticks.
+    """
+
+    model: Model
+    world: World
+    parameters: Parameters
+    position: np.ndarray
+    heading: np.ndarray
+    speed: np.ndarray
+    informed: np.ndarray
+    ids: np.ndarray
+    seed: int
+    tick: int
+    activation: str
+    noise: str
+    threads: int
+    _engine: Synchronous | InTurn | None
+    _acted: set[int]
+    """Rows that have stepped in a tick that is not over."""
+
+    def _use(self, arrays: Arrays) -> None:
+        """Take these arrays as the flock's state."""
+        self.arrays = arrays
+        self.position, self.heading, self.speed, self.informed, self.ids, self._memory = arrays
+        self._engine = None
+        self._law = self._make_law()
+
+    @property
+    def loop(self) -> ModuleType:
+        """The module of the compiled loop."""
+        return loop_of(self.model, self.world.dim)
+
+    @property
+    def engine(self) -> Synchronous | InTurn:
+        """The compiled loop over these arrays."""
+        if self._engine is None:
+            self._engine = self._make_engine()
+        return self._engine
+
+    def _make_engine(self) -> Synchronous | InTurn:
+        missing = 3 - self.world.dim
+        space = Space(
+            np.pad(np.array(self.world.size), (0, missing)),
+            np.pad(self.world.wraps.astype(np.int64), (0, missing)),
+            np.pad(self.world.images.astype(np.int64), (0, missing)),
+        )
+        if self.activation == "synchronous":
+            return Synchronous(self.loop, self.arrays, space, self.seed, self.threads)
+        shuffled = self.activation == "random"
+        return InTurn(turns_module(self.loop), self.arrays, space, self.seed, shuffled)
+
+    def _make_law(self) -> Law:
+        noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
+        return Law(self.loop.P(**as_floats(self.parameters)), noise, self.reach)
+
+    @property
+    def reach(self) -> float:
+        """The largest distance at which agents notice each other, length."""
+        return float(getattr(self.parameters, self.model.rule.reach))
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
+        return is_compiled(self.engine.module)
+
+    @property
+    def law(self) -> Law:
+        """What every agent goes by: the compiled parameters, kind of noise and reach."""
+        return self._law
+
+    @property
+    def reference(self) -> np.ndarray | None:
+        """The heading that the flock is meant to take, (dim,); None for the mean of the flock."""
+        if not self.model.rule.converges or not self.informed.any():
+            return None
+        return self.heading[np.argmax(self.informed)]
+
+    def set(self, **values: Any) -> None:
+        """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
+        self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
+        self._law = self._make_law()
+
+    def advance(self, ticks: int) -> None:
+        """Run ticks without collecting anything; frees the GIL while it runs."""
+        if ticks > 0 and self._acted:
+            for row in set(range(len(self.ids))) - self._acted:
+                self.step_member(row)
+            ticks -= 1
+        if ticks > 0 and len(self.ids):
+            self.engine.run(self._law, self.tick, ticks)
+        self.tick += ticks
+
+    def run_until_consistent(
+        self, limit: int, desired: float = DESIRED, hold: int = HOLD, chunk: int = 500
+    ) -> int | None:
+        """k_con of Liu et al. 2021 (27): ticks until Deg_con >= `desired`, held for `hold` ticks.
+
+        None if it has not come after `limit` ticks. Compiled, in chunks that Ctrl-C can end.
+        """
+        watch = watch_for(len(self.ids), self.reference, desired, hold)
+        while self.tick < limit:
+            ticks = min(chunk, limit - self.tick)
+            done, last_off = self.engine.run(self._law, self.tick, ticks, watch)
+            self.tick += done
+            if done < ticks:
+                return last_off + 1
+            watch = watch._replace(last_off=last_off)
+        return None
+
+    def step_member(self, row: int) -> None:
+        """Let one agent decide and move, as `Member.step` does.
+
+        Synchronous: it decides on the flock as it stood when the first agent of the tick stepped,
+        whatever has moved since. The tick ends when every agent has stepped, or when one steps for
+        a second time: those that have not stepped then stay where they are.
+        """
+        if row in self._acted:
+            self._end_tick()
+        if not self._acted:
+            self.engine.open(self._law, self.tick)
+        self.engine.one(self._law, self.tick, row)
+        self._acted.add(row)
+        if len(self._acted) == len(self.ids):
+            self._end_tick()
+
+    def _end_tick(self) -> None:
+        """End a tick in which agents have stepped one by one, if there is one."""
+        if self._acted:
+            self._acted.clear()
+            self.tick += 1
+
+    def signals(self) -> np.ndarray:
+        """What agents tell each other now, (K, N), in the order of the rule's `signals`."""
+        if len(self._memory) and len(self.ids) and not self._acted:
+            self.engine.open(self._law, self.tick)
+        return self._memory
+
+    def signal(self, name: str) -> np.ndarray:
+        """One signal by name, (N,). A layer of N + 1 is unknown. Raises Refusal."""
+        names = self.model.rule.signals
+        if name not in names:
+            raise unknown("signal", name, names)
+        return self.signals()[names.index(name)]
+
+
+@cache
+def loop_of(model: Model, dim: int) -> ModuleType:
+    """The module of the compiled loop of a model."""
+    rule = model.rule
+    return sweep_module(dim, len(rule.signals), model.parts, model.parameters.model_fields)
+
+
+def whole(name: str, value: Any, least: int) -> int:
+    """`value` as a whole number >= `least`. Raises Refusal."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise Refusal(f"{name} = {value!r} is not allowed: a whole number >= {least} is needed")
+    return int(value)
