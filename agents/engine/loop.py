@@ -34,10 +34,19 @@ def cache_base() -> Path:
     return Path(os.environ.get("FLOCKSCOPE_CACHE") or platformdirs.user_cache_dir("flockscope"))
 
 
+def describe(value: object) -> str:
+    """A value in words that are the same in every process: sets have no order of their own."""
+    if isinstance(value, set | frozenset):
+        return repr(sorted(map(repr, value)))
+    if isinstance(value, dict):
+        return repr(sorted((describe(k), describe(v)) for k, v in value.items()))
+    return repr(value)
+
+
 def describe_code(code: types.CodeType) -> str:
     """What a code object does, without where it stands."""
     constants = [
-        describe_code(c) if isinstance(c, types.CodeType) else repr(c) for c in code.co_consts
+        describe_code(c) if isinstance(c, types.CodeType) else describe(c) for c in code.co_consts
     ]
     return repr((code.co_code, code.co_names, code.co_varnames, code.co_freevars, constants))
 
@@ -50,7 +59,7 @@ def fingerprint(function, digest, seen: set[int]) -> None:
     python = function.py_func if isinstance(function, Dispatcher) else function
     digest.update(describe_code(python.__code__).encode())
     if isinstance(function, Dispatcher):
-        digest.update(repr(sorted(function.targetoptions.items(), key=str)).encode())
+        digest.update(describe(function.targetoptions).encode())
     for value in reached(python):
         if isinstance(value, Dispatcher | types.FunctionType):
             fingerprint(value, digest, seen)

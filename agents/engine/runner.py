@@ -149,9 +149,10 @@ class Synchronous(Engine):
             watch = watch._replace(last_off=last_off)
             if bad >= 0:
                 self.refuse(bad, tick + done)
-            if not need:
+            if need:
+                self.widen(2 * need)
+            if not need or not work[0] & phases.COUNT:  # the sort goes on from where it is
                 return done, last_off
-            self.widen(2 * need)
 
     def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING):
         """Run ticks; returns (ticks done, last tick not consistent or -1)."""

@@ -1,0 +1,45 @@
+"""Any number of threads gives the same bits, however crowded the cells."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from agents import Flock
+from agents.engine.runner import SPLIT_FROM
+
+N = SPLIT_FROM + 1_234
+
+
+def run(model: str, threads: int, dim: int, side: float, ticks: int = 6) -> Flock:
+    flock = Flock(model, agents=N, size=side, dim=dim, rng=5, eta=0.7, v0=0.05, threads=threads)
+    flock.run(ticks)
+    return flock
+
+
+@pytest.mark.parametrize(
+    ("model", "dim", "side"),
+    [("vem", 2, 53.0), ("vem", 3, 14.0), ("hwvem", 2, 53.0), ("ivem", 2, 53.0)],
+)
+def test_threads_do_not_change_the_bits(model, dim, side):
+    one, three = run(model, 1, dim, side), run(model, 3, dim, side)
+    assert np.array_equal(one.position, three.position)
+    assert np.array_equal(one.heading, three.heading)
+    assert np.array_equal(one.signals(), three.signals())
+
+
+def test_crowds_make_the_desks_grow_on_every_thread():
+    """A flock that clumps while it runs on threads outgrows its first desks without harm."""
+    rng = np.random.default_rng(3)
+    position = rng.uniform(0.0, 60.0, (N, 2))
+    position[:400] = 30.0 + rng.uniform(0.0, 0.5, (400, 2))
+    heading = np.tile([1.0, 0.0], (N, 1))
+
+    def after(threads):
+        start = {"position": position, "heading": heading}
+        flock = Flock("vem", start=start, size=60.0, rng=1, eta=0.3, threads=threads)
+        flock.run(3)
+        assert flock.engine.desks[0].block.shape[1] >= 400
+        return flock.position
+
+    assert np.array_equal(after(1), after(2))

@@ -1,0 +1,67 @@
+"""Compiled kernels come from the cache when nothing changed, and never when a rule did."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+PLUGIN = """
+from agents.bodies import constant_speed
+from agents.catalogue import MODELS, Model
+from agents.declare import Rule
+from agents.engine.block import Wish
+from agents.engine.compiled import compiled
+from agents.rules.vicsek import Vicsek
+from turning import turn
+
+@compiled
+def decide(me, near, p):
+    return turn(me)
+
+RULE = Rule("turner", "Turner", "Turns.", "x", "none", Vicsek, decide)
+MODELS["turner"] = Model(RULE, constant_speed.BODY)
+"""
+HELPER = """
+from agents.engine.block import Wish
+from agents.engine.compiled import compiled
+
+{constant}
+
+@compiled
+def turn(me):
+    return Wish({x}, {y}, 0.0)
+"""
+SCRIPT = """
+import plugin
+from agents import Flock
+flock = Flock("turner", agents=3, rng=1)
+warm = flock.is_compiled
+flock.run(1)
+print(warm, [round(float(u), 3) for u in flock.heading[0]])
+"""
+
+
+def run(folder: Path, constant: str, x: str, y: str) -> str:
+    (folder / "plugin.py").write_text(PLUGIN)
+    (folder / "turning.py").write_text(HELPER.format(constant=constant, x=x, y=y))
+    environment = {
+        **os.environ,
+        "FLOCKSCOPE_CACHE": str(folder / "cache"),
+        "PYTHONPATH": str(folder),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True
+    )
+    return done.stdout.strip()
+
+
+def test_an_edit_is_never_run_stale_and_an_unedited_rule_is_not_compiled_again(tmp_path):
+    """The edit is in a function that the rule calls, in another file: what numba does not see."""
+    assert run(tmp_path, "", "1.0", "0.0") == "False [1.0, 0.0]"
+    assert run(tmp_path, "", "1.0", "0.0") == "True [1.0, 0.0]"
+    assert run(tmp_path, "", "0.0", "1.0") == "False [0.0, 1.0]"
+    assert run(tmp_path, "WAY = -1.0", "WAY", "0.0") == "False [-1.0, 0.0]"
+    assert run(tmp_path, "WAY = 1.0", "WAY", "0.0") == "False [1.0, 0.0]", "a constant counts too"

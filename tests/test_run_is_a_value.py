@@ -1,0 +1,123 @@
+"""A spec begins a run again to the bit; a saved state or a recorded tick goes on with it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from agents import Flock
+from agents.record import Recorder
+from agents.spec import Spec
+from worlds.refusal import Refusal
+
+RUNS = [
+    {"model": "hwvem", "agents": 60, "eta": 0.31, "p1": 0.1, "world": "wrap-plain"},
+    {"model": "wvem", "agents": 40, "dim": 3, "eta": 1.0, "noise": "vectorial"},
+    {"model": "ivem-a", "agents": 30, "world": "open", "activation": "random", "eta": 0.1},
+    {"model": "vem", "agents": 1, "activation": "sequential"},
+]
+
+
+def same(a: Flock, b: Flock) -> bool:
+    return (
+        a.tick == b.tick
+        and np.array_equal(a.position, b.position)
+        and np.array_equal(a.heading, b.heading)
+        and np.array_equal(a.ids, b.ids)
+        and np.array_equal(a.signals(), b.signals())
+    )
+
+
+@pytest.mark.parametrize("settings", RUNS)
+def test_a_spec_through_toml_gives_the_same_bits(settings):
+    flock = Flock(**settings, rng=9)
+    again = Flock.from_spec(Spec.from_toml(flock.spec.to_toml()))
+    flock.run(25)
+    again.run(25)
+    assert same(flock, again)
+
+
+@pytest.mark.parametrize("settings", RUNS)
+def test_a_saved_state_goes_on_to_the_bit(settings, tmp_path):
+    flock = Flock(**settings, rng=9)
+    flock.run(7)
+    flock.set(v0=0.05)
+    flock.save(tmp_path / "state.parquet")
+    again = Flock.load(tmp_path / "state.parquet")
+    assert again.parameters == flock.parameters
+    flock.run(20)
+    again.run(20)
+    assert same(flock, again)
+
+
+def test_any_tick_of_a_recording_goes_on_to_the_bit(tmp_path):
+    flock = Flock("hwvem", agents=50, rng=2, eta=0.2)
+    with Recorder(tmp_path / "run.parquet", flock) as recorder:
+        for _ in range(10):
+            recorder.write()
+            flock.run(1)
+        recorder.write()
+    early = Flock.load(tmp_path / "run.parquet", tick=4)
+    assert early.tick == 4
+    early.run(6)
+    assert same(early, flock)
+    assert same(Flock.load(tmp_path / "run.parquet"), flock)
+
+
+def test_added_and_removed_agents_come_back_from_a_saved_state(tmp_path):
+    from agents import Member
+
+    flock = Flock("hwvem", agents=20, rng=2, eta=0.2)
+    flock.run(3)
+    flock.agents[4].remove()
+    Member(flock, position=[0.1, 0.2], heading=[0.0, 2.0])
+    flock.save(tmp_path / "state.parquet")
+    again = Flock.load(tmp_path / "state.parquet")
+    assert again.ids.tolist() == flock.ids.tolist()
+    flock.run(5)
+    again.run(5)
+    assert same(flock, again)
+    assert Member(again).unique_id == Member(flock).unique_id
+
+
+def test_a_run_from_given_arrays_is_not_begun_from_its_spec():
+    start = {"position": [[0.0, 0.0]], "heading": [[1.0, 0.0]]}
+    spec = Flock("vem", start=start, size=3.0, rng=1).spec
+    with pytest.raises(Refusal, match="given"):
+        Flock.from_spec(spec)
+
+
+def test_a_file_that_is_no_state_is_refused(tmp_path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    (tmp_path / "text.parquet").write_text("hello")
+    pq.write_table(pa.table({"tick": [1]}), tmp_path / "other.parquet")
+    for name in ("text.parquet", "other.parquet", "missing.parquet"):
+        with pytest.raises(Refusal, match=name):
+            Flock.load(tmp_path / name)
+
+
+def test_a_state_with_a_number_that_is_none_is_refused(tmp_path):
+    flock = Flock("vem", agents=5, rng=1)
+    flock.save(tmp_path / "state.parquet")
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(tmp_path / "state.parquet")
+    broken = table.set_column(2, "x", [[float("nan")] * 5])
+    pq.write_table(broken.replace_schema_metadata(table.schema.metadata), tmp_path / "nan.parquet")
+    with pytest.raises(Refusal, match="finite"):
+        Flock.load(tmp_path / "nan.parquet")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("model = 3\nagents", "not TOML"),
+        ('modle = "vem"', "did you mean 'model'"),
+        ('model = "vem"', "missing"),
+    ],
+)
+def test_a_spec_that_is_wrong_is_named(text, says):
+    with pytest.raises(Refusal, match=says):
+        Spec.from_toml(text, "file.toml")
