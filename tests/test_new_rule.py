@@ -1,0 +1,53 @@
+"""The rule in docs/new-rule.md works as printed, in every way that a rule can be used."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agents import Flock
+from agents.bodies import constant_speed
+from agents.catalogue import MODELS, Model
+from worlds.refusal import Refusal
+
+PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"
+
+
+@pytest.fixture
+def fading(tmp_path, monkeypatch):
+    code = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL).group(1)
+    (tmp_path / "fading.py").write_text(code)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    import fading
+
+    monkeypatch.setitem(MODELS, "fading", Model(fading.RULE, constant_speed.BODY))
+    yield "fading"
+    del sys.modules["fading"]
+
+
+def test_it_aligns_and_refuses_what_is_out_of_range(fading):
+    flock = Flock(fading, agents=100, size=5.0, rng=1, fade=0.3)
+    before = flock.observe("polarisation")
+    flock.run(200)
+    assert flock.observe("polarisation") > max(0.9, before)
+    with pytest.raises(Refusal, match=r"fade = 9 length is outside \[0.05, 5\]"):
+        Flock(fading, fade=9)
+
+
+def test_it_does_what_it_says_for_two_agents(fading):
+    start = {"position": [[1.0, 1.0], [1.4, 1.0]], "heading": [[1.0, 0.0], [0.0, 1.0]]}
+    flock = Flock(fading, start=start, size=9.0, rng=1, fade=0.8)
+    flock.agents.do("step")
+    h = np.exp(-0.4 / 0.8)
+    expected = np.array([[1.0, h], [h, 1.0]]) / np.hypot(1.0, h)
+    assert np.allclose(flock.heading, expected, atol=1e-12)
+
+
+def test_it_flies_in_three_dimensions(fading):
+    flock = Flock(fading, agents=100, dim=3, size=3.0, rng=1)
+    flock.run(100)
+    assert flock.observe("polarisation") > 0.9
