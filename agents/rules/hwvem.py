@@ -28,7 +28,7 @@ class HierarchicalWeighting(Vicsek):
         "Evens out the absolute layer weight 1/l + p1: the larger, the less the layer counts",
         symbol="p_1",
         low=0.0,
-        high=5.0,
+        high=2.0,
         step=0.05,
         source="Liu et al. 2021, (14)",
     )

@@ -23,7 +23,7 @@ class Vicsek(Parameters):
         symbol="r",
         unit="length",
         low=0.05,
-        high=10.0,
+        high=5.0,
         step=0.05,
         source="Liu et al. 2021, (6)",
     )
