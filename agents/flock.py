@@ -13,6 +13,7 @@ import numpy as np
 
 from agents import catalogue
 from agents.declare import checked
+from agents.engine.layers import UNKNOWN
 from agents.engine.runner import Arrays
 from agents.inspection import Inspection, inspect
 from agents.member import Member
@@ -122,7 +123,7 @@ class Flock(Motion, mesa.Model):
                 np.zeros(n),
                 begin.informed.astype(np.bool_),
                 np.arange(1, n + 1),
-                np.full((len(rule.signals), n), n + 1.0),
+                np.full((len(rule.signals), n), UNKNOWN),
             )
         )
         self.next_id = n + 1
@@ -204,7 +205,7 @@ class Flock(Motion, mesa.Model):
                 np.append(self.speed, 0.0),
                 np.append(self.informed, new.informed),
                 np.append(self.ids, self.next_id),
-                np.hstack([self._memory, np.full((k, 1), n + 2.0)]),
+                np.hstack([self._memory, np.full((k, 1), UNKNOWN)]),
             )
         )
         self.next_id += 1

@@ -160,17 +160,21 @@ class Motion:
             self.tick += 1
 
     def signals(self) -> np.ndarray:
-        """What agents tell each other now, (K, N), in the order of the rule's `signals`."""
+        """What agents tell each other now, (K, N), in the order of the rule's `signals`.
+
+        A layer that is not known is infinite.
+        """
         if len(self._memory) and len(self.ids) and not self._acted:
             self.engine.open(self._law, self.tick)
         return self._memory
 
     def signal(self, name: str) -> np.ndarray:
-        """One signal by name, (N,). A layer of N + 1 is unknown. Raises Refusal."""
+        """One signal by name, a copy (N,). A layer of N + 1 is unknown. Raises Refusal."""
         names = self.model.rule.signals
         if name not in names:
             raise unknown("signal", name, names)
-        return self.signals()[names.index(name)]
+        values = self.signals()[names.index(name)]
+        return np.where(np.isinf(values), len(values) + 1.0, values)
 
 
 @cache

@@ -12,6 +12,8 @@ from oracles.following import compare, follow, noise_of, state_of
 from oracles.scenes import Scene, scene, unit_vectors
 from oracles.topology import EDGES
 
+from agents import Member
+
 BRIEF = settings(max_examples=25, deadline=None, derandomize=True)
 PLANAR = ("ivem", "ivem-a")
 
@@ -73,6 +75,36 @@ def test_lattice_neighbours(model, edges, dim):
 def test_a_thousand_agents(edges, dim):
     where = scene(np.random.default_rng(8), 1000, dim, edges, box=14.0 if dim == 2 else 6.0)
     assert follow(build("vem", where, eta=0.0), "vem", where, parameters(where), ticks=2) > 0.99
+
+
+@pytest.mark.parametrize("arrangement", ["clusters", "one spot", "border"])
+@pytest.mark.parametrize("activation", ["synchronous", "sequential"])
+def test_a_crowd_of_three_hundred(arrangement, activation):
+    where = scene(np.random.default_rng(8), 300, 2, "wrap", arrangement, box=5.5)
+    flock = build("vem", where, activation=activation, eta=0.0)
+    before, p = state_of(flock, "vem"), parameters(where)
+    if activation == "synchronous":
+        expected = family.step("vem", before, p, where.size, "wrap")
+    else:
+        expected = family.step_sequentially("vem", before, range(300), p, where.size, "wrap")
+    flock.step()
+    compare("vem", flock, expected, np.ones(300, bool), where.size, "wrap")
+
+
+@pytest.mark.parametrize("activation", ["synchronous", "sequential"])
+def test_a_crowd_that_gathers_while_it_runs(activation):
+    """Information agents on a ring fly to its middle: blocks grow from a few agents to all."""
+    where = scene(np.random.default_rng(8), 400, 2, "open", box=12.0, v0=0.9, informed=390)
+    where.heading[:] = unit_vectors(np.random.default_rng(9), 400, 2)
+    where.position[:] = 6.0 - 5.4 * where.heading
+    run, stepped = (build("hwvem", where, activation=activation, eta=0.1) for _ in range(2))
+    before = run.observe("mean-neighbours")
+    run.run(6)
+    advance(stepped, "do", 6)
+    for one, other in zip(bits(run, "hwvem"), bits(stepped, "hwvem"), strict=True):
+        assert np.array_equal(one, other)
+    assert before < 40
+    assert run.observe("mean-neighbours") > 250
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -158,6 +190,33 @@ def test_a_member_is_a_row():
         assert np.array_equal(member.heading, flock.heading[i])
 
 
+@pytest.mark.parametrize("model", ["vem", "wvem", "hwvem"])
+def test_agents_come_and_go(model):
+    """Rows move up, identities (and with them the noise) stay; the rule sees who is there now."""
+    where = scene(np.random.default_rng(4), 30, 2, "wrap", box=5.5, informed=2)
+    flock, p = build(model, where, eta=0.4), parameters(where, eta=0.4)
+    follow(flock, model, where, p, ticks=2)
+    for row in (3, 10, 25):
+        next(m for m in flock.agents if m.row == row).remove()
+    follow(flock, model, where, p, ticks=2)
+    for _ in range(5):
+        Member(flock)
+    assert len(flock.position) == 32
+    follow(flock, model, where, p, ticks=4)
+
+
+def test_an_unknown_layer_stays_unknown_when_agents_come_and_go():
+    """Unknown is N + 1 of the flock as it is now: the two cut-off agents must not turn."""
+    flock = at_rest("hwvem", [[0, 0], [5, 5], [5.5, 5]], [0, 1, 2], informed=[0], eta=0.0)
+    assert flock.signal("layer").tolist() == [1, 4, 4]
+    new = Member(flock, position=[8.0, 1.0], heading=[1.0, 0.0])
+    assert flock.signal("layer").tolist() == [1, 5, 5, 5]
+    flock.step()
+    assert angles_of(flock)[:3] == pytest.approx([0, 1, 2])
+    new.remove()
+    assert flock.signal("layer").tolist() == [1, 4, 4]
+
+
 @pytest.mark.parametrize("noise", ["angular", "vectorial"])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_seeds_make_runs(noise, dim):
@@ -188,21 +247,28 @@ def agrees(flock, expected, where, model):
 @BRIEF
 @given(
     n=st.integers(1, 30),
+    dim=st.sampled_from((2, 3)),
     edges=st.sampled_from(EDGES),
     box=st.sampled_from((1.3, 2.6, 3.7, 12.0)),
     v0=st.sampled_from((0.03, 0.37)),
+    noise=st.sampled_from(("angular", "vectorial")),
+    layers=st.sampled_from(("delayed", "instant")),
     seed=st.integers(0, 999),
 )
-def test_sequential_activation_goes_row_by_row(model, n, edges, box, v0, seed):
-    where = scene(np.random.default_rng(seed), n, 2, edges, box=box, v0=v0, informed=1)
-    p = parameters(where)
-    flock = build(model, where, activation="sequential", eta=0.3)
+def test_sequential_activation_goes_row_by_row(model, n, dim, edges, box, v0, noise, layers, seed):
+    dim = 2 if model in PLANAR else dim
+    where = scene(np.random.default_rng(seed), n, dim, edges, box=box, v0=v0, informed=1)
+    given_ = {"eta": 0.3 if dim == 2 else 0.0}
+    if model == "hwvem":
+        given_["layers"] = layers
+    p = parameters(where, **given_)
+    flock = build(model, where, activation="sequential", noise=noise, **given_)
     for _ in range(3):
         before = state_of(flock, model)
-        told = noise_of(flock, "angular", 0.3)
+        told = noise_of(flock, noise, p.eta) if dim == 2 else {}
         expected = family.step_sequentially(model, before, range(n), p, where.size, edges, **told)
         flock.step()
-        assert agrees(flock, expected, where, model)
+        compare(model, flock, expected, np.ones(n, bool), where.size, edges)
 
 
 @pytest.mark.parametrize("model", family.MODELS)
@@ -244,3 +310,14 @@ def test_one_after_another_is_reproducible(activation, dim):
     assert all(np.array_equal(a, b) for a, b in zip(runs[0], runs[1], strict=True))
     same = np.array_equal(runs[0][1], runs[2][1])
     assert same == (activation == "sequential"), "the seed decides a random order, nothing else"
+
+
+@pytest.mark.parametrize("model", family.MODELS)
+def test_agents_called_in_row_order_are_the_sequential_flock(model):
+    where = scene(np.random.default_rng(7), 30, 2, "wrap", informed=1)
+    one, other = (build(model, where, activation="sequential", eta=0.4) for _ in range(2))
+    one.run(4)
+    advance(other, "do", 4)
+    assert all(
+        np.array_equal(a, b) for a, b in zip(bits(one, model), bits(other, model), strict=True)
+    )

@@ -10,6 +10,7 @@ from oracles import vicsek_family as family
 from oracles.flocks import angles_of, at_rest, build, parameters
 from oracles.following import follow
 from oracles.scenes import scene, scenes
+from scipy.stats import kstest
 
 AVERAGING = ("vem", "vem-a", "wvem", "hwvem")
 PLANAR = ("ivem", "ivem-a")
@@ -48,6 +49,24 @@ def test_hwvem_with_all_its_parameters(where, p1, p2, layers, status):
     follow(flock, "hwvem", where, parameters(where, **given_), ticks=4)
 
 
+@THOROUGH
+@given(
+    where=scenes(),
+    weights=st.tuples(*[st.sampled_from((0.0, 1.0, 18.0, 30.0, 200.0))] * 3),
+)
+def test_wvem_with_all_its_parameters(where, weights):
+    """Weights of 0 too: where nobody counts, headings are kept."""
+    given_ = dict(zip(("k_alpha", "k_beta", "k_gamma"), weights, strict=True))
+    follow(build("wvem", where, eta=0.0, **given_), "wvem", where, parameters(where, **given_), 3)
+
+
+@BRIEF
+@given(where=scenes(dims=(2,)), k_iu=st.sampled_from((0.0, 1.0, 1000.0)))
+def test_ivem_a_with_its_weight(where, k_iu):
+    flock = build("ivem-a", where, eta=0.0, k_iu=k_iu)
+    follow(flock, "ivem-a", where, parameters(where, k_iu=k_iu), ticks=3)
+
+
 @pytest.mark.parametrize("model", family.MODELS)
 @BRIEF
 @given(where=scenes(dims=(2,)), eta=st.sampled_from((0.1, 1.0, math.tau)))
@@ -55,12 +74,54 @@ def test_angular_noise_is_the_hash(model, where, eta):
     follow(build(model, where, eta=eta), model, where, parameters(where, eta=eta), ticks=2)
 
 
-@pytest.mark.parametrize("model", AVERAGING)
+@pytest.mark.parametrize("model", family.MODELS)
 @BRIEF
-@given(where=scenes(dims=(2,)), eta=st.sampled_from((0.1, 1.0)))
+@given(where=scenes(dims=(2,)), eta=st.sampled_from((0.0, 0.1, 1.0, math.tau)))
 def test_vectorial_noise_is_the_hash(model, where, eta):
     flock = build(model, where, noise="vectorial", eta=eta)
     follow(flock, model, where, parameters(where, eta=eta), ticks=2, noise="vectorial")
+
+
+def lone_agents(noise, eta, n=2000):
+    """n agents in space, out of each other's reach: headings before and after one tick."""
+    where = scene(np.random.default_rng(1), n, 3, "open", "far apart", box=5.5, informed=0, r=0.05)
+    where.position[:] *= 1000
+    flock = build("vem", where, noise=noise, eta=eta)
+    before = flock.heading.copy()
+    flock.step()
+    return before, flock.heading
+
+
+def is_uniform(sample, low, high):
+    """Whether numbers are uniform in [low, high] by Kolmogorov and Smirnov, at 1 in 1000."""
+    return kstest(sample, "uniform", (low, high - low)).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("eta", [0.3, 2.0, math.tau])
+def test_angular_noise_in_space_is_uniform_on_a_cap(eta):
+    """Half-angle eta / 2: equal areas of the cap are equal steps of the cosine."""
+    before, after = lone_agents("angular", eta)
+    cosine = (before * after).sum(axis=1)
+    assert is_uniform(cosine, math.cos(min(eta / 2, math.pi)), 1.0)
+    sideways = after - cosine[:, None] * before
+    east = np.cross(before, [0.0, 0.0, 1.0])
+    north = np.cross(before, east)
+    around = np.arctan2((sideways * north).sum(axis=1), (sideways * east).sum(axis=1))
+    # the size of `north` and `east` is the same: sin of the angle to the pole
+    assert is_uniform(around, -math.pi, math.pi)
+
+
+def test_vectorial_noise_in_space_is_uniform_on_the_sphere():
+    """after * s = before + eta xi for the one s > 0 that makes |xi| = 1 (eta > 1)."""
+    eta = 2.0
+    before, after = lone_agents("vectorial", eta)
+    along = (before * after).sum(axis=1)
+    s = along + np.sqrt(along**2 - 1 + eta**2)
+    xi = (s[:, None] * after - before) / eta
+    assert np.allclose(np.linalg.norm(xi, axis=1), 1)
+    for axis in range(3):
+        assert is_uniform(xi[:, axis], -1, 1)
+    assert is_uniform(np.arctan2(xi[:, 1], xi[:, 0]), -math.pi, math.pi)
 
 
 @pytest.mark.parametrize("model", family.MODELS)

@@ -8,6 +8,9 @@ from agents.engine.block import adjacent
 from agents.engine.cells import axis_cells, wrapped
 from agents.engine.compiled import compiled
 
+UNKNOWN = math.inf
+"""The layer of an agent that no information agent reaches."""
+
 
 @compiled
 def separation(space, grid, axis, d):
@@ -28,7 +31,6 @@ def visit(space, grid, slots, slot, r, k, tail):
     fx, mx = axis_cells(grid, space, 0, cx)
     fy, my = axis_cells(grid, space, 1, cy)
     fz, mz = axis_cells(grid, space, 2, cz)
-    unknown = float(layer.shape[0] + 1)
     flat = slots.z.shape[0] == 0
     for kz in range(fz, fz + mz):
         az, sz = wrapped(grid, space, 2, cz + kz)
@@ -38,7 +40,7 @@ def visit(space, grid, slots, slot, r, k, tail):
                 ax, sx = wrapped(grid, space, 0, cx + kx)
                 at = (az * ny + ay) * nx + ax
                 for j in range(grid.start[at], grid.start[at + 1]):
-                    if layer[j] < unknown:
+                    if layer[j] < UNKNOWN:
                         continue
                     dx = separation(space, grid, 0, slots.x[j] + sx - slots.x[slot])
                     dy = separation(space, grid, 1, slots.y[j] + sy - slots.y[slot])
@@ -57,8 +59,7 @@ def visit(space, grid, slots, slot, r, k, tail):
 def search_layers(flock, space, grid, slots, r, k, depth):
     """Layers (4) by breadth-first search from the information agents, into signal k of the slots.
 
-    Information agents are layer 1; the search stops at layer `depth`; all others get N + 1, which
-    means unknown.
+    Information agents are layer 1; the search stops at layer `depth`; all others get UNKNOWN.
     """
     n = slots.row.shape[0]
     tail = 0
@@ -68,7 +69,7 @@ def search_layers(flock, space, grid, slots, r, k, depth):
             slots.queue[tail] = slot
             tail += 1
         else:
-            slots.signal[k, slot] = n + 1.0
+            slots.signal[k, slot] = UNKNOWN
     at = 0
     while at < tail:
         slot = slots.queue[at]
@@ -79,13 +80,16 @@ def search_layers(flock, space, grid, slots, r, k, depth):
 
 @compiled
 def next_layer(me, near, r, k, informed):
-    """l_i(k+1) = 1 + min l_j(k) over the neighbours (5), at most N + 1, which means unknown."""
+    """l_i(k+1) = 1 + min l_j(k) over the neighbours (5); above N it is UNKNOWN.
+
+    No agent of a flock of N can be in a layer above N: without this cap the layers of a group that
+    is cut off would count up for ever.
+    """
     if informed:
         return 1.0
-    unknown = me.flock_size + 1.0
-    least = unknown
+    least = UNKNOWN
     layer = near.signal[k]
     for j in range(near.n):
         if adjacent(me, near, j, r) > 0.0 and layer[j] < least:
             least = layer[j]
-    return min(least + 1.0, unknown)
+    return least + 1.0 if least < me.flock_size else UNKNOWN

@@ -12,7 +12,7 @@ from typing import Literal
 from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
 from agents.engine.compiled import compiled
-from agents.engine.layers import next_layer, search_layers
+from agents.engine.layers import UNKNOWN, next_layer, search_layers
 from agents.rules.vicsek import Vicsek
 
 LAYER = 0
@@ -70,7 +70,7 @@ def contribution(layer, nearest, neighbours, alike, p):
 @compiled
 def survey(me, near, r, above):
     """Over the neighbours of a layer > `above`: the least such layer, and how many there are."""
-    least = me.flock_size + 1.0
+    least = UNKNOWN
     count = 0.0
     layer = near.signal[LAYER]
     for j in range(near.n):
@@ -84,12 +84,11 @@ def survey(me, near, r, above):
 @compiled
 def decide(me, near, p):
     """Weighted mean heading of the neighbours (9), summed layer by layer."""
-    unknown = me.flock_size + 1.0
     layer = near.signal[LAYER]
     nearest, neighbours = survey(me, near, p.r, 0.0)
     x = y = z = total = 0.0
     current = nearest
-    while current < unknown:
+    while current < UNKNOWN:
         sx = sy = sz = alike = 0.0
         for j in range(near.n):
             a = adjacent(me, near, j, p.r) if layer[j] == current else 0.0
@@ -125,7 +124,6 @@ def remember(me, near, p, informed, out):
 @compiled
 def weigh(me, near, p, out):
     """Weights h_ij (10) of the agents of the block."""
-    unknown = me.flock_size + 1.0
     layer = near.signal[LAYER]
     nearest, neighbours = survey(me, near, p.r, 0.0)
     for j in range(near.n):
@@ -133,7 +131,7 @@ def weigh(me, near, p, out):
         for n in range(near.n):
             alike += adjacent(me, near, n, p.r) if layer[n] == layer[j] else 0.0
         out[j] = 0.0
-        if adjacent(me, near, j, p.r) > 0.0 and layer[j] < unknown:
+        if adjacent(me, near, j, p.r) > 0.0 and layer[j] < UNKNOWN:
             out[j] = contribution(layer[j], nearest, neighbours, alike, p)
 
 

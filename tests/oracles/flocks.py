@@ -15,6 +15,7 @@ def build(model, where, seed=SEED, threads=1, noise="angular", activation="synch
         model,
         start=where.start,
         size=where.size,
+        dim=where.dim,
         world=where.edges,
         activation=activation,
         noise=noise,

@@ -47,7 +47,7 @@ class Clear:
     def of(cls, model, state, p, size, edges, xi=None):
         """IVEM compares raw angles: ties and angles at 0 are unclear unless equal to the bit."""
         touch = contact(state.position, p.r, size, edges)
-        instant = p.layers == "instant"
+        instant = family.searches(model, p)
         layer = layers(touch, state.informed) if instant else state.layer
         clear = [
             cls.is_clear(model, i, state, layer, touch, p, xi) for i in range(len(state.informed))

@@ -94,7 +94,7 @@ def scenes(draw, dims=(2, 3), edges=EDGES, most=60):
         draw(st.sampled_from(ARRANGEMENTS)),
         draw(st.sampled_from(BOXES)),
         draw(st.integers(0, min(n, 3))),
-        draw(st.sampled_from((0.25, 1.0, 3.0))),
+        draw(st.sampled_from((0.25, 1.0, 1.4))),
         draw(st.sampled_from((0.03, 0.11, 0.37, 0.7))),
     )
 

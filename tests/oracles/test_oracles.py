@@ -1,11 +1,11 @@
-"""The oracles against cases small enough to work out by hand."""
+"""The oracles of contact, layers and rules against cases small enough to work out by hand."""
 
 import math
 
 import numpy as np
 import pytest
 
-from oracles import noise, observables, topology
+from oracles import topology
 from oracles import vicsek_family as family
 from oracles.vicsek_family import Parameters, State
 
@@ -149,8 +149,8 @@ def test_wvem_weights_thirty_eighteen_one():
     x = [[0, 0], [0.5, 0.5], [1.7, 0], [0.9, 0]]
     start, p = flock(x, [0, 1, 2, 3], informed=[0])
     touch = topology.contact(start.position, 1.0, BOX, "open")
-    assert family.wvem_weights(3, touch, start.informed, p).tolist() == [30, 18, 1, 0]
-    assert family.wvem_weights(2, touch, start.informed, p).tolist() == [0, 0, 0, 18]
+    assert family.wvem_weights(3, start.layer, touch, p).tolist() == [30, 18, 1, 0]
+    assert family.wvem_weights(2, start.layer, touch, p).tolist() == [0, 0, 0, 18]
     expected = 30 * family.unit(0) + 18 * family.unit(1) + family.unit(2)
     assert angles_after("wvem", start, p)[3] == pytest.approx(family.angle(expected))
 
@@ -264,106 +264,3 @@ def test_positions_wrap_into_the_box(edges):
     assert moved == pytest.approx(np.array([[0.2, 9.7], [9.5, 0.0]]))
     tiny = family.moved(np.zeros((1, 2)), np.array([[-1.0, 0.0]]), 1e-18, BOX, edges)
     assert tiny.tolist() == [[0.0, 0.0]], "the upper border is not in the box"
-
-
-# --- noise ------------------------------------------------------------------------------------
-
-
-def test_mix_is_the_splitmix64_finaliser():
-    # the first outputs of splitmix64 for seeds 0 and 1234567 (reference C code of S. Vigna)
-    assert noise.mix(noise.G) == 0xE220A8397B1DCDAF
-    outputs = [noise.mix(1234567 + k * noise.G) for k in (1, 2)]
-    assert outputs == [6457827717110365317, 3203168211198807973]
-
-
-def test_uniform_fills_the_unit_interval():
-    u = np.array([noise.uniform(3, t, i, d) for t in range(20) for i in range(50) for d in (0, 1)])
-    assert (u >= 0).all()
-    assert (u < 1).all()
-    assert len(np.unique(u)) == len(u)
-    assert abs(u.mean() - 0.5) < 4 / math.sqrt(12 * len(u))
-
-
-def test_noise_has_its_range_and_length():
-    turn = noise.turns(3, 5, np.arange(1000), 0.4)
-    assert np.abs(turn).max() <= 0.2
-    assert turn.max() - turn.min() > 0.39
-    xi = noise.directions(3, 5, np.arange(1000))
-    assert np.allclose(np.hypot(xi[:, 0], xi[:, 1]), 1)
-    assert np.hypot(*xi.mean(axis=0)) < 0.1
-
-
-# --- observables ------------------------------------------------------------------------------
-
-
-def test_polarisation():
-    assert observables.polarisation(headings(1, 1, 1)) == pytest.approx(1)
-    assert observables.polarisation(headings(0, math.pi / 2)) == pytest.approx(math.sqrt(0.5))
-    assert observables.polarisation(headings(0, math.pi)) == pytest.approx(0, abs=1e-15)
-
-
-def test_consistency():
-    assert observables.consistency([0.3, 0.3], 0.3) == 1
-    assert observables.consistency([0, math.pi / 2], 0.0) == pytest.approx(0.75)
-    assert observables.consistency([math.pi] * 4, 0.0) == pytest.approx(0.5)
-    across = observables.consistency([0.1], math.tau - 0.1)
-    assert across == pytest.approx(1 - 0.2 / math.pi), "differences wrap"
-    assert observables.wrapped(-math.pi) == math.pi
-    assert observables.wrapped(3 * math.pi) == pytest.approx(math.pi)
-
-
-def test_consistency_of_headings_is_that_of_their_angles():
-    theta = np.random.default_rng(1).uniform(0, math.tau, 30)
-    expected = observables.consistency(theta, 0.8)
-    got = observables.consistency_of_headings(headings(*theta), family.unit(0.8))
-    assert got == pytest.approx(expected, abs=1e-14)
-    east_and_up = np.array([[1.0, 0, 0], [0, 0, 1.0]])
-    assert observables.consistency_of_headings(east_and_up, [1.0, 0, 0]) == pytest.approx(0.75)
-
-
-def test_convergence_time():
-    assert observables.convergence_time([0.5, 0.9, 0.9984, 1.0]) == 2
-    assert observables.convergence_time([0.5, 0.9985, 0.99, 1.0]) == 3
-    assert observables.convergence_time([1.0, 1.0]) == 0
-    assert observables.convergence_time([1.0, 0.5]) is None
-
-
-def test_nearest_neighbour_distance():
-    x = np.array([[0.5, 5.0], [9.5, 5.0], [4.5, 5.0]])
-    near = observables.nearest_neighbour_distance
-    assert near(x, BOX, "wrap") == pytest.approx([1, 1, 4])
-    assert near(x, BOX, "wrap-plain") == pytest.approx([4, 5, 4])
-    assert near(x[:1], BOX, "open").tolist() == [math.inf]
-    assert near(np.ones((2, 2)), BOX, "open").tolist() == [0, 0]
-
-
-def chain(n):
-    """Contacts of n agents in a line."""
-    gap = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    return gap == 1
-
-
-def test_groups():
-    touch = np.zeros((6, 6), bool)
-    for i, j in [(0, 3), (3, 4), (1, 5)]:
-        touch[i, j] = touch[j, i] = True
-    label, sizes = observables.groups(touch)
-    assert label.tolist() == [0, 1, 2, 0, 0, 1]
-    assert sizes == [3, 2, 1]
-    assert observables.largest_group(touch) == 3
-    assert observables.mean_neighbours(touch) == pytest.approx(1.0)
-
-
-def test_algebraic_connectivity():
-    assert observables.algebraic_connectivity(chain(2)) == pytest.approx(2)
-    assert observables.algebraic_connectivity(chain(3)) == pytest.approx(1)
-    path = 2 * (1 - math.cos(math.pi / 7))  # Fiedler 1973, for the path of 7
-    assert observables.algebraic_connectivity(chain(7)) == pytest.approx(path)
-    complete = ~np.eye(5, dtype=bool)
-    assert observables.algebraic_connectivity(complete) == pytest.approx(5)
-    assert observables.algebraic_connectivity(np.zeros((3, 3), bool)) == pytest.approx(0)
-    assert observables.algebraic_connectivity(np.zeros((1, 1), bool)) == 0
-
-
-def test_layer_histogram():
-    assert observables.layer_histogram(np.array([1, 2, 2, 5])).tolist() == [1, 2, 0, 0, 1]

@@ -71,17 +71,10 @@ def hwvem_weights(i, layer, touch, p):
     return weight
 
 
-def wvem_weights(i, touch, informed, p):
-    """30 for an information agent, 18 for one in contact with an information agent, else 1."""
-    weight = np.zeros(len(informed))
-    for j in np.flatnonzero(touch[i]):
-        if informed[j]:
-            weight[j] = p.k_alpha
-        elif (touch[j] & informed).any():
-            weight[j] = p.k_beta
-        else:
-            weight[j] = p.k_gamma
-    return weight
+def wvem_weights(i, layer, touch, p):
+    """30 for an information agent (layer 1), 18 in direct contact with one (layer 2), else 1."""
+    k = {1: p.k_alpha, 2: p.k_beta}
+    return np.array([k.get(layer[j], p.k_gamma) if touch[i, j] else 0.0 for j in range(len(layer))])
 
 
 def weights(model, i, layer, touch, informed, p):
@@ -93,7 +86,7 @@ def weights(model, i, layer, touch, informed, p):
     if model == "ivem-a":
         return np.where(touch[i], np.where(informed, p.k_iu, 1.0), 0.0)
     if model == "wvem":
-        return wvem_weights(i, touch, informed, p)
+        return wvem_weights(i, layer, touch, p)
     if model == "hwvem":
         return hwvem_weights(i, layer, touch, p)
     raise ValueError(f"model = {model!r} does not average")
@@ -167,15 +160,20 @@ def moved(position, heading, v0, size, edges):
     return np.where(position >= size, 0.0, position)
 
 
+def searches(model, p):
+    """Whether layers are those of the positions at k, found anew each tick, and not carried."""
+    return model == "wvem" or p.layers == "instant"
+
+
 def step(model, state, parameters, size, edges, turn=None, xi=None):
     """All agents at once: everything at k + 1 from the state at k.
 
-    `instant` layers are those of the positions at k, `delayed` ones those the state carries;
-    the new state carries l(k+1) by equation (5), or by a search on the new positions.
+    `delayed` layers are those the state carries; the new state carries l(k+1) by equation (5), or
+    by a search on the new positions for models that search.
     """
     p = parameters
     touch = contact(state.position, p.r, size, edges)
-    layer = layers(touch, state.informed) if p.layers == "instant" else state.layer
+    layer = layers(touch, state.informed) if searches(model, p) else state.layer
     heading = np.array(
         [
             next_heading(model, i, state, layer, touch, p, turn, xi)
@@ -183,7 +181,7 @@ def step(model, state, parameters, size, edges, turn=None, xi=None):
         ]
     )
     position = moved(state.position, heading, p.v0, np.asarray(size, dtype=float), edges)
-    if p.layers == "instant":
+    if searches(model, p):
         layer = layers(contact(position, p.r, size, edges), state.informed)
     else:
         layer = next_layers(layer, touch, state.informed)
@@ -193,7 +191,7 @@ def step(model, state, parameters, size, edges, turn=None, xi=None):
 def step_sequentially(model, state, order, parameters, size, edges, turn=None, xi=None):
     """One agent after another in `order`, each seeing where those before it are by now.
 
-    `instant` layers are searched anew before each agent acts.
+    What takes a search through the whole flock is found once, before the first agent acts.
     """
     p = parameters
     size = np.asarray(size, dtype=float)
@@ -203,16 +201,15 @@ def step_sequentially(model, state, order, parameters, size, edges, turn=None, x
         heading=state.heading.copy(),
         layer=state.layer.copy(),
     )
+    if searches(model, p):
+        state.layer[:] = layers(contact(state.position, p.r, size, edges), state.informed)
     for i in order:
         touch = contact(state.position, p.r, size, edges)
-        if p.layers == "instant":
-            state.layer[:] = layers(touch, state.informed)
         heading = next_heading(model, i, state, state.layer, touch, p, turn, xi)
-        if p.layers == "delayed":
+        if not searches(model, p):
             state.layer[i] = next_layer(i, state.layer, touch, state.informed)
         state.heading[i] = heading
         state.position[i] = moved(state.position[i], heading, p.v0, size, edges)
-    if p.layers == "instant":
-        touch = contact(state.position, p.r, size, edges)
-        state.layer[:] = layers(touch, state.informed)
+    if searches(model, p):
+        state.layer[:] = layers(contact(state.position, p.r, size, edges), state.informed)
     return state

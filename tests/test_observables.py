@@ -1,0 +1,194 @@
+"""Every observable: an exact case by hand in `tests/oracles`, and here the naive version."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from oracles import observables as naive
+from oracles import topology
+from oracles import vicsek_family as family
+from oracles.flocks import at_rest, build
+from oracles.scenes import contacts_are_clear, scene, scenes, unit_vectors
+from oracles.topology import EDGES
+
+from agents.observables import consistency, groups, layers, neighbours, order
+
+SOME = settings(max_examples=100, deadline=None, derandomize=True)
+
+
+def images(where):
+    """Axes along which distances cross the border, (dim,) bool."""
+    return np.full(where.dim, where.edges == "wrap")
+
+
+def touch_of(where):
+    """The naive contacts of a scene, whose pairs all are clearly in or out of reach."""
+    assume(contacts_are_clear(where.position, where.r, where.size, where.edges))
+    return topology.contact(where.position, where.r, where.size, where.edges)
+
+
+def pairs(touch):
+    """Rows (i < j) in contact, (M, 2), sorted."""
+    return np.argwhere(np.triu(touch)).reshape(-1, 2)
+
+
+def links_of(where):
+    return neighbours.links(where.position, where.r, np.array(where.size), images(where))
+
+
+# --- headings ---------------------------------------------------------------------------------
+
+
+@SOME
+@given(n=st.integers(1, 60), dim=st.sampled_from((2, 3)), seed=st.integers(0, 999))
+def test_polarisation(n, dim, seed):
+    heading = unit_vectors(np.random.default_rng(seed), n, dim)
+    assert order.polarisation(heading) == pytest.approx(naive.polarisation(heading), abs=1e-14)
+
+
+@SOME
+@given(
+    n=st.integers(1, 60),
+    seed=st.integers(0, 999),
+    reference=st.floats(-7, 7),
+    spread=st.sampled_from((1e-8, 1e-3, 1.0, 10.0)),
+)
+def test_consistency_with_an_angle(n, seed, reference, spread):
+    theta = reference + spread * np.random.default_rng(seed).normal(size=n)
+    heading = np.array([family.unit(t) for t in theta])
+    got = consistency.consistency(heading, reference)
+    assert got == pytest.approx(naive.consistency(theta, reference), abs=1e-13)
+
+
+@SOME
+@given(n=st.integers(1, 60), dim=st.sampled_from((2, 3)), seed=st.integers(0, 999))
+def test_consistency_with_a_vector_and_with_the_mean(n, dim, seed):
+    rng = np.random.default_rng(seed)
+    heading, (reference,) = unit_vectors(rng, n, dim), unit_vectors(rng, 1, dim)
+    expected = naive.consistency_of_headings(heading, reference)
+    assert consistency.consistency(heading, reference) == pytest.approx(expected, abs=1e-13)
+    assert consistency.consistency(heading, 3 * reference) == pytest.approx(expected, abs=1e-13)
+    mean = heading.mean(axis=0)
+    assume(np.linalg.norm(mean) > 1e-6)
+    expected = naive.consistency_of_headings(heading, mean / np.linalg.norm(mean))
+    assert consistency.consistency(heading) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_consistency_of_exact_cases(dim):
+    east = np.eye(dim)[0]
+    assert consistency.consistency(np.tile(east, (5, 1)), east) == 1.0
+    assert consistency.consistency(np.tile(-east, (4, 1)), east) == pytest.approx(0.5, abs=1e-15)
+    assert consistency.consistency(np.eye(dim)[:2], east) == pytest.approx(0.75, abs=1e-15)
+
+
+@SOME
+@given(st.lists(st.sampled_from((0.2, 0.9983, 0.9984, 0.9985, 1.0)), min_size=1, max_size=12))
+def test_convergence_time(degrees):
+    assert consistency.convergence_time(degrees) == naive.convergence_time(degrees)
+
+
+@pytest.mark.parametrize("model", ["vem", "hwvem"])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_run_finds_its_convergence_time(model, seed):
+    """The compiled search for k_con against the series that a run tick by tick gives."""
+    where = scene(np.random.default_rng(seed), 40, 2, "wrap-plain", box=3.0, v0=0.03)
+    degrees = []
+    flock = build(model, where, eta=0.0)
+    mask = flock.informed.astype(bool)
+    for _ in range(400):
+        reference = flock.heading[mask][0] if model == "hwvem" else flock.heading.mean(axis=0)
+        reference = reference / np.linalg.norm(reference)
+        degrees.append(naive.consistency_of_headings(flock.heading, reference))
+        flock.step()
+    k_con = naive.convergence_time(degrees)
+    found = build(model, where, eta=0.0).run_until_consistent(399)
+    assert found == (k_con if k_con is not None and k_con + 60 <= 399 else None)
+
+
+# --- positions --------------------------------------------------------------------------------
+
+
+@SOME
+@given(where=scenes())
+def test_links_and_what_follows_from_them(where):
+    touch = touch_of(where)
+    links = links_of(where)
+    assert np.array_equal(links, pairs(touch))
+
+    label, sizes = naive.groups(touch)
+    ranked = sorted(range(len(sizes)), key=lambda g: (-sizes[g], list(label).index(g)))
+    labels = groups.group_labels(len(touch), links)
+    assert labels.tolist() == [ranked.index(g) for g in label]
+    assert list(groups.group_sizes(labels)) == sorted(sizes, reverse=True)
+
+    fiedler = naive.algebraic_connectivity(touch)
+    assert groups.algebraic_connectivity(len(touch), links) == pytest.approx(fiedler, abs=1e-9)
+
+    mean = neighbours.mean_neighbours(where.position, where.r, np.array(where.size), images(where))
+    assert mean == pytest.approx(naive.mean_neighbours(touch), abs=1e-12)
+
+    layer = layers.layers(links, where.informed)
+    assert layer.tolist() == topology.layers(touch, where.informed).tolist()
+    counted = naive.layer_histogram(layer)
+    assert layers.layer_histogram(layer) == {k + 1: c for k, c in enumerate(counted.tolist()) if c}
+
+
+@SOME
+@given(where=scenes())
+def test_nearest_neighbour(where):
+    size = np.array(where.size)
+    got = neighbours.nearest_neighbour(where.position, size, images(where))
+    expected = naive.nearest_neighbour_distance(where.position, size, where.edges)
+    assert got == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_links_of_lattices(edges, dim):
+    """Distances of exactly r, and boxes of 1 and 2 r in which the two images of an agent tie."""
+    for size in itertools.product((1, 2, 3, 5) if dim == 2 else (1, 2, 4), repeat=dim):
+        x = np.array(list(itertools.product(*[range(s) for s in size])), dtype=float)
+        links = neighbours.links(x, 1.0, np.array(size, float), np.full(dim, edges == "wrap"))
+        assert np.array_equal(links, pairs(topology.contact(x, 1.0, size, edges)))
+
+
+def test_nearest_neighbour_of_a_lone_agent_and_of_two_on_one_spot():
+    size, plain = np.array([4.0, 4.0]), np.zeros(2, bool)
+    assert neighbours.nearest_neighbour(np.ones((1, 2)), size, plain).tolist() == [math.inf]
+    assert neighbours.nearest_neighbour(np.ones((2, 2)), size, plain).tolist() == [0, 0]
+
+
+# --- of a flock -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_observables_of_a_flock(edges, dim):
+    where = scene(np.random.default_rng(2), 50, dim, edges, box=4.0)
+    flock = build("hwvem", where, eta=0.2)
+    flock.run(3)
+    touch = topology.contact(flock.position, where.r, where.size, edges)
+    sizes = naive.groups(touch)[1]
+    reference = flock.heading[where.informed][0]
+    nearest = naive.nearest_neighbour_distance(flock.position, where.size, edges)
+    counted = naive.layer_histogram(topology.layers(touch, where.informed)).tolist()
+    for name, expected in {
+        "polarisation": naive.polarisation(flock.heading),
+        "consistency": naive.consistency_of_headings(flock.heading, reference),
+        "groups": len(sizes),
+        "largest-group": max(sizes),
+        "mean-neighbours": naive.mean_neighbours(touch),
+        "nearest-neighbour": nearest.min(),
+        "connectivity": naive.algebraic_connectivity(touch),
+        "layers": {k + 1: c for k, c in enumerate(counted) if c},
+    }.items():
+        assert flock.observe(name) == pytest.approx(expected, abs=1e-9), name
+
+
+def test_a_flock_without_information_agents_is_measured_against_its_mean():
+    flock = at_rest("vem", [[0, 0], [5, 5]], [0.1, 0.3])
+    assert flock.observe("consistency") == pytest.approx(naive.consistency([0.1, 0.3], 0.2))
