@@ -104,7 +104,7 @@ def into_box(x, length):
     if 0.0 <= x < length:
         return x
     x -= length * math.floor(x / length)
-    return x if x < length else 0.0
+    return 0.0 if x >= length else x
 
 
 @compiled
