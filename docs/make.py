@@ -43,7 +43,7 @@ $$
 
 ![{rule.title} at work]({rule.name}.png)
 
-*{AGENTS} agents, r = 1, eta = {ETA} rad, seed {SEED}; colour is heading, the information UAV is red.*
+*{AGENTS} agents, r = 1, eta = {ETA} rad, seed {SEED}. Colour is heading; the information UAV red.*
 
 | | |
 |---|---|
@@ -83,6 +83,7 @@ def picture(model: Model) -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     import numpy as np
+    from matplotlib.colors import hsv_to_rgb
 
     flock = Flock(model.name, agents=AGENTS, size=SIZE, eta=ETA, rng=SEED)
     figure, axes = plt.subplots(1, len(TICKS), figsize=(12, 3.3), layout="constrained")
@@ -91,8 +92,8 @@ def picture(model: Model) -> None:
         x, y = flock.position.T
         ux, uy = flock.heading.T
         hue = np.arctan2(uy, ux) / (2 * np.pi) % 1.0
-        axis.quiver(x, y, ux, uy, hue, cmap="twilight_shifted", clim=(0, 1), scale=22, width=0.008,
-                    headwidth=4, pivot="mid")  # fmt: skip
+        colour = hsv_to_rgb(np.column_stack([hue, np.full_like(hue, 0.8), np.full_like(hue, 0.75)]))
+        axis.quiver(x, y, ux, uy, color=colour, scale=20, width=0.009, headwidth=4, pivot="mid")
         know = flock.informed
         axis.quiver(x[know], y[know], ux[know], uy[know], color="#d62728", scale=12, width=0.014,
                     headwidth=4, pivot="mid", zorder=3)  # fmt: skip
