@@ -12,8 +12,8 @@ import typer
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
+from app.cli.settings import assignment
 from app.viewer.start import Start
-from worlds.refusal import Refusal
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that have any and unless told otherwise."""
@@ -41,21 +41,17 @@ def lab(
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
     from app.viewer.laboratory import Laboratory
 
-    try:
-        start = Start(
-            model=find_model(model).name,
-            agents=agents,
-            seed=seed,
-            dim=dim,
-            world=world,
-            threads=threads,
-            parameters=parameters(model, set or []),
-        )
-        laboratory = Laboratory(start, host, port, speed)
-    except Refusal as refusal:
-        typer.echo(f"flockscope: {refusal}", err=True)
-        raise typer.Exit(2) from None
-    serve(laboratory, open_browser)
+    start = Start(
+        model=find_model(model).name,
+        agents=agents,
+        seed=seed,
+        dim=dim,
+        world=world,
+        threads=threads,
+        parameters=parameters(model, set or []),
+    )
+    start.build()
+    serve(Laboratory(start, host, port, speed), open_browser)
 
 
 def parameters(model: str, settings: list[str]) -> dict[str, Any]:
@@ -65,22 +61,6 @@ def parameters(model: str, settings: list[str]) -> dict[str, Any]:
     lively = {"eta": NOISE} if "eta" in declared.model_fields else {}
     made = checked(declared, lively | given, "--set").model_dump()
     return {name: made[name] for name in lively | given}
-
-
-def assignment(setting: str) -> tuple[str, Any]:
-    """Name and value of `NAME=VALUE`. Raises Refusal for anything else."""
-    name, equals, text = setting.partition("=")
-    if not equals or not name.strip():
-        raise Refusal(f"--set {setting} is not of the form NAME=VALUE")
-    return name.strip(), number(text.strip())
-
-
-def number(text: str) -> Any:
-    """A number where the text is one."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def serve(laboratory: Any, open_browser: bool) -> None:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 import queue
-import threading
 import time
-import traceback
-from dataclasses import replace
 
 import numpy as np
 import viser
 
+from app.viewer.drawing import Drawing
 from app.viewer.frame import Frame
 from app.viewer.panels.downloads import Downloads
-from app.viewer.panels.guide import open_guide
+from app.viewer.panels.guide import Guide
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.inspector import Inspector
 from app.viewer.panels.monitors import Monitors
@@ -31,26 +29,8 @@ from app.viewer.simulation import Simulation
 from app.viewer.start import Start
 from app.viewer.values import show
 
-PANELS = 0.25
-"""Time between two refreshments of the panels, s."""
-FASTEST, SLOWEST = 1 / 30, 1 / 4
-"""Shortest and longest time between two frames drawn, s."""
 SETTLING = 5.0
 """Time in which a new browser's canvas finds its shape, s."""
-BANDWIDTH = 16e6
-"""What all browsers together may be sent, bytes/s."""
-AGENT_BYTES = 28
-"""What one agent takes in one frame, bytes."""
-
-
-def drawing_period(agents: int, browsers: int) -> float:
-    """Time between two frames, s: longer for a large flock and for many browsers.
-
-    >>> round(1 / drawing_period(1000, 1)), round(1 / drawing_period(1000, 40))
-    (30, 14)
-    """
-    wanted = agents * AGENT_BYTES * max(1, browsers) / BANDWIDTH
-    return min(max(FASTEST, wanted), SLOWEST)
 
 
 class Laboratory:
@@ -73,11 +53,9 @@ class Laboratory:
         self.scene = Scene(self.server)
         self.selected: int | None = None
         self.wanted = Wanted()
-        self.drawn: tuple[Frame, Look] | None = None
-        self.closing = threading.Event()
         self.furnish()
         self.listen()
-        self.drawing = threading.Thread(target=self.draw, name="drawing", daemon=True)
+        self.drawing = Drawing(self.scene, self.latest, self.browsers, self.want, self.refresh)
         self.drawing.start()
 
     @property
@@ -88,8 +66,7 @@ class Laboratory:
 
     def close(self) -> None:
         """Stop drawing, running and serving."""
-        self.closing.set()
-        self.drawing.join(2.0)
+        self.drawing.close()
         self.simulation.close()
         close_server(self.server)
 
@@ -127,6 +104,7 @@ class Laboratory:
         left.set_width(310)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(330)
+        self.guide = Guide()
         self.inspector = Inspector(gui, lambda: self.select(None))
 
     def listen(self) -> None:
@@ -150,7 +128,7 @@ class Laboratory:
                 "F": lambda client: self.point(client, "follow"),
                 "C": lambda _: self.next_colour(),
                 "L": lambda _: self.switch_links(),
-                "H": lambda client: open_guide(client, self.simulation.state.start.model),
+                "H": self.show_guide,
             },
         )
 
@@ -158,7 +136,11 @@ class Laboratory:
 
     async def guide_clicked(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
-            open_guide(event.client, self.simulation.state.start.model)
+            self.show_guide(event.client)
+
+    def show_guide(self, client: viser.ClientHandle) -> None:
+        """Open the guide to the running model in one browser."""
+        self.guide.show(client, self.simulation.state.start.model)
 
     async def steering_switched(self, _event: viser.GuiEvent) -> None:
         self.scene.show_leader_gizmo(self.view.steer.value)
@@ -217,42 +199,17 @@ class Laboratory:
         inside = np.where(frame.wraps, position % frame.size, np.clip(position, -far, far))
         self.simulation.place(row, inside, heading / length)
 
-    # The drawing thread.
+    # What the drawing thread asks for.
 
-    def draw(self) -> None:
-        """Draw the latest frame and refresh the panels, until closed."""
-        panels_due = 0.0
-        while not self.closing.is_set():
-            began = time.monotonic()
-            browsers = len(self.server.get_clients())
-            try:
-                self.tell()
-                self.want()
-                self.draw_latest()
-                if began >= panels_due:
-                    panels_due = began + PANELS
-                    self.refresh(browsers)
-            except Exception as error:
-                traceback.print_exception(error)
-                self.closing.wait(1.0)
-            frame = self.simulation.frame
-            agents = 0 if frame is None else len(frame.ids)
-            period = drawing_period(agents, browsers) if browsers else SLOWEST
-            self.closing.wait(max(0.002, period - (time.monotonic() - began)))
-
-    def draw_latest(self) -> None:
-        """Draw the simulation's frame if it, or the look, is new."""
-        frame, look = self.simulation.frame, self.view.look()
-        if frame is None or (self.drawn and self.drawn[0] is frame and self.drawn[1] == look):
-            return
-        self.scene.show(frame, look)
-        self.drawn = (frame, look)
+    def latest(self) -> tuple[Frame | None, Look]:
+        """The newest frame, and how to draw it."""
+        return self.simulation.frame, self.view.look()
 
     def want(self) -> None:
-        """Tell the simulation what frames must hold, if that has changed."""
+        """Tell browsers what the simulation has to say, and the simulation what is wanted."""
+        self.tell()
         look = self.view.look()
-        wanted = replace(
-            Wanted(),
+        wanted = Wanted(
             layers=look.colour == "layer",
             groups=look.colour == "group",
             links=look.links,
@@ -262,20 +219,23 @@ class Laboratory:
             self.wanted = wanted
             self.simulation.want(wanted)
 
-    def refresh(self, browsers: int) -> None:
+    def refresh(self) -> None:
         """Bring the panels up to date."""
-        state, frame = self.simulation.state, self.simulation.frame
-        readings = self.simulation.readings
+        state, readings = self.simulation.state, self.simulation.readings
         self.run.refresh(state)
         self.setup.refresh(state)
         self.parameters.refresh(state)
-        if frame is None or readings is None or self.drawn is None:
+        if self.drawing.drawn is None or readings is None:
             return
-        look = self.drawn[1]
+        frame, look = self.drawing.drawn
         legend = self.scene.legend(look, frame)
-        self.monitors.refresh(state, frame, readings, browsers, look.colour, legend)
+        self.monitors.refresh(state, frame, readings, self.browsers(), look.colour, legend)
         self.plots.refresh(readings)
         self.inspector.refresh(frame)
+
+    def browsers(self) -> int:
+        """Number of browsers that watch."""
+        return len(self.server.get_clients())
 
     def tell(self) -> None:
         """Show what the simulation has to say in every browser."""
@@ -285,6 +245,6 @@ class Laboratory:
                 notices.add(self.simulation.notices.get_nowait())
             except queue.Empty:
                 break
-        for client in self.server.get_clients().values():
+        for client in self.server.get_clients().values() if notices else ():
             for notice in notices:
                 client.add_notification("flockscope", notice, color="red", auto_close_seconds=10.0)

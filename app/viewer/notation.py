@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import re
 
@@ -32,6 +33,7 @@ def lowered(found: re.Match[str]) -> str:
     return small if small != found[1] else f" {found[1]}"
 
 
+@functools.cache
 def equation_svg(latex: str, size: float = 14.0) -> list[str | None]:
     r"""The lines of an equation, broken at `\qquad`, each as an SVG element.
 
@@ -43,6 +45,7 @@ def equation_svg(latex: str, size: float = 14.0) -> list[str | None]:
 
 def in_mathtext(latex: str) -> str:
     """LaTeX in the part of it that matplotlib knows."""
+    latex = re.sub(r"\\([lgn]e)(?![A-Za-z])", r"\\\1q", latex)
     latex = re.sub(r"\\[Bb]igg?([(\[])", r"\\left\1", latex)
     latex = re.sub(r"\\[Bb]igg?([)\]])", r"\\right\1", latex)
     return re.sub(r"\\begin\{cases\}(.*?)\\end\{cases\}", cases_in_a_row, latex, flags=re.S)

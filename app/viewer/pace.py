@@ -26,6 +26,7 @@ class Pace:
         """Start to count afresh: the next tick is due at once."""
         self.due = 0.0
         self.marks.clear()
+        self.doubt()
 
     def wait(self, now: float) -> float:
         """Time until the next tick is due, s."""
@@ -46,10 +47,13 @@ class Pace:
             self.due = now
         return ticks
 
+    def doubt(self) -> None:
+        """Something has changed: run a single tick next, to see what one costs now."""
+        self.cost = ANSWER
+
     def took(self, ticks: int, seconds: float) -> None:
-        """Note how long ticks took."""
-        each = max(seconds / ticks, 1e-7)
-        self.cost = min(each, 2.0 * self.cost)
+        """Note how long ticks took: a rise is believed at once, a fall by halves."""
+        self.cost = max(seconds / ticks, 0.5 * self.cost, 1e-7)
         self.done += ticks
 
     def rate(self, now: float) -> float:

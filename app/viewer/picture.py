@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
+from app.viewer.crowd import refuse_too_many_links
 from app.viewer.frame import Frame, Inspection
 from app.viewer.ration import Ration
 
@@ -33,6 +34,7 @@ class Camera:
     layer: np.ndarray | None = None
     group: np.ndarray | None = None
     links: np.ndarray | None = None
+    inspected: Inspection | None = None
     fastest: float = 1e-12
     ration: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.15))
 
@@ -42,10 +44,7 @@ class Camera:
         self.ration.renew()
 
     def take(self) -> Frame:
-        """A frame of the flock now; layers, groups and links may be a few ticks old."""
-        if self.ration.due(time.perf_counter()):
-            with self.ration.measured():
-                self.examine()
+        """A frame of the flock now; layers, groups and links are as last examined."""
         flock = self.flock
         speed = flock.speed.copy()
         self.fastest = max(self.fastest, float(speed.max(initial=0.0)))
@@ -65,23 +64,29 @@ class Camera:
             layer=self.layer,
             group=self.group,
             links=self.links,
-            inspected=self.inspect(),
+            inspected=self.inspected,
         )
 
     def examine(self) -> None:
-        """What is found by looking at the whole flock, if wanted."""
+        """Find what takes a look at the whole flock, if it is wanted and due."""
+        if not self.ration.due(time.perf_counter()):
+            return
         wanted, flock = self.wanted, self.flock
-        self.layer = np.array(flock.layers()) if wanted.layers else None
-        self.group = np.array(flock.group_labels()) if wanted.groups else None
-        self.links = np.array(flock.links()) if wanted.links else None
+        with self.ration.measured():
+            self.layer = self.group = self.links = None
+            if wanted.layers or wanted.groups or wanted.links:
+                refuse_too_many_links(flock)
+            self.layer = np.array(flock.layers()) if wanted.layers else None
+            self.group = np.array(flock.group_labels()) if wanted.groups else None
+            self.links = np.array(flock.links()) if wanted.links else None
 
-    def inspect(self) -> Inspection | None:
-        """The wanted agent and whom it listens to."""
-        row = self.wanted.row
+    def inspect(self) -> None:
+        """Look at the wanted agent and at whom it listens to."""
+        row, self.inspected = self.wanted.row, None
         if row is None or not 0 <= row < len(self.flock.ids):
-            return None
+            return
         seen = self.flock.inspect(row)
-        return Inspection(
+        self.inspected = Inspection(
             id=int(seen.id),
             row=row,
             neighbours=np.array(seen.neighbours),

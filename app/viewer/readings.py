@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
+from app.viewer.crowd import refuse_too_many_links
 from app.viewer.ration import Ration
 
 ORDER = ("polarisation", "consistency")
@@ -74,6 +75,9 @@ class Readings:
                 self.note(self.order)
         if at_once or self.slow.due(now):
             with self.slow.measured():
+                self.values = {k: v for k, v in self.values.items() if k in ORDER}
+                self.layers, self.unknown = np.zeros(0, int), 0
+                refuse_too_many_links(self.flock)
                 self.note(self.structure)
                 self.count_layers()
 

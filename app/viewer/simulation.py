@@ -4,51 +4,31 @@ from __future__ import annotations
 
 import math
 import queue
-import tempfile
 import threading
 import time
 import traceback
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from agents.flock import Flock
+from app.viewer.crowd import refuse_too_dense
 from app.viewer.frame import Frame
 from app.viewer.pace import Pace
-from app.viewer.picture import Camera, Wanted
+from app.viewer.picture import Wanted
 from app.viewer.readings import Readings
+from app.viewer.run import Run
 from app.viewer.start import Start
+from app.viewer.state import State
 from worlds.refusal import Refusal
 
 FRAMES = 1 / 50
 """Shortest time between two frames, s."""
-
-
-@dataclass(frozen=True)
-class State:
-    """How the simulation stands; replaced as a whole, never changed."""
-
-    start: Start
-    """What the flock was set up from."""
-    run: int = 0
-    """Counts the set-ups."""
-    running: bool = False
-    busy: bool = False
-    """Whether a flock is being set up or compiled."""
-    error: str = ""
-    """What stopped the run; Setup or Reset mends it."""
-    speed: float = 15.0
-    """Wanted ticks per second; infinity for as fast as it goes."""
-    rate: float = 0.0
-    """Ticks per second as they happen."""
-    agents: int = 0
-    """Rows of the flock, information agents among them."""
-    values: dict[str, Any] = field(default_factory=dict)
-    """The flock's parameters, name -> value."""
+OBEDIENCE = 0.03
+"""Longest time for commands before ticks are run again, s."""
 
 
 class Simulation:
@@ -67,21 +47,18 @@ class Simulation:
     ):
         self.frame: Frame | None = None
         self.readings: Readings | None = None
-        self.state = State(start, speed=speed, busy=True)
+        self.state = State(start, running=running, busy=True, speed=speed)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.ready = threading.Event()
+        """Set when the first flock can be seen and, if it is to run, is compiled."""
         self.build = build
-        self.flock: Flock | None = None
-        self.compiled = False
-        """Whether the flock has run, so that its next tick need not be compiled."""
-        self.camera: Camera | None = None
+        self.run: Run | None = None
         self.wanted = Wanted()
         self.pace = Pace(speed)
         self.next_start: Start | None = start
-        self.begin_running = running
         self.stale = False
+        """Whether the flock has changed since the last frame."""
         self.next_frame = 0.0
-        self.ready = threading.Event()
-        """Set when the first flock is there and compiled, or has failed."""
         self.closing = False
         self.commands: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self.thread = threading.Thread(target=self.live, name="simulation", daemon=True)
@@ -146,12 +123,12 @@ class Simulation:
         return self.tell(lambda: self.want_now(wanted))
 
     def spec(self) -> Future:
-        """The run as TOML text."""
-        return self.tell(lambda: self.there().spec.to_toml())
+        """The run as TOML, bytes."""
+        return self.tell(lambda: self.sound_run().flock.spec.to_toml().encode())
 
     def saved(self) -> Future:
         """The flock's saved state, bytes."""
-        return self.tell(self.save_now)
+        return self.tell(lambda: self.sound_run().saved())
 
     def close(self, wait: float = 2.0) -> None:
         """Stop for good."""
@@ -168,18 +145,21 @@ class Simulation:
             try:
                 if self.next_start is not None:
                     self.set_up()
-                if self.state.running:
-                    self.run()
                 self.leave()
+                if self.state.running:
+                    self.run_due()
             except Exception as error:
                 self.fail(error)
-                self.ready.set()
 
     def obey(self) -> None:
-        """Carry out what was told; wait for it if there is nothing else to do."""
+        """Carry out what was told; wait for it if there is nothing else to do.
+
+        However much is told, the flock gets its turn.
+        """
         try:
             self.commands.get(timeout=self.idle_time())()
-            while not self.closing:
+            end = time.perf_counter() + OBEDIENCE
+            while not self.closing and time.perf_counter() < end:
                 self.commands.get_nowait()()
         except queue.Empty:
             pass
@@ -190,42 +170,46 @@ class Simulation:
             return 0.0
         return self.pace.wait(time.perf_counter()) if self.state.running else None
 
-    def run(self) -> None:
+    def run_due(self) -> None:
         """Run the ticks that are due."""
-        flock = self.there()
+        run = self.sound_run()
         ticks = self.pace.ticks_due(time.perf_counter())
         if ticks == 0:
             return
-        if not self.compiled:
-            self.leave()
         began = time.perf_counter()
-        self.advance(flock, ticks)
-        self.pace.took(ticks, time.perf_counter() - began)
-        if time.perf_counter() >= self.next_frame:
-            self.stale = True
+        self.advance(run, ticks)
+        now = time.perf_counter()
+        self.pace.took(ticks, now - began)
+        self.stale = now >= self.next_frame
 
-    def advance(self, flock: Flock, ticks: int) -> None:
+    def advance(self, run: Run, ticks: int) -> None:
         """Run ticks; the first ones of a model may have to be compiled."""
-        if self.compiled:
-            flock.advance(ticks)
+        if run.compiled:
+            run.advance(ticks)
             return
         self.state = replace(self.state, busy=True)
-        flock.advance(ticks)
+        run.advance(ticks)
         self.state = replace(self.state, busy=False)
-        self.compiled = True
         self.pace.restart()
         self.ready.set()
 
     def leave(self) -> None:
         """Leave a frame and readings for whoever watches, if there is anything new."""
-        if not self.stale or self.camera is None or self.readings is None:
+        if not self.stale or self.run is None:
             return
         self.stale = False
         now = time.perf_counter()
         self.next_frame = now + FRAMES
-        self.readings.read(at_once=not self.state.running)
-        self.frame = self.camera.take()
+        known = len(self.run.troubles)
+        self.frame = self.run.look(closely=not self.state.running)
+        for trouble in self.run.troubles[known:]:
+            if not isinstance(trouble, Refusal):
+                traceback.print_exception(trouble)
+            self.notices.put(in_words(trouble))
+        self.readings = self.run.readings
         self.state = replace(self.state, rate=self.pace.rate(now) if self.state.running else 0.0)
+        if not self.state.running:
+            self.ready.set()
 
     def set_up(self) -> None:
         """Build the flock of the next start."""
@@ -234,31 +218,26 @@ class Simulation:
         self.state = replace(self.state, busy=True)
         try:
             flock = self.build(start)
+            refuse_too_dense(flock)
         except Refusal as refusal:
             self.notices.put(str(refusal))
-            self.state = replace(self.state, busy=False)
+            self.state = replace(
+                self.state, busy=False, running=self.state.running and self.run is not None
+            )
+            self.ready.set()
             return
-        self.flock = flock
-        self.compiled = False
-        self.readings = Readings(flock)
-        run = self.state.run + 1
-        self.camera = Camera(flock, run, self.wanted)
+        self.run = Run(flock, self.state.run + 1, self.wanted)
         self.pace.restart()
+        self.stale = True
         self.state = replace(
             self.state,
             start=start,
-            run=run,
+            run=self.run.number,
             busy=False,
             error="",
             agents=len(flock.ids),
-            values=flock.parameters.model_dump(),
+            values=self.run.values,
         )
-        self.stale = True
-        if self.begin_running:
-            self.begin_running = False
-            self.switch(True)
-        else:
-            self.ready.set()
 
     def fail(self, error: Exception) -> None:
         """A rule went wrong: stop the run, say why and live on."""
@@ -267,28 +246,29 @@ class Simulation:
         self.stale = False
         self.notices.put(in_words(error))
         self.state = replace(self.state, running=False, busy=False, rate=0.0, error=in_words(error))
+        self.ready.set()
 
-    def there(self) -> Flock:
-        """The flock. Raises Refusal if there is none, or it is broken."""
-        if self.flock is None or self.state.error:
+    def sound_run(self) -> Run:
+        """The run. Raises Refusal if there is none, or it is broken."""
+        if self.run is None or self.state.error:
             raise Refusal("there is no flock to run: press Setup")
-        return self.flock
+        return self.run
 
     def schedule(self, start: Start) -> None:
         self.next_start = start
 
     def switch(self, on: bool) -> None:
         if on and self.next_start is None:
-            self.there()
+            self.sound_run()
         self.pace.restart()
         self.state = replace(self.state, running=on)
-        self.stale = True
+        self.stale = self.run is not None and not self.state.error
 
     def step_now(self, ticks: int) -> None:
-        flock = self.there()
+        run = self.sound_run()
         self.state = replace(self.state, running=False)
         try:
-            self.advance(flock, ticks)
+            self.advance(run, ticks)
         except Exception as error:
             self.fail(error)
             return
@@ -301,28 +281,27 @@ class Simulation:
         self.state = replace(self.state, speed=speed)
 
     def set_now(self, name: str, value: Any) -> None:
-        flock = self.there()
-        flock.set(**{name: value})
-        self.state = replace(self.state, values=flock.parameters.model_dump())
+        run = self.sound_run()
+        before = run.values
+        run.flock.set(**{name: value})
+        self.pace.doubt()
+        try:
+            refuse_too_dense(run.flock)
+        except Refusal:
+            run.flock.set(**before)
+            raise
+        self.state = replace(self.state, values=run.values)
         self.stale = True
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
-        flock = self.there()
-        flock.position[row] = position
-        flock.heading[row] = heading
+        self.sound_run().place(row, position, heading)
         self.stale = True
 
     def want_now(self, wanted: Wanted) -> None:
         self.wanted = wanted
-        if self.camera is not None:
-            self.camera.want(wanted)
+        if self.run is not None and not self.state.error:
+            self.run.camera.want(wanted)
             self.stale = True
-
-    def save_now(self) -> bytes:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "flock.parquet"
-            self.there().save(path)
-            return path.read_bytes()
 
 
 def in_words(error: BaseException) -> str:

@@ -30,13 +30,16 @@ class StubFlock:
     ):
         n = start.agents
         rng = np.random.default_rng(start.seed)
-        self.position = rng.uniform(0, 5, (n, start.dim))
+        self.side = start.size or 5.0
+        self.position = rng.uniform(0, self.side, (n, start.dim))
         self.heading = np.zeros((n, start.dim))
         self.heading[:, 0] = 1.0
         self.speed = np.full(n, 0.03)
         self.informed = np.arange(n) == 0
         self.ids = np.arange(n)
-        self.world = SimpleNamespace(size=np.full(start.dim, 5.0), wraps=np.full(start.dim, True))
+        on = np.full(start.dim, True)
+        size = np.full(start.dim, self.side)
+        self.world = SimpleNamespace(size=size, wraps=on, images=on)
         self.reach = 1.0
         self.tick = 0
         self.parameters = checked(Knobs, start.parameters)
@@ -48,13 +51,13 @@ class StubFlock:
             if self.tick >= self.breaks_at:
                 raise self.error
             time.sleep(self.cost)
-            self.position = (self.position + 0.03 * self.heading) % 5.0
+            self.position = (self.position + 0.03 * self.heading) % self.side
             self.tick += 1
 
     def set(self, **values) -> None:
         self.parameters = checked(Knobs, self.parameters.model_dump() | values)
 
-    def observe(self, name: str) -> float:
+    def observe(self, _name: str) -> float:
         return 1.0
 
     def layers(self) -> np.ndarray:

@@ -52,15 +52,15 @@ def test_go_runs_and_pause_stops(simulate):
     until(lambda: tick(simulation) > 10)
     simulation.pause().result(5)
     until(lambda: not simulation.state.running)
-    flock_tick = simulation.flock.tick
+    flock_tick = simulation.run.flock.tick
     time.sleep(0.1)
-    assert simulation.flock.tick == flock_tick == tick(simulation)
+    assert simulation.run.flock.tick == flock_tick == tick(simulation)
 
 
 def test_step_runs_just_so_many_ticks_and_pauses(simulate):
     simulation = simulate(running=True, speed=1.0)
     simulation.pause().result(5)
-    before = simulation.flock.tick
+    before = simulation.run.flock.tick
     simulation.step(3).result(5)
     until(lambda: tick(simulation) == before + 3)
     assert not simulation.state.running
@@ -90,10 +90,10 @@ def test_setup_builds_another_flock_and_of_many_only_the_last(simulate):
 def test_a_parameter_acts_at_once_and_one_out_of_range_is_refused(simulate):
     simulation = simulate()
     simulation.set("eta", 1.5).result(5)
-    assert simulation.flock.parameters.eta == 1.5 == simulation.state.values["eta"]
+    assert simulation.run.flock.parameters.eta == 1.5 == simulation.state.values["eta"]
     with pytest.raises(Refusal, match=r"eta = 99 is outside \[0, 6.28\]"):
         simulation.set("eta", 99).result(5)
-    assert simulation.flock.parameters.eta == 1.5
+    assert simulation.run.flock.parameters.eta == 1.5
     assert "eta = 99" in simulation.notices.get(timeout=5)
     assert not simulation.state.error
 
@@ -148,9 +148,9 @@ def test_a_flock_that_cannot_be_built_stops_nothing(simulate):
 
 def test_slow_motion_keeps_its_pace(simulate):
     simulation = simulate(running=True, speed=20.0)
-    began, first = time.monotonic(), simulation.flock.tick
+    began, first = time.monotonic(), simulation.run.flock.tick
     time.sleep(1.0)
-    ticks = simulation.flock.tick - first
+    ticks = simulation.run.flock.tick - first
     assert ticks == pytest.approx(20.0 * (time.monotonic() - began), abs=4)
 
 
@@ -207,7 +207,7 @@ def test_frames_are_copies_that_the_flock_does_not_touch(simulate):
     simulation = simulate()
     frame = simulation.frame
     before = frame.position.copy()
-    simulation.flock.position[:] = -1.0
+    simulation.run.flock.position[:] = -1.0
     simulation.step().result(5)
     np.testing.assert_array_equal(frame.position, before)
 
@@ -237,10 +237,29 @@ def test_the_leader_can_be_moved_and_turned(simulate):
 
 def test_spec_and_state_can_be_taken_home_while_it_runs(simulate):
     simulation = simulate(running=True, seed=8)
-    assert simulation.spec().result(5) == "seed = 8\n"
+    assert simulation.spec().result(5) == b"seed = 8\n"
     assert simulation.saved().result(5) == b"saved"
 
 
 def test_nobody_reads_frames_and_it_runs_all_the_same(simulate):
     simulation = simulate(running=True)
-    until(lambda: simulation.flock.tick > 100)
+    until(lambda: simulation.run.flock.tick > 100)
+
+
+def test_what_cannot_be_observed_is_told_once_and_the_flock_runs_on(simulate, capfd):
+    class Shy(StubFlock):
+        def inspect(self, _row):
+            raise OverflowError("int too big to convert")
+
+        def observe(self, _name):
+            raise KeyError("nothing to see")
+
+    simulation = simulate(build=Shy, running=True)
+    simulation.want(Wanted(row=1))
+    before = tick(simulation)
+    until(lambda: tick(simulation) > before + 20)
+    told = {simulation.notices.get(timeout=5), simulation.notices.get(timeout=5)}
+    assert told == {"int too big to convert", "KeyError: 'nothing to see'"}
+    assert simulation.notices.empty()
+    assert not simulation.state.error
+    assert capfd.readouterr().err.count("Traceback") == 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from concurrent.futures import Future
 
 import viser
@@ -15,6 +16,7 @@ class Downloads:
 
     def __init__(self, gui: viser.GuiApi, simulation: Simulation):
         self.simulation = simulation
+        self.sending = False
         gui.add_markdown(
             "**Spec**: model, parameters, world and seed. Run it again with "
             "`flockscope run FILE.toml`; it gives the same numbers."
@@ -28,28 +30,26 @@ class Downloads:
         state.on_click(self.send_state)
 
     async def send_spec(self, event: viser.GuiEvent) -> None:
-        text = await answered(self.simulation.spec())
-        send(event.client, self.name("toml"), None if text is None else text.encode())
+        await self.send(event, "toml", self.simulation.spec)
 
     async def send_state(self, event: viser.GuiEvent) -> None:
-        send(event.client, self.name("parquet"), await answered(self.simulation.saved()))
+        await self.send(event, "parquet", self.simulation.saved)
+
+    async def send(self, event: viser.GuiEvent, suffix: str, ask: Callable[[], Future]) -> None:
+        """Send what the simulation answers to the browser that asked; one file at a time."""
+        if event.client is None or self.sending:
+            return
+        self.sending = True
+        try:
+            content = await asyncio.wait_for(asyncio.wrap_future(ask()), timeout=60)
+        except Exception:
+            return  # What was refused has become a notice.
+        finally:
+            self.sending = False
+        event.client.send_file_download(self.name(suffix), content, save_immediately=True)
 
     def name(self, suffix: str) -> str:
         """File name that says what is in it."""
         state, frame = self.simulation.state, self.simulation.frame
         tick = 0 if frame is None else frame.tick
         return f"{state.start.model}-seed{state.start.seed}-tick{tick}.{suffix}"
-
-
-async def answered(answer: Future):
-    """The answer of a command; None if it was refused, which has become a notice."""
-    try:
-        return await asyncio.wait_for(asyncio.wrap_future(answer), timeout=30)
-    except Exception:
-        return None
-
-
-def send(client: viser.ClientHandle | None, name: str, content: bytes | None) -> None:
-    """Send a file to the browser that asked for it."""
-    if client is not None and content is not None:
-        client.send_file_download(name, content, save_immediately=True)

@@ -17,28 +17,39 @@ from app.viewer.scene.static_files import static_folder
 TRIES = (static_folder() / "try.html").read_text()
 
 
-def open_guide(client: viser.ClientHandle, model_name: str) -> None:
-    """Show the guide in one browser."""
-    rule = MODELS[model_name].rule
-    gui = client.gui
-    modal = gui.add_modal(f"Guide · {rule.title}")
-    with modal:
-        gui.add_html(CSS)
-        tabs = gui.add_tab_group()
-        with tabs.add_tab("Model"):
-            gui.add_html(page(about(model_name)))
-        with tabs.add_tab("Try this"):
-            gui.add_html(page(TRIES))
-        with tabs.add_tab("Parameters"):
-            gui.add_html(page(parameters(model_name)))
-        with tabs.add_tab("Keys"):
-            gui.add_html(page(keys()))
-        done = gui.add_button("Close", icon=viser.Icon.X)
+class Guide:
+    """Opens the guide in the browser that asks for it, once at a time."""
 
-    async def close(_event: viser.GuiEvent) -> None:
-        modal.close()
+    def __init__(self) -> None:
+        self.open: set[int] = set()
+        """Browsers in which it is open."""
 
-    done.on_click(close)
+    def show(self, client: viser.ClientHandle, model_name: str) -> None:
+        """Open it, unless it is open."""
+        if client.client_id in self.open:
+            return
+        self.open.add(client.client_id)
+        gui = client.gui
+        modal = gui.add_modal(f"Guide · {MODELS[model_name].rule.title}")
+        with modal:
+            gui.add_html(CSS)
+            tabs = gui.add_tab_group()
+            with tabs.add_tab("Model"):
+                gui.add_html(page(about(model_name)))
+            with tabs.add_tab("Try this"):
+                gui.add_html(page(TRIES))
+            with tabs.add_tab("Parameters"):
+                gui.add_html(page(parameters(model_name)))
+            with tabs.add_tab("Keys"):
+                gui.add_html(page(keys()))
+            done = gui.add_button("Close", icon=viser.Icon.X)
+
+        async def close(_event: viser.GuiEvent) -> None:
+            if client.client_id in self.open:
+                self.open.discard(client.client_id)
+                modal.close()
+
+        done.on_click(close)
 
 
 def page(content: str) -> str:
@@ -74,7 +85,8 @@ def parameters(model_name: str) -> str:
 def keys() -> str:
     """A table of the hotkeys."""
     rows = "".join(
-        f'<tr><td><kbd>{html.escape(key)}</kbd></td><td style="text-align:left">{words}</td></tr>'
+        f"<tr><td><kbd>{key.replace('page', 'page ')}</kbd></td>"
+        f'<td style="text-align:left">{words}</td></tr>'
         for key, words in KEYS.items()
     )
     return f'<table class="fs-table">{rows}</table>'

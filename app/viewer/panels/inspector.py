@@ -11,7 +11,7 @@ import viser
 from app.viewer.frame import Frame, Inspection
 from app.viewer.panels.style import block, table
 
-MOST_NEIGHBOURS = 8
+MOST_NEIGHBOURS = 6
 
 
 class Inspector:
@@ -58,9 +58,10 @@ def listened(frame: Frame, seen: Inspection) -> str:
     rows = ""
     for place in np.argsort(-weights)[:MOST_NEIGHBOURS]:
         share = 100 * weights[place] / total
+        width = 100 * weights[place] / weights.max()
         rows += (
             f"<tr><td>{frame.ids[seen.neighbours[place]]}</td>"
-            f'<td style="width:60%"><div class="fs-weight" style="width:{share:.1f}%"></div></td>'
+            f'<td style="width:60%"><div class="fs-weight" style="width:{width:.1f}%"></div></td>'
             f"<td>{share:.0f} %</td></tr>"
         )
     more = len(weights) - MOST_NEIGHBOURS

@@ -10,7 +10,7 @@ from app.viewer.frame import Frame
 from app.viewer.panels.style import block, cards, key
 from app.viewer.readings import Readings
 from app.viewer.scene import palette
-from app.viewer.simulation import State
+from app.viewer.state import State
 
 MOST_BARS = 12
 
@@ -95,5 +95,5 @@ def layer_bars(counts: list[int], unknown: int) -> str:
 
 def bar(label: str, count: int, most: int, colour: str) -> str:
     """One bar with its count above and its label below."""
-    height = round(34 * count / most) if count else 0
+    height = max(2, round(34 * count / most)) if count else 0
     return f'<div>{count}<i style="height:{height}px;background:{colour}"></i>{label}</div>'

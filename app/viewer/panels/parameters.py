@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from concurrent.futures import Future
 from typing import Any
 
@@ -10,7 +11,9 @@ import viser
 from agents.catalogue import MODELS
 from agents.declare import Declared, declared
 from app.viewer.notation import plain
-from app.viewer.simulation import Simulation, State
+from app.viewer.panels.style import block
+from app.viewer.simulation import Simulation
+from app.viewer.state import State
 
 
 class ParametersPanel:
@@ -45,6 +48,7 @@ class ParametersPanel:
                 one.name: self.control(one, state.values[one.name])
                 for one in declared(model.parameters)
             }
+            self.gui.add_html(block(meanings(declared(model.parameters))))
 
     def control(self, one: Declared, value: Any) -> Any:
         """The control of one parameter."""
@@ -86,3 +90,12 @@ def worded(one: Declared) -> tuple[str, str]:
         return one.name.replace("_", " "), hint
     unit = "" if one.unit == "1" else f" ({one.unit})"
     return f"{plain(one.symbol)}{unit}", hint
+
+
+def meanings(parameters: list[Declared]) -> str:
+    """What each parameter means, in a small print below the controls."""
+    lines = (
+        f"<b>{html.escape(worded(one)[0].partition(' (')[0])}</b> {html.escape(one.description)}"
+        for one in parameters
+    )
+    return f'<div class="fs-quiet fs-meanings">{"<br>".join(lines)}</div>'

@@ -20,7 +20,7 @@ class Plots:
         gui.add_html(head("Order", [("polarisation", BLUE), ("consistency", GREEN)]))
         self.order = chart(gui, (BLUE, GREEN), uplot.Scale(range=(0.0, 1.02)))
         gui.add_html(head("Neighbours", [("mean number within r", ORANGE)]))
-        self.neighbours = chart(gui, (ORANGE,), uplot.Scale(auto=True))
+        self.neighbours = chart(gui, (ORANGE,), uplot.Scale(range=(0.0, None)))
 
     def refresh(self, readings: Readings) -> None:
         """Draw the run as far as it has come."""

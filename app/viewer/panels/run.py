@@ -10,22 +10,12 @@ import viser
 from agents.catalogue import MODELS
 from app.viewer.panels.setup import SetupPanel
 from app.viewer.panels.style import GREEN, GREY, ORANGE, block
-from app.viewer.simulation import Simulation, State
+from app.viewer.simulation import Simulation
+from app.viewer.state import State
 from app.viewer.values import show
 
-SPEEDS = {
-    "0.5 ticks/s": 0.5,
-    "1 tick/s": 1.0,
-    "2 ticks/s": 2.0,
-    "5 ticks/s": 5.0,
-    "10 ticks/s": 10.0,
-    "15 ticks/s": 15.0,
-    "30 ticks/s": 30.0,
-    "60 ticks/s": 60.0,
-    "200 ticks/s": 200.0,
-    "1000 ticks/s": 1000.0,
-    "as fast as it goes": math.inf,
-}
+SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 200.0, 1000.0, math.inf)
+"""Ticks per second to choose from."""
 
 
 class RunPanel:
@@ -42,9 +32,10 @@ class RunPanel:
             hint="Setup builds a flock from the Setup tab. Step runs one tick. "
             "Reset begins the same run again.",
         )
-        names = list(SPEEDS)
+        speed = simulation.state.speed
+        self.speeds = {speed_text(one): one for one in sorted({*SPEEDS, speed})}
         self.speed = gui.add_dropdown(
-            "Speed", names, initial_value=nearest(simulation.state.speed), hint="Ticks per second"
+            "Speed", list(self.speeds), initial_value=speed_text(speed), hint="Ticks per second"
         )
         self.switch.on_click(self.toggled)
         self.actions.on_click(self.acted)
@@ -63,7 +54,7 @@ class RunPanel:
                 self.simulation.reset()
 
     async def paced(self, event: viser.GuiEvent) -> None:
-        self.simulation.run_at(SPEEDS[event.target.value])
+        self.simulation.run_at(self.speeds[event.target.value])
 
     def set_up(self) -> None:
         """Build a flock from the Setup tab."""
@@ -71,10 +62,10 @@ class RunPanel:
 
     def change_speed(self, by: int) -> None:
         """Go to a faster or slower speed of the list."""
-        names = list(SPEEDS)
+        names = list(self.speeds)
         place = names.index(self.speed.value) + by
         show(self.speed, names[min(max(place, 0), len(names) - 1)])
-        self.simulation.run_at(SPEEDS[self.speed.value])
+        self.simulation.run_at(self.speeds[self.speed.value])
 
     def refresh(self, state: State) -> None:
         """Show how the simulation stands."""
@@ -84,11 +75,9 @@ class RunPanel:
         self.switch.color = "blue" if state.running else "green"
 
 
-def nearest(speed: float) -> str:
-    """The speed of the list that is nearest."""
-    if math.isinf(speed):
-        return list(SPEEDS)[-1]
-    return min(SPEEDS, key=lambda name: abs(SPEEDS[name] - speed))
+def speed_text(speed: float) -> str:
+    """A speed as the list has it."""
+    return "as fast as it goes" if math.isinf(speed) else f"{speed:g} ticks/s"
 
 
 def status(state: State) -> str:

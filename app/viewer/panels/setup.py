@@ -8,8 +8,8 @@ import viser
 
 from agents.catalogue import MODELS
 from app.viewer.panels.style import block
-from app.viewer.simulation import State
 from app.viewer.start import ACTIVATIONS, MOST_AGENTS, NOISES, WORLDS, Start
+from app.viewer.state import State
 from app.viewer.values import show
 
 DIMENSIONS = {"2-D": 2, "3-D": 3}
@@ -33,13 +33,19 @@ class SetupPanel:
     def __init__(self, gui: viser.GuiApi, start: Start):
         self.running = start
         self.shown_run = -1
+        self.worlds = {start.world: start.world} | WORLDS
         titles = [model.title for model in MODELS.values()]
         self.note = gui.add_html("")
         self.model = gui.add_dropdown(
             "Model", titles, initial_value=MODELS[start.model].title, hint="The rule agents follow"
         )
         self.agents = gui.add_number(
-            "Agents", start.agents, min=1, max=MOST_AGENTS, step=10, hint="Number of agents"
+            "Agents",
+            start.agents,
+            min=1,
+            max=max(MOST_AGENTS, start.agents),
+            step=10,
+            hint="Number of agents",
         )
         self.informed = gui.add_number(
             "Informed",
@@ -54,8 +60,8 @@ class SetupPanel:
         )
         self.world = gui.add_dropdown(
             "World",
-            list(WORLDS.values()),
-            initial_value=WORLDS[start.world],
+            list(self.worlds.values()),
+            initial_value=self.worlds[start.world],
             hint="What happens at the edges: agents come in again at the other side (and see "
             "each other across the seam, or not), or there is no edge",
         )
@@ -104,7 +110,7 @@ class SetupPanel:
             seed=self.running.seed,
             size=self.size.value or None,
             dim=DIMENSIONS[self.dim.value],
-            world=key_of(WORLDS, self.world.value),
+            world=key_of(self.worlds, self.world.value),
             activation=key_of(ACTIVATIONS, self.activation.value),
             noise=key_of(NOISES, self.noise.value),
             informed=None if self.informed.value == MODELS[model].informed else self.informed.value,

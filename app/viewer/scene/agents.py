@@ -10,6 +10,8 @@ from app.viewer.scene.picture import FEW_LEADERS, POINTS_BEYOND, Changes, Pictur
 from app.viewer.scene.shapes import dart
 
 SHADOWS_UP_TO = 2_000
+POINT_SIZE = {2: 0.6, 3: 0.28}
+"""Size of a point as a multiple of the length of a dart, by dimension."""
 
 
 class Agents:
@@ -65,7 +67,7 @@ class Agents:
         return [
             (self._points, "points", picture.at.astype(np.float32)),
             (self._points, "colors", (255.0 * picture.colour + 0.5).astype(np.uint8)),
-            (self._points, "point_size", 0.6 * picture.length),
+            (self._points, "point_size", POINT_SIZE[picture.stage.dim] * picture.length),
         ]
 
 

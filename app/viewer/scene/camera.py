@@ -7,11 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 UP = np.array([0.0, 0.0, 1.0])
-MARGIN = {2: 1.08, 3: 1.20}
+MARGIN = {2: 1.13, 3: 1.20}
 """Room left around a world, as a multiple of its extent in the view."""
-
-LEAN = 0.3
-"""How much of the way a view that is not a plan makes room for a panel."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +20,13 @@ class View:
     fov: float
     """Vertical field of view, rad."""
 
+    @property
+    def near(self) -> float:
+        """Where drawing begins: far enough that depths stay distinct at this distance, and nearer
+        than 1, where viser hangs the background.
+        """
+        return min(0.5, 0.02 * float(np.linalg.norm(self.position - self.target)))
+
 
 @dataclass(frozen=True)
 class _Preset:
@@ -32,21 +36,16 @@ class _Preset:
     fov: float
 
 
-_TOP_DOWN = {2: _Preset(-90.0, 89.95, 0.30), 3: _Preset(-90.0, 89.95, 0.80)}
-"""In the plane so narrow and far that nothing leans; a hair off the pole, which keeps y up."""
+_TOP_DOWN = {2: _Preset(-90.0, 89.95, 0.14), 3: _Preset(-90.0, 89.95, 0.80)}
+"""In the plane so narrow and far that nothing leans and the shadows, which viser draws within 20
+units of the camera, are all out of reach; a hair off the pole, which keeps y up."""
 _PERSPECTIVE = {2: _Preset(-112.0, 42.0, 0.55), 3: _Preset(-120.0, 26.0, 0.80)}
 _SIDE = {2: _Preset(-90.0, 14.0, 0.45), 3: _Preset(-90.0, 4.0, 0.75)}
 _CLOSE = {2: _Preset(-90.0, 58.0, 0.55), 3: _Preset(-118.0, 22.0, 0.60)}
 
 
-def view(
-    name: str, dim: int, low: np.ndarray, high: np.ndarray, aspect: float, covered: float = 0.0
-) -> View:
-    """The preset `name` for a box from `low` to `high`, (3,), in a canvas of this aspect.
-
-    A plan is put beside the share `covered` of the canvas that a panel hides on the right. Other
-    views move only a little: the middle of the box should stay what the camera turns about.
-    """
+def view(name: str, dim: int, low: np.ndarray, high: np.ndarray, aspect: float) -> View:
+    """The preset `name` for a box from `low` to `high`, (3,), in a canvas of this aspect."""
     presets = {
         "top-down": _TOP_DOWN[dim],
         "perspective": _PERSPECTIVE[dim],
@@ -55,14 +54,7 @@ def view(
     }
     if name not in presets:
         raise ValueError(f"camera = {name!r} is not one of {', '.join(presets)}")
-    plan = dim == 2 and name == "top-down"
-    free = aspect * (1.0 - covered) if plan else aspect
-    fitted = _fitted(presets[name], low, high, free, MARGIN[dim])
-    away = fitted.position - fitted.target
-    right = np.cross(UP, away) / np.linalg.norm(np.cross(UP, away))
-    half_width = aspect * np.linalg.norm(away) * np.tan(0.5 * fitted.fov)
-    aside = covered * half_width * (1.0 if plan else LEAN) * right
-    return View(fitted.position + aside, fitted.target + aside, fitted.fov)
+    return _fitted(presets[name], low, high, aspect, MARGIN[dim])
 
 
 def _fitted(

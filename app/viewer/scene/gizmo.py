@@ -27,7 +27,7 @@ class LeaderGizmo:
         self._wanted = False
         self._held = False
         self._released = 0.0
-        self._stage: Stage | None = None
+        self._picture: Picture | None = None
         self._dragged: list[Dragged] = []
         self._grabbed: list[Grabbed] = []
         self._build(dim=2)
@@ -40,13 +40,13 @@ class LeaderGizmo:
 
     def show(self, visible: bool) -> None:
         self._wanted = visible
-        if not visible:
-            self._handle.visible = False
+        for handle, name, value in self.draw(self._picture) if self._picture is not None else ():
+            setattr(handle, name, value)
 
     def draw(self, picture: Picture) -> Changes:
-        if self._stage is None or self._stage.dim != picture.stage.dim:
+        if self._picture is None or self._picture.stage.dim != picture.stage.dim:
             self._build(picture.stage.dim)
-        self._stage = picture.stage
+        self._picture = picture
         leader = picture.leader
         if not self._wanted or leader is None:
             return [(self._handle, "visible", False)]
@@ -79,8 +79,8 @@ class LeaderGizmo:
             self._held = True
             for grabbed in self._grabbed:
                 grabbed(True)
-        if self._stage is not None:
-            pose = checked(self._stage, event.target.position, event.target.wxyz)
+        if self._picture is not None:
+            pose = checked(self._picture.stage, event.target.position, event.target.wxyz)
             if pose is not None:
                 for dragged in self._dragged:
                     dragged(*pose)

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene import palette, tone
 from app.viewer.scene.picture import FEW_LEADERS, Changes, Picture
-from app.viewer.scene.shapes import Mesh, ring, torus
+from app.viewer.scene.shapes import Mesh, ball, ring, torus
 
 
 class Halos:
     """A flat ring is crisp from above but vanishes edge-on; a torus and a bubble do not."""
 
     def __init__(self, scene: SceneApi) -> None:
-        ball = trimesh.creation.icosphere(subdivisions=3)
         self._flat = _add(scene, "flat", ring(0.86), 1.5, opacity=None)
         self._round = _add(scene, "round", torus(), tone.LIGHT, opacity=None)
-        self._bubble = _add(scene, "bubble", (ball.vertices, ball.faces), 1.0, opacity=0.22)
+        self._bubble = _add(scene, "bubble", ball(), 1.0, opacity=0.22)
 
     def draw(self, picture: Picture) -> Changes:
         rows = np.flatnonzero(picture.frame.informed)
@@ -50,7 +48,7 @@ def _add(
         batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
         batched_positions=np.zeros((1, 3)),
         batched_scales=np.ones(1),
-        batched_colors=tone.single(palette.HALO, light),
+        batched_colors=tone.lit(palette.HALO, light),
         opacity=opacity,
         side="double" if opacity is None else "front",
         lod="off",

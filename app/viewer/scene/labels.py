@@ -29,6 +29,7 @@ class Labels:
         changes: Changes = [(self._leader, "visible", picture.leader is not None)]
         if picture.leader is not None:
             changes.append((self._leader, "position", self._beside(picture, picture.leader)))
+            changes.append((self._leader, "anchor", anchor(picture, picture.leader)))
             informed = int(np.count_nonzero(picture.frame.informed))
             words = "information UAV" if informed == 1 else f"information UAV (1 of {informed})"
             changes.append((self._leader, "text", words))
@@ -47,6 +48,7 @@ class Labels:
         for label, row in zip(self._pool, rows, strict=False):
             changes.append((label, "text", str(picture.frame.ids[row])))
             changes.append((label, "position", self._beside(picture, int(row))))
+            changes.append((label, "anchor", anchor(picture, int(row))))
             changes.append((label, "visible", row != picture.leader))
         return changes + [(label, "visible", False) for label in self._pool[len(rows) :]]
 
@@ -61,7 +63,22 @@ class Labels:
 
     @staticmethod
     def _beside(picture: Picture, row: int) -> np.ndarray:
-        """A place clear of the agent and its halo: above it on the screen."""
+        """A place clear of the agent and its halo: above it on the screen, or below."""
         clear = 1.05 * picture.length * float(picture.size[row])
-        up = np.array([0.0, clear, 0.0]) if picture.stage.dim == 2 else np.array([0, 0, clear])
-        return picture.at[row] + up
+        if picture.stage.dim == 3:
+            return picture.at[row] + np.array([0.0, 0.0, clear])
+        below = anchor(picture, row).startswith("top")
+        return picture.at[row] + np.array([0.0, -clear if below else clear, 0.0])
+
+
+def anchor(picture: Picture, row: int) -> str:
+    """Which point of the words is fixed: chosen so that they stay within a flat world's picture.
+
+    Agents that have left the box of an open world have theirs above them, as in space.
+    """
+    if picture.stage.dim == 3:
+        return "bottom-center"
+    across, along = picture.at[row, :2] / picture.stage.half[:2]
+    upright = "top" if 0.87 < along < 1.02 else "bottom"
+    sideways = "right" if 0.85 < across < 1.02 else "left" if -1.02 < across < -0.85 else "center"
+    return f"{upright}-{sideways}"

@@ -10,12 +10,18 @@ from app.viewer.scene.picture import Changes
 _DOT = np.zeros((1, 2, 3), dtype=np.float32)
 
 
-def add_lines(scene: SceneApi, name: str, thickness: float) -> LineSegmentsHandle:
-    """An empty set of segments, `thickness` pixels wide."""
+def add_lines(
+    scene: SceneApi, name: str, thickness: float, many_coloured: bool = False
+) -> LineSegmentsHandle:
+    """An empty set of segments, `thickness` pixels wide.
+
+    Whether it will have one colour or a colour for each end has to be said now: viser's client
+    does not compile the line's shader again when that changes.
+    """
     return scene.add_line_segments(
         name,
         _DOT,
-        np.zeros(3, dtype=np.uint8),
+        np.zeros(_DOT.shape if many_coloured else 3, dtype=np.uint8),
         thickness=thickness,
         thickness_units="screen",
         visible=False,

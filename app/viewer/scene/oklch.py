@@ -40,8 +40,24 @@ def _linear(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.nd
     return (lab @ _LMS_FROM_LAB.T) ** 3 @ _RGB_FROM_LMS.T
 
 
+def _shown(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    """Whether sRGB can show these colours."""
+    linear = _linear(lightness, chroma, hue)
+    return np.all((linear >= -1e-6) & (linear <= 1.0 + 1e-6), axis=-1)
+
+
+def attainable(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    """The largest chroma up to `chroma` that sRGB can show at these lightnesses and hues."""
+    low, high = np.zeros_like(chroma), chroma.copy()
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        shown = _shown(lightness, middle, hue)
+        low, high = np.where(shown, middle, low), np.where(shown, high, middle)
+    return np.where(_shown(lightness, chroma, hue), chroma, low)
+
+
 def oklch(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
-    """Lightness [0, 1], chroma [0, 0.4) and hue [rad], of one shape -> sRGB (..., 3) in [0, 1].
+    """Lightness [0, 1], chroma [0, 0.4) and hue [rad] -> sRGB (..., 3) in [0, 1].
 
     A chroma that sRGB cannot show at that lightness and hue is lowered until it can, so that
     lightness and hue stay true.
@@ -49,15 +65,4 @@ def oklch(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndar
     lightness, chroma, hue = np.broadcast_arrays(
         *(np.asarray(part, dtype=float) for part in (lightness, chroma, hue))
     )
-    low, high = np.zeros_like(chroma), chroma.copy()
-    for _ in range(20):
-        linear = _linear(lightness, high, hue)
-        fits = np.all((linear >= -1e-6) & (linear <= 1.0 + 1e-6), axis=-1)
-        middle = 0.5 * (low + high)
-        inside = _linear(lightness, middle, hue)
-        shown = np.all((inside >= -1e-6) & (inside <= 1.0 + 1e-6), axis=-1)
-        low = np.where(~fits & shown, middle, low)
-        high = np.where(~fits & ~shown, middle, high)
-    linear = _linear(lightness, high, hue)
-    fits = np.all((linear >= -1e-6) & (linear <= 1.0 + 1e-6), axis=-1)
-    return encoded(_linear(lightness, np.where(fits, high, low), hue))
+    return encoded(_linear(lightness, attainable(lightness, chroma, hue), hue))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
-from app.viewer.scene.oklch import oklch
+from app.viewer.scene.oklch import attainable, oklch
 
 
 def srgb(css: str) -> np.ndarray:
@@ -28,7 +29,7 @@ LINK = srgb("#9db0c9")
 
 PLAIN = srgb("#2f6fde")
 LEADER = srgb("#e11d48")
-HALO = srgb("#f08a00")
+HALO = srgb("#f6a609")
 SELECTED = srgb("#0f172a")
 UNKNOWN = srgb("#aab4c2")
 
@@ -64,6 +65,7 @@ GROUPS = np.array(
 
 _HUES = 360
 _RISES = 33
+_SMOOTH = 25
 HUE_EAST = np.deg2rad(255.0)
 """Hue of an agent heading along +x; the hue grows with the azimuth."""
 HUE_YELLOW = np.deg2rad(95.0)
@@ -72,10 +74,13 @@ HUE_YELLOW = np.deg2rad(95.0)
 
 def _heading_table() -> np.ndarray:
     """(rises, hues, 3): hue by azimuth; lighter climbing, darker diving."""
-    hue = HUE_EAST + np.linspace(0.0, 2.0 * np.pi, _HUES, endpoint=False)
-    rise = np.linspace(-0.13, 0.11, _RISES)
-    level = 0.675 + 0.085 * np.cos(hue - HUE_YELLOW)
-    return oklch(level + rise[:, None], np.full((_RISES, _HUES), 0.20), hue[None, :])
+    hue = HUE_EAST + np.linspace(0.0, 2.0 * np.pi, _HUES, endpoint=False)[None, :]
+    rise = np.linspace(-0.13, 0.11, _RISES)[:, None]
+    lightness = 0.675 + 0.085 * np.cos(hue - HUE_YELLOW) + rise
+    # What sRGB can show changes abruptly with the hue; an even wheel must change slowly.
+    chroma = attainable(lightness, np.full_like(lightness, 0.20), hue + 0.0 * lightness)
+    least = minimum_filter1d(chroma, _SMOOTH, axis=1, mode="wrap")
+    return oklch(lightness, uniform_filter1d(least, _SMOOTH, axis=1, mode="wrap"), hue)
 
 
 def _speed_table() -> np.ndarray:

@@ -64,7 +64,8 @@ class Picture:
         return int(inspected.row)
 
 
-LEADER_SIZE = 1.75
+LEADER_SIZE = {2: 1.75, 3: 2.2}
+"""Length of an information agent as a multiple of a common one, by dimension."""
 LEADER_LEAST = 0.045
 """Length of an information agent as a multiple of the world's longest side, at least."""
 FEW_LEADERS = 12
@@ -80,7 +81,7 @@ def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
     at = stage.shown(frame.position)
     size = np.ones(count, dtype=np.float32)
     if np.count_nonzero(frame.informed) <= FEW_LEADERS:
-        size[frame.informed] = max(LEADER_SIZE, LEADER_LEAST * stage.side / length)
+        size[frame.informed] = max(LEADER_SIZE[stage.dim], LEADER_LEAST * stage.side / length)
     colour = agent_colours(frame, look)
     made = Picture(frame, look, stage, at, attitude(frame.heading), colour, length, size)
     if made.inspected is not None:

@@ -18,8 +18,8 @@ def dart() -> Mesh:
             [0.60, 0.00, 0.00],  # 0 nose
             [-0.40, 0.36, 0.00],  # 1 left wing tip
             [-0.40, -0.36, 0.00],  # 2 right wing tip
-            [-0.22, 0.00, 0.17],  # 3 ridge
-            [-0.22, 0.00, -0.10],  # 4 keel
+            [-0.22, 0.00, 0.20],  # 3 ridge
+            [-0.22, 0.00, -0.13],  # 4 keel
         ]
     )
     faces = np.array([[0, 1, 3], [0, 3, 2], [0, 4, 1], [0, 2, 4], [1, 4, 3], [2, 3, 4]])
@@ -48,17 +48,28 @@ def torus(tube: float = 0.04, corners: int = 72, sides: int = 10) -> Mesh:
     radius = 1.0 + tube * np.cos(across)
     height = np.broadcast_to(tube * np.sin(across), (corners, sides))
     vertices = np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=-1)
-    i, j = (part.ravel() for part in np.meshgrid(range(corners), range(sides), indexing="ij"))
-    here, beside = i * sides + j, i * sides + (j + 1) % sides
-    ahead = (i + 1) % corners
-    next_here, next_beside = ahead * sides + j, ahead * sides + (j + 1) % sides
-    faces = np.concatenate(
-        [
-            np.column_stack([here, next_here, next_beside]),
-            np.column_stack([here, next_beside, beside]),
-        ]
+    return vertices.reshape(-1, 3), _woven(corners, sides, closed=True)
+
+
+def ball(corners: int = 40, sides: int = 20) -> Mesh:
+    """The unit sphere by meridians and parallels."""
+    around = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)[:, None]
+    down = np.linspace(0.0, np.pi, sides)[None, :]
+    height = np.broadcast_to(np.cos(down), (corners, sides))
+    vertices = np.stack([np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), height], -1)
+    return vertices.reshape(-1, 3), _woven(corners, sides, closed=False)[:, ::-1]
+
+
+def _woven(corners: int, sides: int, closed: bool) -> np.ndarray:
+    """Triangles over a grid of vertices, closed along its first axis and perhaps its second."""
+    spans = sides if closed else sides - 1
+    i, j = (part.ravel() for part in np.meshgrid(range(corners), range(spans), indexing="ij"))
+    ahead, beside = (i + 1) % corners, (j + 1) % sides
+    corner, right = i * sides + j, ahead * sides + j
+    far, left = ahead * sides + beside, i * sides + beside
+    return np.concatenate(
+        [np.column_stack([corner, right, far]), np.column_stack([corner, far, left])]
     )
-    return vertices.reshape(-1, 3), faces
 
 
 def circle(corners: int = 128) -> np.ndarray:
@@ -94,4 +105,4 @@ def dart_length(count: int, half: np.ndarray) -> float:
     """
     sides = 2.0 * half[half > 0.0]
     spacing = (np.prod(sides) / max(count, 1)) ** (1.0 / len(sides))
-    return float(min(0.85 * spacing, 0.042 * np.max(sides)))
+    return float(min(0.85 * spacing, 0.044 * np.max(sides)))

@@ -45,8 +45,10 @@ class Surroundings:
         self._left = False
 
     def draw(self, picture: Picture) -> Changes:
-        if picture.stage != self._stage or picture.frame.run != self._run:
-            self._stage, self._run, self._left = picture.stage, picture.frame.run, False
+        again = self._left and picture.frame.run != self._run
+        self._run = picture.frame.run
+        if again or picture.stage != self._stage:
+            self._stage, self._left = picture.stage, False
             self._build(picture.stage)
         if not self._left:
             if not left_the_box(picture):

@@ -42,9 +42,9 @@ def unlit(srgb: np.ndarray) -> np.ndarray:
     return (255.0 * np.clip(linear, 0.0, 1.0) + 0.5).astype(np.uint8)
 
 
-def lit(srgb: np.ndarray) -> np.ndarray:
+def lit(srgb: np.ndarray, light: float = LIGHT) -> np.ndarray:
     """Bytes for colours (..., 3) of mesh instances under the scene's lights."""
-    linear = _before_aces(decoded(srgb)) / LIGHT
+    linear = _before_aces(decoded(srgb)) / light
     return (255.0 * np.clip(linear, 0.0, 1.0) + 0.5).astype(np.uint8)
 
 

@@ -24,9 +24,9 @@ class Trails:
     """The trails of one run; forgotten when the run changes or trails are switched off."""
 
     def __init__(self, scene: SceneApi) -> None:
-        self._old = add_lines(scene, "/flock/trails/old", thickness=1.0)
-        self._young = add_lines(scene, "/flock/trails/young", thickness=1.8)
-        self._tip = add_lines(scene, "/flock/trails/tip", thickness=2.2)
+        self._old = add_lines(scene, "/flock/trails/old", thickness=1.0, many_coloured=True)
+        self._young = add_lines(scene, "/flock/trails/young", thickness=1.8, many_coloured=True)
+        self._tip = add_lines(scene, "/flock/trails/tip", thickness=2.2, many_coloured=True)
         self.clear()
 
     def clear(self) -> None:

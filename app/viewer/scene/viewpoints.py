@@ -16,8 +16,6 @@ GLIDE = 0.25
 """Time constant with which a following camera catches up, s."""
 CLOSE_UP = 1.2
 """Half side of what a following camera shows at first, display units."""
-COVERED = 0.22
-"""Share of the canvas that the floating panel hides on the right."""
 
 
 class Viewpoints:
@@ -32,7 +30,7 @@ class Viewpoints:
         self._stage: Stage | None = None
         self._last = time.monotonic()
         server.on_client_connect(self._welcome)
-        server.on_client_disconnect(self._forget)
+        server.on_client_disconnect(self._farewell)
 
     def place(self, client: ClientHandle, name: str) -> None:
         """Give one browser the preset `name`."""
@@ -44,7 +42,7 @@ class Viewpoints:
             return
         self.follow(client, None)
         low, high = extent(picture)
-        _set(client, view(name, picture.stage.dim, low, high, _aspect(client), COVERED))
+        _set(client, view(name, picture.stage.dim, low, high, _aspect(client)))
 
     def follow(self, client: ClientHandle, row: int | None) -> None:
         """Keep the agent now in `row` in view, or let go of it with None."""
@@ -77,16 +75,20 @@ class Viewpoints:
                 _glide(clients[client_id], picture, picture.at[rows[0]], share)
 
     def _enter(self, picture: Picture, clients: list[ClientHandle]) -> None:
-        start = view(_first(picture), picture.stage.dim, *extent(picture), 1.6, COVERED)
+        start = view(_first(picture), picture.stage.dim, *extent(picture), 1.0)
         initial = self._server.initial_camera
         initial.position, initial.look_at = start.position, start.target
-        initial.up, initial.fov = np.array([0.0, 0.0, 1.0]), start.fov
+        initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
         for client in clients:
             self.place(client, _first(picture))
 
     def _welcome(self, client: ClientHandle) -> None:
         if self._picture is not None:
             self.place(client, _first(self._picture))
+
+    async def _farewell(self, client: ClientHandle) -> None:
+        """On the event loop: viser's thread pool may be gone when the server stops."""
+        self._forget(client)
 
     def _forget(self, client: ClientHandle) -> None:
         with self._lock:
@@ -128,6 +130,7 @@ def _set(client: ClientHandle, wanted: View) -> None:
     with client.atomic():
         client.camera.up_direction = np.array([0.0, 0.0, 1.0])
         client.camera.fov = wanted.fov
+        client.camera.near = wanted.near
         client.camera.position = wanted.position
         client.camera.look_at = wanted.target
 

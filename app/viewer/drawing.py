@@ -1,0 +1,88 @@
+"""Draws the simulation's latest frame, and brings the panels up to date, in a thread of its own."""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections.abc import Callable
+
+from app.viewer.frame import Frame
+from app.viewer.scene import Look, Scene
+
+PANELS = 0.25
+"""Time between two refreshments of the panels, s."""
+FASTEST, SLOWEST = 1 / 30, 1 / 4
+"""Shortest and longest time between two frames drawn, s."""
+BANDWIDTH = 16e6
+"""What all browsers together may be sent, bytes/s."""
+AGENT_BYTES = 28
+"""What one agent takes in one frame, bytes."""
+
+
+def period(agents: int, browsers: int) -> float:
+    """Time between two frames, s: longer for a large flock and for many browsers.
+
+    >>> round(1 / period(1000, 1)), round(1 / period(1000, 40))
+    (30, 14)
+    """
+    if browsers == 0:
+        return SLOWEST
+    return min(max(FASTEST, agents * AGENT_BYTES * browsers / BANDWIDTH), SLOWEST)
+
+
+class Drawing:
+    """Takes the newest frame when it is time for one; frames in between are never drawn."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        latest: Callable[[], tuple[Frame | None, Look]],
+        browsers: Callable[[], int],
+        before: Callable[[], None],
+        panels: Callable[[], None],
+    ):
+        """`before` is called before every frame, `panels` four times a second."""
+        self.scene = scene
+        self.latest = latest
+        self.browsers = browsers
+        self.before = before
+        self.panels = panels
+        self.drawn: tuple[Frame, Look] | None = None
+        self.closing = threading.Event()
+        self.thread = threading.Thread(target=self.live, name="drawing", daemon=True)
+
+    def start(self) -> None:
+        """Begin to draw."""
+        self.thread.start()
+
+    def close(self) -> None:
+        """Stop drawing."""
+        self.closing.set()
+        self.thread.join(2.0)
+
+    def live(self) -> None:
+        """Draw and refresh, until closed; what goes wrong is printed and tried again."""
+        panels_due = 0.0
+        while not self.closing.is_set():
+            began = time.monotonic()
+            try:
+                self.before()
+                self.draw()
+                if began >= panels_due and self.drawn is not None:
+                    panels_due = began + PANELS
+                    self.panels()
+            except Exception as error:
+                traceback.print_exception(error)
+                self.closing.wait(1.0)
+            agents = 0 if self.drawn is None else len(self.drawn[0].ids)
+            rest = began + period(agents, self.browsers()) - time.monotonic()
+            self.closing.wait(max(0.002, rest))
+
+    def draw(self) -> None:
+        """Draw the latest frame if it, or the look, is new."""
+        frame, look = self.latest()
+        if frame is None or (self.drawn and self.drawn[0] is frame and self.drawn[1] == look):
+            return
+        self.scene.show(frame, look)
+        self.drawn = (frame, look)

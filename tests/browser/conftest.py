@@ -1,0 +1,90 @@
+"""A laboratory and a real browser that looks at it.
+
+FLOCKSCOPE_BROWSER_TESTS=required makes a missing browser an error; otherwise these tests are
+skipped without one.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+
+import pytest
+
+from app.viewer.laboratory import Laboratory
+from app.viewer.start import Start
+from tests.browser.window import Window
+from tests.viewer.waiting import until
+
+CHROMIUM = os.environ.get("FLOCKSCOPE_CHROMIUM") or shutil.which("chromium")
+ARGUMENTS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+START = Start(agents=60, seed=3, parameters={"eta": 0.3})
+
+
+def absent(what: str) -> None:
+    """Skip, or fail where browser tests are required."""
+    if os.environ.get("FLOCKSCOPE_BROWSER_TESTS") == "required":
+        pytest.fail(f"FLOCKSCOPE_BROWSER_TESTS=required, but there is no {what}", pytrace=False)
+    pytest.skip(f"no {what}: install it to run the browser tests")
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """One running browser."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        absent("playwright")
+    if CHROMIUM is None:
+        absent("chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def served(chromium):
+    """A laboratory on a port of its own."""
+    assert chromium.is_connected()
+    laboratory = Laboratory(START, port=0, speed=60.0, running=False)
+    yield laboratory
+    laboratory.close()
+
+
+@pytest.fixture(scope="session")
+def shared_window(chromium, served):
+    """A browser window that has loaded the laboratory."""
+    return Window(chromium.new_page(viewport={"width": 1280, "height": 800}), served)
+
+
+@pytest.fixture
+def laboratory(served):
+    """The laboratory, paused at tick 0 of a known flock, with nothing selected."""
+    simulation = served.simulation
+    before = simulation.state.run
+    simulation.pause()
+    simulation.run_at(60.0)
+    served.select(None)
+    simulation.setup(START)
+    until(lambda: simulation.state.run > before and simulation.frame.run == simulation.state.run)
+    until(lambda: served.drawing.drawn and served.drawing.drawn[0] is simulation.frame)
+    return served
+
+
+@pytest.fixture
+def window(laboratory, shared_window):
+    """The window, showing the paused laboratory at tick 0."""
+    until(lambda: shared_window.card("tick") == str(laboratory.simulation.frame.tick), 20)
+    return shared_window

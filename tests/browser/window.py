@@ -1,0 +1,62 @@
+"""A browser window on the laboratory, in the words of who sits before it."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from app.viewer.laboratory import Laboratory
+from tests.viewer.waiting import until
+
+
+class Window:
+    """One page; waits until the laboratory is drawn in it."""
+
+    def __init__(self, page: Any, laboratory: Laboratory):
+        self.page = page
+        page.goto(laboratory.address)
+        page.locator(".fs-card").first.wait_for(timeout=30_000)
+        until(self.shows_a_flock, 30, "a flock on the screen")
+
+    def card(self, name: str) -> str:
+        """What a monitor says."""
+        return self.page.evaluate(
+            """name => [...document.querySelectorAll('.fs-card')]
+            .find(card => card.querySelector('span').textContent === name)
+            ?.querySelector('b').textContent ?? ''""",
+            name,
+        )
+
+    def text(self) -> str:
+        """All text on the page."""
+        return self.page.inner_text("body")
+
+    def press(self, label: str) -> None:
+        """Click a button."""
+        self.page.get_by_role("button", name=label, exact=True).first.click()
+
+    def tab(self, label: str) -> None:
+        """Open a tab."""
+        self.page.get_by_role("tab", name=label, exact=True).click()
+
+    def number(self, control: Any) -> Any:
+        """The box for the number of a slider."""
+        return self.page.locator(f'[id="{control._impl.uuid}"] ~ div input')
+
+    def enter(self, control: Any, value: str) -> None:
+        """Type a number beside a slider."""
+        self.number(control).fill(value)
+
+    def pixels(self) -> np.ndarray:
+        """The picture between the panels, (height, width, 3)."""
+        drawn = Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
+        return np.asarray(drawn, int)[60:, 330 : drawn.width - 345]
+
+    def shows_a_flock(self) -> bool:
+        """Whether there are agents: some pixels are saturated, and most are not."""
+        picture = self.pixels()
+        vivid = np.mean(picture.max(axis=2) - picture.min(axis=2) > 90)
+        return bool(0.003 < vivid < 0.4)

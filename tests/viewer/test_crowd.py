@@ -1,0 +1,49 @@
+"""Flocks too dense for a laboratory."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from agents.flock import Flock
+from app.viewer.crowd import expected_pairs, refuse_too_dense, refuse_too_many_links
+from app.viewer.simulation import Simulation
+from app.viewer.start import Start
+from tests.viewer.stub_flock import StubFlock
+from tests.viewer.waiting import until
+from worlds.refusal import Refusal
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_expected_pairs_are_those_of_an_even_flock(dim):
+    flock = Flock("vem", agents=2000, size=10.0, dim=dim, rng=1)
+    assert len(flock.links()) == pytest.approx(
+        expected_pairs(2000, np.full(dim, 10.0), 1.0), rel=0.1
+    )
+
+
+def test_everybody_sees_everybody_in_a_tiny_world():
+    assert expected_pairs(100, np.array([0.1, 0.1]), 1.0) == 5000
+
+
+def test_a_flock_that_would_stall_the_laboratory_is_refused():
+    refuse_too_dense(StubFlock(Start(agents=19_000, size=1.0)))
+    with pytest.raises(Refusal, match="pairs of neighbours"):
+        refuse_too_dense(StubFlock(Start(agents=21_000, size=1.0)))
+
+
+def test_links_that_would_fill_the_memory_are_not_listed():
+    refuse_too_many_links(StubFlock(Start(agents=4000, size=1.0)))
+    refuse_too_many_links(StubFlock(Start(agents=20_000, size=70.0)))
+    with pytest.raises(Refusal, match="too many neighbours"):
+        refuse_too_many_links(StubFlock(Start(agents=20_000, size=1.0)))
+
+
+def test_a_setup_that_is_too_dense_leaves_the_old_flock():
+    simulation = Simulation(Start(agents=5), running=False, build=StubFlock)
+    assert simulation.ready.wait(5)
+    simulation.setup(Start(agents=21_000, size=1.0))
+    assert "pairs of neighbours" in simulation.notices.get(timeout=20)
+    until(lambda: not simulation.state.busy)
+    assert simulation.state.agents == 5
+    simulation.close()

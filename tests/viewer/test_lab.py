@@ -1,0 +1,85 @@
+"""The command that opens the laboratory."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from app.cli.lab import parameters
+from worlds.refusal import Refusal
+
+ROOT = Path(__file__).parents[2]
+COMMAND = [sys.executable, "-c", "from app.cli.main import main; main()", "lab"]
+
+
+def start(*arguments: str) -> subprocess.Popen:
+    return subprocess.Popen(
+        [*COMMAND, "--no-open", "--agents", "20", *arguments],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_it_tells_its_address_serves_there_and_stops_cleanly(how):
+    process = start("--port", "0")
+    line = process.stdout.readline()
+    address = re.search(r"http://localhost:\d+", line)[0]
+    assert b"<html" in urllib.request.urlopen(address, timeout=10).read()
+    process.send_signal(how)
+    out, err = process.communicate(timeout=20)
+    assert process.returncode in (0, 130)
+    assert "Traceback" not in out + err
+    assert out.count("\n") <= 2
+
+
+def test_a_busy_port_is_one_line_and_exit_code_2():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        process = start("--port", str(port))
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert out == ""
+    assert err.count("\n") == 1
+    assert f"port {port} on 127.0.0.1 cannot be used" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--model", "hwven"], "did you mean 'hwvem'?"),
+        (["--set", "eta=99"], "eta = 99 rad is outside"),
+        (["--set", "eta"], "--set eta is not of the form NAME=VALUE"),
+        (["--set", "etta=1"], "unknown parameter 'etta'"),
+        (["--world", "torus"], "torus"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_exit_code_2(arguments, words):
+    process = start("--port", "0", *arguments)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert out == ""
+    assert err.count("\n") == 1
+    assert words in err
+
+
+def test_settings_are_checked_and_a_little_noise_keeps_it_alive():
+    assert parameters("hwvem", []) == {"eta": 0.3}
+    assert parameters("hwvem", ["eta=0", "p2 = 20", "layers=instant"]) == {
+        "eta": 0.0,
+        "p2": 20.0,
+        "layers": "instant",
+    }
+    with pytest.raises(Refusal, match="NAME=VALUE"):
+        parameters("hwvem", ["=3"])

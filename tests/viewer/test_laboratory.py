@@ -1,0 +1,159 @@
+"""The laboratory without a screen: a client that speaks viser's language stands for a browser."""
+
+from __future__ import annotations
+
+import math
+import random
+import threading
+import time
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+import viser
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from app.viewer.drawing import FASTEST, SLOWEST, period
+from app.viewer.laboratory import Laboratory
+from app.viewer.panels.hotkeys import KEYS
+from app.viewer.panels.parameters import worded
+from app.viewer.start import Start
+from tests.viewer.waiting import until
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [0.0, 0.0, 40.0],
+    "fov": 0.3,
+    "near": 0.1,
+    "far": 100.0,
+    "image_height": 900,
+    "image_width": 800,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+
+
+@pytest.fixture(scope="module")
+def laboratory():
+    made = Laboratory(Start("vem-a", agents=30, seed=2), port=0, running=False)
+    assert made.simulation.ready.wait(60)
+    until(lambda: made.parameters.controls)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def browser(laboratory):
+    """A client that reads all it gets."""
+    client = connect(
+        laboratory.address.replace("http", "ws"),
+        subprotocols=[f"viser-v{viser.__version__}"],
+        max_size=None,
+    )
+
+    def read() -> None:
+        try:
+            for _ in client:
+                pass
+        except ConnectionClosed:
+            pass
+
+    threading.Thread(target=read, daemon=True).start()
+    client.send(msgspec.msgpack.encode(CAMERA))
+    until(lambda: laboratory.browsers() == 1)
+    yield client
+    client.close()
+    until(lambda: laboratory.browsers() == 0)
+
+
+def say(client: Any, **message: Any) -> None:
+    client.send(msgspec.msgpack.encode(message))
+
+
+def turn(client: Any, control: Any, value: Any) -> None:
+    say(client, type="GuiUpdateMessage", uuid=control._impl.uuid, updates={"value": value})
+
+
+def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
+    from agents.catalogue import MODELS
+    from agents.declare import declared
+
+    controls = laboratory.parameters.controls
+    for one in declared(MODELS["vem-a"].parameters):
+        assert (controls[one.name].min, controls[one.name].max) == (one.low, one.high)
+        assert controls[one.name].label == worded(one)[0]
+        assert one.source in controls[one.name].hint
+
+
+def test_every_key_has_its_command(laboratory):
+    commands = laboratory.server.gui._command_handle_from_uuid.values()
+    assert {command.hotkey for command in commands} == set(KEYS)
+
+
+def test_a_slider_acts_and_a_hostile_value_does_not(laboratory, browser):
+    eta = laboratory.parameters.controls["eta"]
+    turn(browser, eta, 2.0)
+    until(lambda: laboratory.simulation.run.flock.parameters.eta == 2.0)
+    for value in (math.nan, "2", None, [1], {"a": 1}):
+        turn(browser, eta, value)
+    turn(browser, eta, 1e9)
+    until(lambda: laboratory.simulation.run.flock.parameters.eta == eta.max)
+    assert not laboratory.simulation.state.error
+
+
+def test_the_leader_is_steered_within_the_world(laboratory):
+    size = laboratory.simulation.frame.size
+    laboratory.steer(size * 1.25, np.array([0.0, -3.0]))
+    until(lambda: np.allclose(laboratory.simulation.frame.position[0], 0.25 * size))
+    assert laboratory.simulation.frame.heading[0].tolist() == [0.0, -1.0]
+
+
+@pytest.mark.parametrize(
+    ("position", "heading"),
+    [
+        ([math.nan, 0.0], [1.0, 0.0]),
+        ([0.0, 0.0], [0.0, 0.0]),
+        ([0.0, 0.0], [math.inf, 0.0]),
+        ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ([0.0], [1.0, 0.0]),
+    ],
+)
+def test_the_leader_is_not_steered_to_nowhere(laboratory, position, heading):
+    flock = laboratory.simulation.run.flock
+    before = flock.position.copy(), flock.heading.copy()
+    laboratory.steer(np.array(position), np.array(heading))
+    laboratory.simulation.spec().result(5)
+    np.testing.assert_array_equal(flock.position, before[0])
+    np.testing.assert_array_equal(flock.heading, before[1])
+
+
+def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
+    gui = laboratory.server.gui
+    chance = random.Random(1)
+    values = [math.nan, math.inf, -1, 0, 1e300, "x", None, True, [], {}, b"\xff", 10**12, "Reset"]
+    agents = laboratory.setup.agents._impl.uuid
+    end = time.monotonic() + 3.0
+    while time.monotonic() < end:
+        uuid = chance.choice([*gui._gui_input_handle_from_uuid, None, 3, [1]])
+        value = chance.choice(values)
+        updates = chance.choice([{"value": value}] * 5 + [{"visible": False}, {}, [], None])
+        if uuid != agents:
+            say(browser, type="GuiUpdateMessage", uuid=uuid, updates=updates)
+        time.sleep(0.001)
+    simulation = laboratory.simulation
+    before = simulation.state.run
+    simulation.setup(Start("vem-a", agents=30))
+    until(lambda: simulation.state.run > before, 30)
+    simulation.run_at(math.inf)
+    simulation.go().result(10)
+    until(lambda: simulation.frame.tick > 5)
+    assert laboratory.drawing.thread.is_alive()
+
+
+def test_fewer_frames_for_many_browsers_and_large_flocks():
+    assert period(100, 1) == FASTEST
+    assert period(1000, 40) == pytest.approx(1000 * 40 * 28 / 16e6)
+    assert period(10**6, 10) == SLOWEST

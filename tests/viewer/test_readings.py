@@ -1,0 +1,125 @@
+"""Pace, rations, plots and notation: what the viewer counts and words by itself."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from agents.catalogue import MODELS
+from app.viewer.notation import equation_svg, plain
+from app.viewer.pace import ANSWER, Pace
+from app.viewer.panels.monitors import layer_bars
+from app.viewer.ration import Ration
+from app.viewer.readings import POINTS, Course, Readings
+from app.viewer.start import Start
+from tests.viewer.stub_flock import StubFlock
+
+
+def test_a_course_keeps_its_ends_and_never_has_too_many_points():
+    course = Course("order")
+    for tick in range(100_000):
+        course.add(tick, {"order": tick / 10})
+    ticks, values = course.arrays()
+    assert POINTS / 4 < len(ticks) <= POINTS
+    assert ticks[0] == 0
+    assert ticks[-1] > 99_000
+    assert np.all(np.diff(ticks) > 0)
+    np.testing.assert_array_equal(values, ticks / 10)
+
+
+def test_a_course_with_long_strides_is_not_thinned_to_nothing():
+    course = Course("order")
+    for tick in range(0, 10**7, 9973):
+        course.add(tick, {"order": 1.0})
+    assert len(course.arrays()[0]) > POINTS / 4
+
+
+def test_a_second_reading_at_one_tick_replaces_the_first():
+    course = Course("order")
+    course.add(0, {"order": 1.0})
+    course.add(0, {"order": 2.0})
+    assert [column.tolist() for column in course.arrays()] == [[0.0], [2.0]]
+
+
+def test_readings_count_layers_and_leave_the_unknown_out():
+    flock = StubFlock(Start(agents=5))
+    flock.layers = lambda: np.array([1, 2, 2, 6, 6])
+    readings = Readings(flock)
+    readings.read(at_once=True)
+    assert readings.layers.tolist() == [1, 2]
+    assert readings.unknown == 2
+    assert readings.values["polarisation"] == 1.0
+
+
+def test_deep_layers_share_the_last_bar():
+    assert layer_bars([1] * 40, 3).count("<i ") == 13
+    assert ">29<" in layer_bars([1] * 40, 3)
+
+
+def test_a_ration_gives_costly_work_its_share():
+    ration = Ration(period=0.1, share=0.1)
+    ration.spent(0.0, 50.0)
+    assert ration.due(0.1), "the first time may have had to compile"
+    ration.spent(1.0, 0.05)
+    assert not ration.due(1.4)
+    assert ration.due(1.5)
+
+
+def test_a_pace_counts_ticks_and_does_not_catch_up():
+    pace = Pace(10.0)
+    pace.cost = 1e-6
+    assert [pace.ticks_due(now) for now in (5.0, 5.05, 5.1, 5.35)] == [1, 0, 1, 2]
+    assert pace.ticks_due(60.0) > 1
+    assert pace.ticks_due(60.01) == 0
+
+
+def test_a_pace_keeps_calls_short_at_full_speed():
+    pace = Pace(math.inf)
+    assert pace.ticks_due(0.0) == 1
+    for _ in range(9):
+        pace.took(1, 0.001)
+    assert pace.ticks_due(0.0) == int(ANSWER / 0.001)
+    pace.took(20, 20.0)
+    assert pace.ticks_due(0.0) == 1
+
+
+def test_a_pace_tries_a_single_tick_when_something_has_changed():
+    pace = Pace(math.inf)
+    for _ in range(30):
+        pace.took(1, 1e-6)
+    assert pace.ticks_due(0.0) > 1000
+    pace.doubt()
+    assert pace.ticks_due(0.0) == 1
+
+
+def test_the_rate_is_what_was_done():
+    pace = Pace(math.inf)
+    for k in range(50):
+        pace.took(3, 0.1)
+        rate = pace.rate(0.1 * k)
+    assert rate == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize(
+    ("symbol", "text"),
+    [
+        (r"\eta", "η"),
+        ("v_0", "v₀"),
+        ("p_1", "p₁"),
+        (r"k_\alpha", "k α"),
+        ("k_{IU}", "k IU"),
+        ("w^{nei}", "w nei"),
+        ("r", "r"),
+    ],
+)
+def test_symbols_are_readable_without_latex(symbol, text):
+    assert plain(symbol) == text
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
+def test_every_equation_can_be_drawn(model):
+    lines = equation_svg(model.rule.equation)
+    assert lines
+    assert all(line and line.startswith("<svg") for line in lines)

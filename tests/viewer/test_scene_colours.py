@@ -1,0 +1,167 @@
+"""Colours of the scene and what they are said to mean."""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+import pytest
+
+from app.viewer.frame import Frame, Inspection
+from app.viewer.scene import COLOURINGS, Look, palette, tone
+from app.viewer.scene.colouring import agent_colours, legend
+from app.viewer.scene.oklch import decoded, encoded, oklch
+from app.viewer.scene.picture import picture
+from app.viewer.scene.stage import Stage
+
+
+def flock(count: int = 60, dim: int = 2, **changes) -> Frame:
+    rng = np.random.default_rng(count)
+    heading = rng.standard_normal((count, dim))
+    informed = np.zeros(count, dtype=bool)
+    informed[:1] = True
+    known = {
+        "run": 1,
+        "tick": 0,
+        "dim": dim,
+        "size": np.full(dim, 10.0),
+        "wraps": np.ones(dim, dtype=bool),
+        "reach": 1.0,
+        "speed_scale": 0.1,
+        "position": rng.random((count, dim)) * 10.0,
+        "heading": heading / np.linalg.norm(heading, axis=1)[:, None],
+        "speed": rng.random(count) * 0.1,
+        "informed": informed,
+        "ids": np.arange(count),
+        "layer": np.r_[1, rng.integers(2, 6, count - 1)],
+        "group": rng.integers(0, 4, count),
+    }
+    return Frame(**(known | changes))
+
+
+@pytest.mark.parametrize("colour", COLOURINGS)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_every_colouring_gives_colours_in_range_and_marks_the_leader(colour, dim):
+    frame = flock(dim=dim)
+    colours = agent_colours(frame, Look(colour=colour))
+    assert colours.shape == (60, 3)
+    assert np.all((colours >= 0.0) & (colours <= 1.0))
+    assert colours[0] == pytest.approx(palette.LEADER)
+    entries = legend(Look(colour=colour), frame)
+    assert entries
+    assert all(words and len(shade) == 7 and shade[0] == "#" for words, shade in entries)
+    assert palette.css(palette.LEADER) in [shade for _, shade in entries]
+
+
+def test_an_unknown_colouring_is_an_error():
+    with pytest.raises(ValueError, match="colour = 'mood'"):
+        Look(colour="mood")
+
+
+@pytest.mark.parametrize("colours", [palette.LAYERS, palette.GROUPS], ids=["layers", "groups"])
+def test_named_colours_can_be_told_apart(colours):
+    for one, other in combinations([*colours, palette.UNKNOWN][: len(colours)], 2):
+        assert np.linalg.norm(one - other) > 0.15
+
+
+def oklab(srgb: np.ndarray) -> np.ndarray:
+    """sRGB -> OKLab with Ottosson's forward matrices (the code under test has the inverse ones)."""
+    to_lms = np.array(
+        [
+            [0.4122214708, 0.5363325363, 0.0514459929],
+            [0.2119034982, 0.6806995451, 0.1073969566],
+            [0.0883024619, 0.2817188376, 0.6299787005],
+        ]
+    )
+    to_lab = np.array(
+        [
+            [0.2104542553, 0.7936177850, -0.0040720468],
+            [1.9779984951, -2.4285922050, 0.4505937099],
+            [0.0259040371, 0.7827717662, -0.8086757660],
+        ]
+    )
+    return np.cbrt(decoded(srgb) @ to_lms.T) @ to_lab.T
+
+
+def test_heading_colours_go_round_in_even_steps():
+    angle = np.deg2rad(np.arange(361))
+    wheel = palette.by_heading(np.column_stack([np.cos(angle), np.sin(angle)]))
+    assert wheel[0] == pytest.approx(wheel[-1])
+    step = np.linalg.norm(np.diff(oklab(wheel), axis=0), axis=1)
+    assert step.max() < 2.0 * step.min()
+    quarters = wheel[[0, 90, 180, 270]]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(quarters, 2)) > 0.3
+
+
+def test_climbing_is_lighter_than_level_and_diving_is_darker():
+    elevation = np.deg2rad([-80.0, -40.0, 0.0, 40.0, 80.0])
+    heading = np.column_stack([np.cos(elevation), np.zeros(5), np.sin(elevation)])
+    light = decoded(palette.by_heading(heading)) @ np.array([0.2126, 0.7152, 0.0722])
+    assert all(darker < lighter for darker, lighter in pairwise(light))
+
+
+def test_speed_saturates_at_its_scale_and_stands_a_scale_of_zero():
+    colours = palette.by_speed(np.array([0.0, 1.0, 5.0]), 1.0)
+    assert colours[1] == pytest.approx(colours[2])
+    assert np.linalg.norm(colours[0] - colours[1]) > 0.4
+    assert palette.by_speed(np.array([0.0, 1.0]), 0.0)[1] == pytest.approx(palette.SPEEDS[0])
+
+
+def test_layers_beyond_the_flock_are_unknown():
+    layer = np.array([1, 2, 3, 5])
+    assert palette.by_layer(layer)[3] == pytest.approx(palette.UNKNOWN)
+    assert palette.by_layer(layer)[1] == pytest.approx(palette.LAYERS[1])
+
+
+def test_labels_that_are_not_there_yet_are_grey():
+    colours = agent_colours(flock(layer=None), Look(colour="layer"))
+    assert colours[1:] == pytest.approx(np.tile(palette.UNKNOWN, (59, 1)))
+
+
+def test_layer_legend_names_the_layers_that_occur():
+    words = [entry[0] for entry in legend(Look(colour="layer"), flock(5, layer=np.arange(1, 6)))]
+    assert words == ["1 information agent", "layer 2", "layer 3", "layer 4", "layer 5", "unknown"]
+
+
+def test_oklch_has_known_white_black_and_red():
+    assert oklch(1.0, 0.0, 0.0) == pytest.approx([1, 1, 1], abs=1e-3)
+    assert oklch(0.0, 0.0, 0.0) == pytest.approx([0, 0, 0], abs=1e-3)
+    red = oklch(0.6279554, 0.2576833, np.deg2rad(29.2338851))
+    assert red == pytest.approx([1, 0, 0], abs=2e-3)
+
+
+def test_srgb_encoding_is_undone_by_decoding():
+    light = np.linspace(0.0, 1.0, 101)
+    assert decoded(encoded(light)) == pytest.approx(light, abs=1e-9)
+
+
+def aces(linear: np.ndarray) -> np.ndarray:
+    """three.js ACESFilmicToneMapping, transcribed from its shader."""
+    v = (linear / 0.6) @ np.array(
+        [[0.59719, 0.07600, 0.02840], [0.35458, 0.90834, 0.13383], [0.04823, 0.01566, 0.83777]]
+    )
+    v = (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081)
+    return v @ np.array(
+        [
+            [1.60475, -0.10208, -0.00327],
+            [-0.53108, 1.10813, -0.07276],
+            [-0.07367, -0.00605, 1.07602],
+        ]
+    )
+
+
+def test_unlit_colours_come_back_through_the_browsers_tone_curve():
+    meant = np.array([palette.EDGE, palette.LINK, [0.5, 0.5, 0.5], [0.3, 0.45, 0.6]])
+    seen = encoded(np.clip(aces(tone.unlit(meant) / 255.0), 0.0, 1.0))
+    assert seen == pytest.approx(meant, abs=0.02)
+
+
+def test_an_inspection_dims_all_but_the_agent_its_neighbours_and_the_leader():
+    inspected = Inspection(5, 5, np.array([7, 9]), np.zeros((2, 2)), np.array([1.0, 0.5]))
+    frame = flock()
+    plain = picture(frame, Look(), Stage.of(frame))
+    shown = picture(flock(inspected=inspected), Look(), Stage.of(frame))
+    kept = np.isin(np.arange(60), [0, 5, 7, 9])
+    assert shown.colour[kept] == pytest.approx(plain.colour[kept])
+    faded = np.linalg.norm(shown.backdrop - shown.colour[~kept], axis=1)
+    full = np.linalg.norm(plain.backdrop - plain.colour[~kept], axis=1)
+    assert np.all(faded < 0.5 * full)
+    assert shown.size[5] > shown.size[7] > shown.size[9] > shown.size[11] == 1.0
