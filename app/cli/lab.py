@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import time
 import webbrowser
 from typing import Annotated, Any
@@ -13,6 +12,7 @@ from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
 from app.cli.settings import assignment
+from app.cli.stopping import Stopping
 from app.viewer.start import Start
 
 NOISE = 0.3
@@ -20,7 +20,7 @@ NOISE = 0.3
 
 
 def lab(
-    model: Annotated[str, typer.Option(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
+    model: Annotated[str, typer.Argument(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
     agents: Annotated[int, typer.Option(min=1, help="Number of agents.")] = 100,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the run.")] = 1,
     dim: Annotated[int, typer.Option(min=2, max=3, help="2 or 3 dimensions.")] = 2,
@@ -65,16 +65,18 @@ def parameters(model: str, settings: list[str]) -> dict[str, Any]:
 
 def serve(laboratory: Any, open_browser: bool) -> None:
     """Tell the address and serve until Ctrl-C."""
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        typer.echo(f"flockscope is at {laboratory.address} (Ctrl-C stops it)")
-        if not laboratory.simulation.ready.wait(0.8):
-            typer.echo("compiling the model: only its first start takes these seconds ...")
-        if open_browser:
-            webbrowser.open(laboratory.address)
-        while True:
-            time.sleep(3600)
+        with Stopping(at_once=True):
+            typer.echo(f"flockscope is at {laboratory.address} (Ctrl-C stops it)")
+            if not laboratory.simulation.ready.wait(0.8):
+                typer.echo(
+                    "compiling: only the first start of a model takes this long ...", err=True
+                )
+            if open_browser:
+                webbrowser.open(laboratory.address)
+            while True:
+                time.sleep(3600)
     except KeyboardInterrupt:
-        typer.echo("")
+        typer.echo("", err=True)
     finally:
         laboratory.close()

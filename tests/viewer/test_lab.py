@@ -58,7 +58,7 @@ def test_a_busy_port_is_one_line_and_exit_code_2():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--model", "hwven"], "did you mean 'hwvem'?"),
+        (["hwven"], "did you mean 'hwvem'?"),
         (["--set", "eta=99"], "eta = 99 rad is outside"),
         (["--set", "eta"], "--set eta is not of the form NAME=VALUE"),
         (["--set", "etta=1"], "unknown parameter 'etta'"),
