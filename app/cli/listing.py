@@ -1,0 +1,130 @@
+"""`flockscope list`: what there is to choose from."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any
+
+import typer
+
+from worlds.refusal import unknown
+
+Rows = list[dict[str, Any]]
+
+
+def models() -> Rows:
+    """All models."""
+    from agents.catalogue import MODELS
+
+    return [
+        {
+            "name": one.name,
+            "title": one.title,
+            "dimensions": list(one.dimensions),
+            "informed": one.informed,
+            "summary": one.summary,
+            "source": one.rule.source,
+        }
+        for one in MODELS.values()
+    ]
+
+
+def parameters() -> Rows:
+    """All parameters, each once, with the models that have them."""
+    from agents.catalogue import MODELS
+    from agents.declare import declared
+
+    found: dict[tuple, dict[str, Any]] = {}
+    for model in MODELS.values():
+        for one in declared(model.parameters):
+            row = found.setdefault(
+                (one.name, one.default, one.allowed, one.description),
+                {
+                    "name": one.name,
+                    "symbol": one.symbol,
+                    "default": one.default,
+                    "allowed": one.allowed,
+                    "unit": one.unit,
+                    "models": [],
+                    "description": one.description,
+                    "source": one.source,
+                },
+            )
+            row["models"].append(model.name)
+    return list(found.values())
+
+
+def worlds() -> Rows:
+    """The built-in worlds."""
+    from worlds.world import layout_names, read_layout
+
+    return [{"name": name, "title": read_layout(name).get("title", "")} for name in layout_names()]
+
+
+def observables() -> Rows:
+    """All observables."""
+    from agents.observables.catalogue import OBSERVABLES
+
+    return [
+        {"name": one.name, "unit": one.unit, "range": one.range, "title": one.title}
+        for one in OBSERVABLES.values()
+    ]
+
+
+def papers() -> Rows:
+    """Tables and figures that `flockscope paper` repeats."""
+    from app.experiments.experiment import experiment_names, read_experiment
+
+    made = [read_experiment(name) for name in experiment_names()]
+    return [{"name": one.name, "title": one.title, "source": one.source} for one in made]
+
+
+KINDS = {
+    "models": models,
+    "parameters": parameters,
+    "worlds": worlds,
+    "observables": observables,
+    "papers": papers,
+}
+ON_SCREEN = {
+    "models": ("name", "title", "dimensions", "summary"),
+    "parameters": ("name", "default", "allowed", "models", "description"),
+}
+"""Columns for people; JSON has all of them."""
+
+
+def listing(
+    what: Annotated[str | None, typer.Argument(help=f"{', '.join(KINDS)}; all without.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List models, parameters, worlds, observables and papers."""
+    if what is not None and what not in KINDS:
+        raise unknown("list", what, KINDS)
+    made = {kind: KINDS[kind]() for kind in ([what] if what else KINDS)}
+    if as_json:
+        typer.echo(json.dumps(made[what] if what else made))
+    else:
+        show(made)
+
+
+def show(made: dict[str, Rows]) -> None:
+    """Print tables for people."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    for kind, rows in made.items():
+        columns = ON_SCREEN.get(kind) or tuple(rows[0])
+        table = Table(*columns, title=kind, title_justify="left", box=SIMPLE_HEAD)
+        table.columns[0].no_wrap = True
+        for row in rows:
+            table.add_row(*(cell(row[name]) for name in columns))
+        console.print(table)
+
+
+def cell(value: Any) -> str:
+    """A value as a cell shows it."""
+    if isinstance(value, list):
+        return ", ".join(str(one) for one in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

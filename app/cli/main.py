@@ -1,0 +1,90 @@
+"""The command `flockscope`: finds the asked command and imports only what that one needs."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from typing import Annotated, Any, NamedTuple
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
+
+from app.cli.refusals import told
+
+
+class Entry(NamedTuple):
+    """Where a command is, and what it is in a line."""
+
+    module: str
+    function: str
+    summary: str
+
+
+COMMANDS = {
+    "lab": Entry("app.cli.lab", "lab", "Open the laboratory in the browser (the default)."),
+    "run": Entry("app.cli.run", "run", "Run a flock and print what is observed at its end."),
+    "paper": Entry("app.cli.paper", "paper", "Repeat a table or a figure of a paper."),
+    "list": Entry("app.cli.listing", "listing", "Models, parameters, worlds, observables, papers."),
+    "recover": Entry("app.cli.recover", "recover", "Save the recording of a run that was killed."),
+}
+
+
+class Commands(TyperGroup):
+    """The commands by name; the module of a command is imported when it is called."""
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002
+        """Names in the order of the help page."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
+        """A stand-in with name and summary, enough for the help page."""
+        if cmd_name not in COMMANDS:
+            return None
+        return TyperCommand(cmd_name, help=COMMANDS[cmd_name].summary)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The real command for a call."""
+        self.commands = {one: self.get_command(ctx, one) for one in COMMANDS}  # for suggestions
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, command and load(command.name or ""), rest
+
+
+def load(name: str) -> Any:
+    """Import a command."""
+    entry = COMMANDS[name]
+    function = getattr(import_module(entry.module), entry.function)
+    single = typer.Typer(add_completion=False)
+    single.command(name)(told(function))
+    command = get_command(single)
+    command.name = name
+    return command
+
+
+app = typer.Typer(cls=Commands, no_args_is_help=False)
+
+
+def show_version(asked: bool) -> None:
+    """Print the version and stop."""
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"flockscope {version('flockscope')}")
+        raise typer.Exit
+
+
+@app.callback()
+def flockscope(
+    version: Annotated[
+        bool, typer.Option("--version", callback=show_version, is_eager=True, help="The version.")
+    ] = False,
+) -> None:
+    """A laboratory for flocks: watch them, steer them, measure them.
+
+    Without a command it opens the laboratory in the browser.
+    """
+
+
+def main() -> None:
+    """Entry point of the command line."""
+    app(args=sys.argv[1:] or ["lab"], prog_name="flockscope")

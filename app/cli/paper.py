@@ -1,0 +1,123 @@
+"""`flockscope paper`: a table or a figure of a paper, measured beside published."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.outcome import as_json
+from app.cli.progress import Progress, duration
+from app.cli.refusals import INTERRUPTED
+from app.cli.settings import at_least, names, whole_numbers
+from app.cli.stopping import Stopping
+
+if TYPE_CHECKING:
+    from app.experiments.conduct import Done
+    from app.experiments.experiment import Experiment
+
+
+def paper(
+    name: Annotated[str, typer.Argument(help="Which one, see `flockscope list papers`.")],
+    runs: Annotated[int | None, typer.Option(help="Runs per row.  [default: the paper's]")] = None,
+    agents: Annotated[str, typer.Option(help="Only these sizes of flock: 100,200.")] = "",
+    models: Annotated[str, typer.Option(help="Only these models: vem,hwvem.")] = "",
+    seed: Annotated[int, typer.Option(help="Seed of the first run of each row.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for runs and pictures.  [default: results/NAME]")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Runs at a time.  [default: cores]")] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+) -> None:
+    """Repeat a table or a figure of a paper and print it beside the published numbers.
+
+    Finished runs are kept in FOLDER/runs.csv: what is there is not run again.
+    """
+    at_least("--runs", runs, 2)
+    at_least("--seed", seed, 0)
+    at_least("--workers", workers, 1)
+    from app.experiments.experiment import read_experiment
+
+    whole = read_experiment(name)
+    experiment = whole.narrowed(names(models), whole_numbers("--agents", agents))
+    folder = out or Path("results") / name
+    begun = time.monotonic()
+    done = carried_out(experiment, folder, runs or experiment.runs, seed, workers, quiet)
+    seconds = time.monotonic() - begun
+    files = {"runs": folder / "runs.csv", "summary": folder / "summary.csv"}
+    report(experiment, done, files, seconds, pictures, json_asked, quiet)
+
+
+def carried_out(
+    experiment: Experiment, folder: Path, runs: int, seed: int, workers: int | None, quiet: bool
+) -> Done:
+    """Carry out the experiment; after Ctrl-C tell how to go on."""
+    from app.experiments.conduct import conduct
+    from app.experiments.pool import cores
+
+    begun = time.monotonic()
+    try:
+        with Stopping(at_once=True), Progress(experiment.name, quiet) as progress:
+            done = conduct(
+                experiment,
+                folder,
+                runs=runs,
+                seed=seed,
+                workers=workers or cores(),
+                tell=None if quiet else tell,
+                at=progress.at,
+            )
+    except KeyboardInterrupt:
+        again = f"flockscope {shlex.join(sys.argv[1:])}"
+        kept = folder / "runs.csv"
+        tell(f"flockscope: stopped; finished runs are in {kept}; go on with: {again}")
+        raise typer.Exit(INTERRUPTED) from None
+    if not quiet:
+        spent = duration(time.monotonic() - begun)
+        tell(f"{done.made} runs made in {spent}, {done.taken} taken from {folder / 'runs.csv'}")
+    return done
+
+
+def report(
+    experiment: Experiment,
+    done: Done,
+    files: dict[str, Path],
+    seconds: float,
+    pictures: bool,
+    json_asked: bool,
+    quiet: bool,
+) -> None:
+    """Write the files and print the outcome."""
+    from app.experiments.report import as_value, show, write_summary
+    from app.experiments.verdict import claims, verdicts
+
+    made = verdicts(done.measured)
+    said = claims(made)
+    write_summary(files["summary"], made)
+    if pictures:
+        from app.experiments.pictures.draw import draw
+
+        files |= draw(experiment, made, files["summary"].parent)
+    if json_asked:
+        value: dict[str, Any] = as_value(experiment, made, said)
+        value["seconds"] = round(seconds, 3)
+        value["runs"] = {"made": done.made, "taken": done.taken}
+        value["files"] = {kind: str(path) for kind, path in files.items()}
+        typer.echo(as_json(value))
+    else:
+        from rich.console import Console
+
+        show(Console(), experiment, made, said)
+    if not quiet:
+        tell("written: " + ", ".join(str(path) for path in files.values()))
+
+
+def tell(line: str) -> None:
+    """A line on stderr."""
+    typer.echo(line, err=True)

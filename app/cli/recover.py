@@ -1,0 +1,23 @@
+"""`flockscope recover`: the recording of a run that was killed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def recover(
+    file: Annotated[Path, typer.Argument(help="The .part file that the run has left.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Make a recording of what a killed run has left in its .part file."""
+    from agents.record import recover as recover_part
+
+    path, rows = recover_part(file)
+    if as_json:
+        typer.echo(json.dumps({"recording": str(path), "rows": rows}))
+    else:
+        typer.echo(f"{path}: {rows} rows")

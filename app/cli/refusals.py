@@ -1,0 +1,44 @@
+"""What cannot be done is told in one line on stderr, with exit code 2 and no traceback."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, NoReturn
+
+import typer
+
+from worlds.refusal import Refusal
+
+REFUSED = 2
+INTERRUPTED = 130
+
+
+def told(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The command, with its refusals turned into one line."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> Any:
+        try:
+            return command(*args, **kwargs)
+        except Refusal as refusal:
+            refuse(refusal)
+        except ArithmeticError as error:
+            from agents.engine.runner import NotANumber
+
+            if not isinstance(error, NotANumber):
+                raise
+            refuse(error)
+        except MemoryError as error:
+            refuse(f"there is not enough memory: {error or 'use fewer agents'}")
+        except KeyboardInterrupt:
+            raise typer.Exit(INTERRUPTED) from None
+
+    return guarded
+
+
+def refuse(reason: object) -> NoReturn:
+    """Tell the reason and stop."""
+    line = " ".join(str(reason).split())
+    typer.echo(f"flockscope: {line}", err=True)
+    raise typer.Exit(REFUSED) from None

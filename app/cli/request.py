@@ -1,0 +1,122 @@
+"""The flock that a command line asks for: a spec file, options over it, `--set` over both."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.settings import assignment
+from app.experiments.lines import place
+from worlds.refusal import Refusal, unknown
+
+if TYPE_CHECKING:
+    from agents import Flock
+
+KEYS = ("model", "agents", "informed", "seed", "world", "size", "activation", "noise")
+"""Keys of a spec that an option can override."""
+NAMES = ("model", "world", "activation", "noise")
+"""Those whose values are names."""
+
+
+@dataclass
+class Request:
+    """A run as it is asked for; every value with where it came from."""
+
+    values: dict[str, Any] = field(default_factory=dict)
+    parameters: dict[str, Any] = field(default_factory=dict)
+    origins: dict[str, str] = field(default_factory=dict)
+    versions: dict[str, str] = field(default_factory=dict)
+
+    def read_spec(self, path: Path) -> None:
+        """Take the values of a spec file, whole or in part. Raises Refusal naming file and line."""
+        text = read_text(path)
+        try:
+            given = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise Refusal(f"{path} is not TOML: {error}") from None
+        for key in given:
+            if key not in (*KEYS, "start", "parameters", "versions"):
+                known = (*KEYS, "parameters", "versions")
+                raise unknown("key", key, known, place(path, text, key))
+        if given.pop("start", "random") != "random":
+            raise Refusal(
+                "start = 'given': a run from given arrays goes on only from its saved state, with "
+                f"--state ({place(path, text, 'start')})"
+            )
+        self.versions = table(given, "versions", path, text)
+        parameters = table(given, "parameters", path, text)
+        for name in parameters:
+            self.origins[name] = place(path, text, name, "parameters")
+        self.parameters.update(parameters)
+        for key, value in given.items():
+            self.values[key] = value
+            self.origins[key] = place(path, text, key)
+
+    def take_options(self, options: dict[str, Any]) -> None:
+        """Take the options that are given (not None); they win over a spec."""
+        for key, value in options.items():
+            if value is not None:
+                self.values[key] = value
+                self.origins[key] = f"--{key}" if key != "model" else "MODEL"
+
+    def take_settings(self, settings: list[str]) -> None:
+        """Take `--set NAME=VALUE`; they win over all. Raises Refusal."""
+        for setting in settings:
+            name, value = assignment(setting)
+            self.parameters[name] = value
+            self.origins[name] = f"--set {name}"
+
+    def build(self, threads: int) -> Flock:
+        """The flock at its first tick. Raises Refusal naming what is wrong and where it stands."""
+        from agents import Flock
+        from agents.catalogue import model as find_model
+
+        given = dict(self.values)
+        for key in NAMES:
+            if key in given and not isinstance(given[key], str):
+                raise Refusal(f"{key} = {given[key]!r} is not a name ({self.origins[key]})")
+        size = given.get("size")
+        if isinstance(size, list | tuple) and "dim" not in given and len(size) > 1:
+            given["dim"] = len(size)
+        if "seed" in given:
+            given["rng"] = given.pop("seed")
+        try:
+            self.check_parameters(find_model(given["model"]).parameters)
+            return Flock(threads=threads, **given, **self.parameters)
+        except Refusal as refusal:
+            raise self.located(refusal) from None
+
+    def check_parameters(self, model: Any) -> None:
+        """Refuse a parameter with its origin. Raises Refusal."""
+        from agents.declare import checked
+
+        for name, value in self.parameters.items():
+            checked(model, {name: value}, self.origins[name])
+
+    def located(self, refusal: Refusal) -> Refusal:
+        """The refusal with the origin of the value that it names."""
+        text = str(refusal)
+        words = text.split()
+        key = words[1] if words[0] == "unknown" else words[0]
+        origin = self.origins.get(key, "")
+        return Refusal(f"{text} ({origin})") if origin and origin not in text else refusal
+
+
+def read_text(path: Path) -> str:
+    """The text of a file. Raises Refusal."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise Refusal(f"{str(path)!r} is not a text file") from None
+
+
+def table(given: dict[str, Any], key: str, path: Path, text: str) -> dict[str, Any]:
+    """Take a table of values out of a spec. Raises Refusal if it is none."""
+    values = given.pop(key, {})
+    if not isinstance(values, dict) or any(isinstance(v, dict | list) for v in values.values()):
+        raise Refusal(f"{key} is not a table of single values ({place(path, text, key)})")
+    return values

@@ -1,0 +1,187 @@
+"""`flockscope run`: a flock without a window."""
+
+from __future__ import annotations
+
+import shlex
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+from app.cli.keeping import run_ticks
+from app.cli.outcome import as_json, outcome, show
+from app.cli.progress import Progress
+from app.cli.refusals import INTERRUPTED
+from app.cli.request import Request
+from app.cli.settings import at_least, names, numbers
+from app.experiments.kernels import compile_loop
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from agents import Flock
+
+OBSERVED = "polarisation,consistency"
+
+
+def run(
+    model: Annotated[str | None, typer.Argument(help="A model, see `flockscope list`.")] = None,
+    agents: Annotated[int | None, typer.Option(help="Ordinary agents.  [default: 100]")] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
+    ] = None,
+    ticks: Annotated[int, typer.Option(help="Ticks to run.")] = 100,
+    seed: Annotated[int | None, typer.Option(help="Seed of the run.  [default: drawn]")] = None,
+    size: Annotated[
+        str | None, typer.Option(help="Side of the box, or one per axis: 7 or 7,5.")
+    ] = None,
+    dim: Annotated[int | None, typer.Option(help="2 or 3 dimensions.")] = None,
+    world: Annotated[str | None, typer.Option(help="A built-in world or a TOML file.")] = None,
+    informed: Annotated[int | None, typer.Option(help="Information agents.")] = None,
+    activation: Annotated[
+        str | None, typer.Option(help="synchronous, random or sequential.")
+    ] = None,
+    noise: Annotated[str | None, typer.Option(help="angular or vectorial.")] = None,
+    threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
+    spec: Annotated[Path | None, typer.Option(help="TOML file that describes the run.")] = None,
+    state: Annotated[
+        Path | None, typer.Option(help="Saved state or recording to go on from.")
+    ] = None,
+    save: Annotated[Path | None, typer.Option(help="Save the last state (Parquet).")] = None,
+    save_spec: Annotated[Path | None, typer.Option(help="Write the run's spec (TOML).")] = None,
+    record: Annotated[Path | None, typer.Option(help="Record frames (Parquet).")] = None,
+    every: Annotated[int, typer.Option(help="Ticks between recorded frames.")] = 1,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Let --record replace a file.")
+    ] = False,
+    observe: Annotated[
+        str, typer.Option(help="Observables with commas, or `all`, see `flockscope list`.")
+    ] = OBSERVED,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+) -> None:
+    """Run a flock and print what is observed at its end.
+
+    The same spec and seed give the same numbers.
+    """
+    at_least("--ticks", ticks, 0)
+    at_least("--every", every, 1)
+    if record and record.exists() and not overwrite:
+        raise Refusal(f"--record {str(record)!r} exists already: name another, or --overwrite")
+    made_of: dict[str, Any] = {
+        "model": model,
+        "agents": agents,
+        "seed": seed,
+        "size": None if size is None else sides(size),
+        "dim": dim,
+        "world": world,
+        "informed": informed,
+        "activation": activation,
+        "noise": noise,
+    }
+    observables = known_observables(observe)
+    given = settings or []
+    if state:
+        flock = loaded(state, spec, made_of, given, threads)
+    else:
+        flock = built(spec, made_of, given, threads, quiet)
+    if save_spec:
+        write_spec(flock, save_spec)
+    compile_loop(flock, None if quiet else tell)
+    first, begun = flock.tick, time.perf_counter()
+    with Progress(f"{flock.model.name}, {len(flock.ids)} agents", quiet) as progress:
+        whole = run_ticks(flock, ticks, progress, record, every)
+    seconds = time.perf_counter() - begun
+    if save:
+        flock.save(save)
+    if not whole:
+        stopped(flock, first + ticks, record, save, every)
+    made = outcome(flock, observables, ticks, seconds)
+    if json_asked:
+        files = {"recording": record, "state": save}
+        typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
+    else:
+        show(made, flock)
+
+
+def known_observables(text: str) -> list[str]:
+    """The observables of a list with commas. Raises Refusal."""
+    from agents.flock import known
+    from agents.observables.catalogue import OBSERVABLES
+
+    return list(OBSERVABLES) if text == "all" else [known(name) for name in names(text)]
+
+
+def built(
+    spec: Path | None, made_of: dict[str, Any], settings: list[str], threads: int, quiet: bool
+) -> Flock:
+    """The flock of a spec and options. Raises Refusal."""
+    request = Request()
+    if spec:
+        request.read_spec(spec)
+    request.take_options(made_of)
+    request.take_settings(settings)
+    if "model" not in request.values:
+        raise Refusal("which MODEL? `flockscope list models` names them; or give --spec or --state")
+    flock = request.build(threads)
+    now = flock.spec.versions
+    other = [f"{k} {v}, here {now[k]}" for k, v in request.versions.items() if now.get(k, v) != v]
+    if other and not quiet:
+        tell(f"flockscope: the spec was written with {'; '.join(other)}")
+    return flock
+
+
+def loaded(
+    state: Path, spec: Path | None, made_of: dict[str, Any], settings: list[str], threads: int
+) -> Flock:
+    """The flock of a saved state, with `--set` changing its parameters. Raises Refusal."""
+    from agents import Flock
+
+    for name, value in {**made_of, "spec": spec}.items():
+        if value is not None:
+            option = "MODEL" if name == "model" else f"--{name}"
+            raise Refusal(f"{option} {value} cannot be given with --state, which says it already")
+    request = Request()
+    request.take_settings(settings)
+    flock = Flock.load(state, threads=threads)
+    request.check_parameters(flock.model.parameters)
+    flock.set(**request.parameters)
+    return flock
+
+
+def sides(text: str) -> float | tuple[float, ...]:
+    """One side for all axes, or one per axis. Raises Refusal."""
+    made = numbers("--size", text)
+    return made[0] if len(made) == 1 else tuple(made)
+
+
+def tell(line: str) -> None:
+    """A line on stderr."""
+    typer.echo(line, err=True)
+
+
+def write_spec(flock: Flock, path: Path) -> None:
+    """Write the run's spec. Raises Refusal."""
+    try:
+        path.write_text(flock.spec.to_toml(), encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"--save-spec {str(path)!r} cannot be written: {error.strerror}") from None
+
+
+def stopped(
+    flock: Flock, last: int, record: Path | None, save: Path | None, every: int
+) -> NoReturn:
+    """Tell how to go on from a run that was asked to stop."""
+    line = f"flockscope: stopped at tick {flock.tick} of {last}; "
+    again = ["flockscope", "run", "--ticks", str(last - flock.tick)]
+    again += ["--threads", str(flock.threads)] if flock.threads > 1 else []
+    if record:
+        again += ["--every", str(every)] if every > 1 else []
+        part = record.with_name(f"{record.stem}-from-{flock.tick}{record.suffix}")
+        line += f"go on with: {shlex.join([*again, '--state', str(record), '--record', str(part)])}"
+    elif save:
+        line += f"go on with: {shlex.join([*again, '--state', str(save)])}"
+    else:
+        line += "nothing was kept (--save FILE keeps the state)"
+    tell(line)
+    raise typer.Exit(INTERRUPTED)

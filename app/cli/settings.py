@@ -1,0 +1,67 @@
+"""Settings given as text: `NAME=VALUE`, lists with commas."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from worlds.refusal import Refusal
+
+SWITCHES = {"true": True, "false": False, "on": True, "off": False}
+
+
+def assignment(setting: str) -> tuple[str, Any]:
+    """Name and value of `NAME=VALUE`. Raises Refusal for anything else.
+
+    >>> assignment("p1=0.1"), assignment("layers=instant"), assignment("eta = 1")
+    (('p1', 0.1), ('layers', 'instant'), ('eta', 1))
+    """
+    name, equals, text = (part.strip() for part in setting.partition("="))
+    if not equals or not name or not text:
+        raise Refusal(f"--set {setting} is not of the form NAME=VALUE")
+    return name, value(text)
+
+
+def value(text: str) -> Any:
+    """A whole number, a number, a switch, or the text itself."""
+    if text.lower() in SWITCHES:
+        return SWITCHES[text.lower()]
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def names(text: str) -> list[str]:
+    """The names of a list with commas.
+
+    >>> names("vem, hwvem,")
+    ['vem', 'hwvem']
+    """
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def numbers(option: str, text: str) -> list[float]:
+    """The numbers of a list with commas. Raises Refusal naming the option."""
+    try:
+        made = [float(part) for part in names(text)]
+    except ValueError:
+        made = []
+    if not made:
+        raise Refusal(f"{option} {text!r} is not a number, or numbers with commas")
+    return made
+
+
+def whole_numbers(option: str, text: str) -> list[int]:
+    """The whole numbers of a list with commas. Raises Refusal naming the option."""
+    try:
+        return [int(part) for part in names(text)]
+    except ValueError:
+        raise Refusal(f"{option} {text!r} is not a whole number, or some with commas") from None
+
+
+def at_least(option: str, value: int | None, least: int) -> None:
+    """Refuse a whole number below the least. Raises Refusal naming the option."""
+    if value is not None and value < least:
+        raise Refusal(f"{option} {value} is not allowed: a whole number >= {least} is needed")

@@ -1,0 +1,140 @@
+"""Carrying out an experiment: what is in the store is taken from it, the rest is run and kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.experiments.costs import Costs, guess
+from app.experiments.experiment import Cell, Experiment
+from app.experiments.kernels import compile_loop
+from app.experiments.pool import run_all
+from app.experiments.store import Key, Store, key_of
+from app.experiments.trial import Result, Trial, fingerprint, flock_of
+from worlds.refusal import Refusal
+
+Tell = Callable[[str], object]
+At = Callable[[float, float, str], object]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A cell with its runs' convergence times, by seed; None for those given up."""
+
+    cell: Cell
+    times: list[int | None]
+
+
+@dataclass(frozen=True)
+class Done:
+    """An experiment carried out."""
+
+    measured: list[Measured]
+    taken: int
+    """Runs taken from the store."""
+    made: int
+    """Runs made now."""
+
+
+class Plan:
+    """Which runs an experiment needs, and which of them the store lacks."""
+
+    def __init__(self, experiment: Experiment, runs: int, seed: int, store: Store):
+        self.experiment = experiment
+        self.store = store
+        self.seeds = range(seed, seed + runs)
+        cells = experiment.cells
+        self.prints = [checked_fingerprint(cell, experiment) for cell in cells]
+        self.number = {id(cell): k for k, cell in enumerate(cells)}
+        self.missing = [
+            [seed for seed in self.seeds if self.key(k, seed) not in store.results]
+            for k in range(len(cells))
+        ]
+        hold = experiment.settings.hold
+        self.costs = Costs([guess(cell, hold, signals(cell)) for cell in cells], self.left)
+
+    @property
+    def left(self) -> list[int]:
+        """Runs that each cell lacks."""
+        return [len(seeds) for seeds in self.missing]
+
+    def key(self, cell: int, seed: int) -> Key:
+        """The key of a run of a cell (by its number)."""
+        return key_of(self.experiment.cells[cell], seed, self.prints[cell])
+
+    @property
+    def trials(self) -> list[Trial]:
+        """The runs that the store lacks, the longest first."""
+        order = sorted(range(len(self.prints)), key=lambda k: -self.costs.guesses[k])
+        cells = self.experiment.cells
+        return [Trial(cells[k], seed) for k in order for seed in self.missing[k]]
+
+    def keep(self, trial: Trial, result: Result) -> None:
+        """Keep a result in the store and in the costs."""
+        k = self.number[id(trial.cell)]
+        self.store.add(self.key(k, trial.seed), result)
+        self.costs.add(k, result.seconds)
+
+    @property
+    def measured(self) -> list[Measured]:
+        """All cells with their runs."""
+        results = self.store.results
+        return [
+            Measured(cell, [results[self.key(k, seed)].convergence_time for seed in self.seeds])
+            for k, cell in enumerate(self.experiment.cells)
+        ]
+
+
+def checked_fingerprint(cell: Cell, experiment: Experiment) -> str:
+    """The cell's fingerprint. Raises Refusal naming the experiment if it cannot be built."""
+    try:
+        return fingerprint(cell, experiment.settings)
+    except Refusal as refusal:
+        raise Refusal(
+            f"{refusal} ({experiment.name}, {cell.model} with N = {cell.agents})"
+        ) from None
+
+
+def signals(cell: Cell) -> int:
+    """Signals of the cell's rule."""
+    from agents.catalogue import model
+
+    return len(model(cell.model).rule.signals)
+
+
+def compile_models(experiment: Experiment, tell: Tell | None) -> None:
+    """Compile the loop of every model before the threads start: numba compiles one at a time."""
+    for cell in {cell.model: cell for cell in experiment.cells}.values():
+        compile_loop(flock_of(cell, experiment.settings, 0), tell)
+
+
+def conduct(
+    experiment: Experiment,
+    folder: Path,
+    *,
+    runs: int,
+    seed: int,
+    workers: int,
+    tell: Tell | None,
+    at: At,
+) -> Done:
+    """Carry out an experiment with the seeds `seed` to `seed + runs - 1` in each cell.
+
+    `at` hears of the share that is done, the seconds left and the runs done. Raises Refusal;
+    after KeyboardInterrupt the finished runs are in the store.
+    """
+    with Store(folder / "runs.csv") as store:
+        plan = Plan(experiment, runs, seed, store)
+        trials = plan.trials
+        taken = runs * len(experiment.cells) - len(trials)
+        if trials:
+            compile_models(experiment, tell)
+
+        def keep(trial: Trial, result: Result) -> None:
+            plan.keep(trial, result)
+            done = sum(plan.costs.done)
+            at(plan.costs.share, plan.costs.ahead / workers, f"{done} of {len(trials)} runs")
+
+        run_all(trials, experiment.settings, workers, keep)
+        return Done(plan.measured, taken, len(trials))

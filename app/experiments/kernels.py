@@ -1,0 +1,20 @@
+"""Compiling a model's loop before it is needed, with word of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from agents import Flock
+
+
+def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
+    """Compile the loop of a flock, or load it from the cache; the flock stays as it is."""
+    from agents import Flock
+
+    if tell and not flock.is_compiled:
+        tell(f"compiling {flock.model.name} (only its first start takes these seconds) ...")
+    dim = flock.world.dim
+    twin = Flock(flock.model.name, agents=1, size=1.0, dim=dim, activation=flock.activation, rng=0)
+    twin.run(1)

@@ -1,0 +1,106 @@
+"""The runs that are done, one line of a CSV file each; what is in it is not run again."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import NamedTuple, TextIO
+
+from app.experiments.experiment import Cell
+from app.experiments.trial import Result
+from worlds.refusal import Refusal
+
+COLUMNS = ("model", "agents", "parameters", "seed", "fingerprint", "k_con", "seconds")
+
+
+class Key(NamedTuple):
+    """What makes a run."""
+
+    model: str
+    agents: int
+    parameters: str
+    seed: int
+    fingerprint: str
+
+
+def key_of(cell: Cell, seed: int, fingerprint: str) -> Key:
+    """The key of a cell's run."""
+    parameters = json.dumps(cell.parameters, sort_keys=True, separators=(",", ":"))
+    return Key(cell.model, cell.agents, parameters, seed, fingerprint)
+
+
+class Store:
+    """A context manager over `runs.csv`; lines are on the disk as soon as they are added.
+
+    A last line without its end, as a kill leaves it, is cut off. Raises Refusal if the file is not
+    such a store or cannot be written.
+    """
+
+    def __init__(self, path: Path):
+        self.path = path
+        self.results: dict[Key, Result] = {}
+        self.file: TextIO | None = None
+
+    def __enter__(self) -> Store:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.mend()
+            self.read()
+            self.file = open(self.path, "a", buffering=1, newline="", encoding="utf-8")
+            if self.path.stat().st_size == 0:
+                csv.writer(self.file, lineterminator="\n").writerow(COLUMNS)
+        except OSError as error:
+            raise self.refused(error) from None
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.file is not None:
+            self.file.close()
+
+    def refused(self, error: OSError) -> Refusal:
+        """The refusal for a file that cannot be read or written."""
+        return Refusal(f"{str(self.path)!r} cannot be kept: {error.strerror or error}")
+
+    def mend(self) -> None:
+        """Cut off a torn last line."""
+        if self.path.exists():
+            whole = self.path.read_bytes().rpartition(b"\n")
+            if whole[2]:
+                with open(self.path, "r+b") as file:
+                    file.truncate(len(whole[0]) + len(whole[1]))
+
+    def read(self) -> None:
+        """Take what is in the file."""
+        if not self.path.exists():
+            return
+        try:
+            with open(self.path, newline="", encoding="utf-8") as file:
+                lines = csv.reader(file)
+                header = next(lines, None)
+                if header is not None and tuple(header) != COLUMNS:
+                    raise Refusal(f"{str(self.path)!r} is not a store of runs: move it away")
+                for number, line in enumerate(lines, 2):
+                    self.take(number, line)
+        except (UnicodeDecodeError, csv.Error):
+            raise Refusal(f"{str(self.path)!r} is not a store of runs: move it away") from None
+
+    def take(self, number: int, line: list[str]) -> None:
+        """Take one line. Raises Refusal naming it if it is no run."""
+        try:
+            model, agents, parameters, seed, fingerprint, k, seconds = line
+            key = Key(model, int(agents), parameters, int(seed), fingerprint)
+            self.results[key] = Result(int(k) if k else None, float(seconds))
+        except ValueError:
+            raise Refusal(f"line {number} of {str(self.path)!r} is not a run: remove it") from None
+
+    def add(self, key: Key, result: Result) -> None:
+        """Keep a result. Raises Refusal if it cannot be written."""
+        assert self.file is not None
+        k = "" if result.convergence_time is None else result.convergence_time
+        try:
+            writer = csv.writer(self.file, lineterminator="\n")
+            writer.writerow([*key, k, f"{result.seconds:.6f}"])
+        except OSError as error:
+            raise self.refused(error) from None
+        self.results[key] = result

@@ -1,0 +1,43 @@
+"""A small experiment for tests: two models, few agents, soon done."""
+
+from app.experiments.experiment import read_file
+
+TEXT = """
+title = "Small"
+source = "these tests"
+picture = "models"
+runs = 4
+
+[settings]
+world = "wrap"
+desired = 0.9984
+hold = 5
+limit = 400
+
+[settings.parameters]
+eta = 0.0
+
+[sizes]
+12 = 1.7
+20 = 2.2
+
+[[rows]]
+model = "vem"
+agents = 12
+mean = 5.0
+quartiles = [4.0, 5.0, 6.0]
+
+[[rows]]
+model = "hwvem"
+agents = 20
+parameters = { p2 = 7.0 }
+mean = 5.0
+not_reproduced = "because"
+"""
+
+
+def small(folder, text=TEXT):
+    """The small experiment, read from a file."""
+    path = folder / "small.toml"
+    path.write_text(text)
+    return read_file(path)

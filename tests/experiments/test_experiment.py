@@ -1,0 +1,78 @@
+"""Reading an experiment's TOML file."""
+
+import pytest
+
+from app.experiments.experiment import experiment_names, read_experiment
+from app.experiments.folder import experiments_folder
+from app.experiments.lines import line_of, place
+from experiments.small import TEXT, small
+from worlds.refusal import Refusal
+
+
+def test_the_papers_files_are_found():
+    assert {"liu2021-table1", "liu2021-fig5", "liu2021-fig6"} <= set(experiment_names())
+    assert (experiments_folder() / "liu2021-table1.toml").is_file()
+
+
+def test_table_1_has_18_rows_as_printed():
+    table = read_experiment("liu2021-table1")
+    printed = {(cell.model, cell.agents): cell.published.mean for cell in table.cells}
+    assert len(printed) == 18
+    assert printed["vem-a", 500] == 4097.30
+    assert printed["hwvem", 100] == 12.23
+    marked = {(c.model, c.agents) for c in table.cells if c.published.not_reproduced}
+    assert marked == {("ivem", 500), ("ivem-a", 500)}
+    for cell in table.cells:
+        assert (cell.agents + 1) / cell.size**2 == pytest.approx(4.102, rel=1e-3)
+
+
+def test_a_sweep_is_a_cell_for_each_value_and_size():
+    figure = read_experiment("liu2021-fig6")
+    assert [(cell.agents, cell.value) for cell in figure.cells] == [
+        (n, on) for n in (100, 200, 500) for on in (True, False)
+    ]
+    assert all(cell.parameters["p2"] == 5.0 for cell in figure.cells)
+
+
+def test_rows_inherit_the_settings(tmp_path):
+    cells = small(tmp_path).cells
+    assert cells[0].parameters == {"eta": 0.0}
+    assert cells[1].parameters == {"eta": 0.0, "p2": 7.0}
+
+
+def test_narrowing(tmp_path):
+    whole = small(tmp_path)
+    assert [cell.model for cell in whole.narrowed(["vem"], []).cells] == ["vem"]
+    assert [cell.agents for cell in whole.narrowed([], [20]).cells] == [20]
+    with pytest.raises(Refusal, match="unknown agents '13'"):
+        whole.narrowed([], [13])
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("runs = 4", "runs = 1", ["runs", "greater than or equal to 2", "line 5"]),
+        ("hold = 5", "hold = 0", ["settings.hold", "line 10"]),
+        ("desired = 0.9984", "desired = nan", ["settings.desired", "line 9"]),
+        ("mean = 5.0\nquartiles", "maen = 5.0\nquartiles", ["rows.maen", "line 23"]),
+        ("12 = 1.7", "", ["agents = 12 has no side in [sizes]"]),
+        ('title = "Small"', "title =", ["is not TOML", "line 2"]),
+    ],
+)
+def test_a_wrong_file_is_refused_with_its_line(tmp_path, before, after, words):
+    with pytest.raises(Refusal) as refusal:
+        small(tmp_path, TEXT.replace(before, after, 1))
+    for word in [*words, str(tmp_path / "small.toml")]:
+        assert word in str(refusal.value)
+
+
+def test_lines_of_keys():
+    text = 'a = 1\n[t]\na = 2\n"b c" = 3\n[[rows]]\na = 4\n[u]\nx = { a = 5, b = 6 }\n'
+    assert line_of(text, "a") == 1
+    assert line_of(text, "a", "t") == 3
+    assert line_of(text, "b c", "t") == 4
+    assert line_of(text, "a", "rows") == 6
+    assert line_of(text, "b", "x") == 8
+    assert line_of(text, "c") is None
+    assert place("f.toml", text, "c") == "f.toml"
+    assert place("f.toml", text, "a", "t") == "f.toml, line 3"

@@ -1,0 +1,81 @@
+"""What an experiment leaves: table, JSON, CSV, pictures."""
+
+import csv
+import io
+
+import pytest
+from rich.console import Console
+
+from app.experiments.conduct import Measured
+from app.experiments.experiment import read_experiment
+from app.experiments.pictures.draw import draw
+from app.experiments.report import as_value, show, write_summary
+from app.experiments.verdict import claims, verdicts
+from worlds.refusal import Refusal
+
+NAMES = ("liu2021-table1", "liu2021-fig5", "liu2021-fig6")
+
+
+def made_up(name):
+    """An experiment with made-up times; one run is given up."""
+    experiment = read_experiment(name)
+    measured = [
+        Measured(cell, [None, *(int(50 + 7 * k + cell.agents % 9) for k in range(9))])
+        for cell in experiment.cells
+    ]
+    return experiment, verdicts(measured)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_table_shows_every_row_within_80_columns(name):
+    experiment, made = made_up(name)
+    paper = io.StringIO()
+    show(Console(file=paper, width=80), experiment, made, claims(made))
+    text = paper.getvalue()
+    assert "…" not in text
+    for one in made:
+        assert one.measured.cell.model in text
+        assert f"{one.summary.mean:.2f}" in text
+    assert "1 of 10 runs within" in text
+    if name == "liu2021-table1":
+        assert text.count("published  ") == 18
+        assert "not reproduced" in text
+        assert "the paper gives no spread" in " ".join(text.split())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_value_for_json_has_every_row(name):
+    experiment, made = made_up(name)
+    value = as_value(experiment, made, claims(made))
+    assert len(value["rows"]) == len(experiment.cells)
+    assert all(row["given_up"] == 1 and row["runs"] == 9 for row in value["rows"])
+    assert "z = " in value["notes"]["z"]
+    assert value["settings"]["world"] == "wrap-plain"
+
+
+def test_the_summary_as_csv(tmp_path):
+    _, made = made_up("liu2021-table1")
+    write_summary(tmp_path / "summary.csv", made)
+    with open(tmp_path / "summary.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 18
+    assert float(rows[0]["published_mean"]) == 84.31
+    assert float(rows[0]["mean"]) == made[0].summary.mean
+    with pytest.raises(Refusal, match="cannot be written"):
+        write_summary(tmp_path / "no" / "summary.csv", made)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
+    experiment, made = made_up(name)
+    files = draw(experiment, made, tmp_path)
+    assert files["png"].read_bytes()[:4] == b"\x89PNG"
+    text = files["svg"].read_text()
+    assert "<svg" in text
+    assert experiment.source in text
+
+
+def test_a_picture_without_any_run_that_converged_is_drawn(tmp_path):
+    experiment = read_experiment("liu2021-table1")
+    nothing = verdicts([Measured(cell, [None, None]) for cell in experiment.cells])
+    assert draw(experiment, nothing, tmp_path)["png"].exists()

@@ -1,0 +1,76 @@
+"""Liu et al. 2021, section 3.1, in small: N = 100 with fixed seeds, wide bands.
+
+Means are those of the reading (100 to 1000 runs, an independent implementation); a band is four
+standard errors of the means measured here.
+"""
+
+from dataclasses import replace
+
+import pytest
+
+from app.experiments.conduct import conduct
+from app.experiments.experiment import read_experiment
+from app.experiments.statistics import difference, summary
+
+RUNS = 30
+READING = {"vem": 85.5, "ivem": 55.7, "wvem": 109.2, "hwvem": 12.0, "vem-a": 575.5}
+MINIMUM_IMAGE = 6.5
+"""HWVEM at N = 100 where neighbours are seen across the seam."""
+
+
+def times(experiment, folder, runs=RUNS):
+    """Summary of the runs of each cell."""
+    done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+    return [(one.cell, summary(one.times)) for one in done.measured]
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    """Table 1 for N = 100 and the models that are quick, by model."""
+    experiment = read_experiment("liu2021-table1").narrowed(list(READING), [100])
+    return {cell.model: s for cell, s in times(experiment, tmp_path_factory.mktemp("table"))}
+
+
+@pytest.mark.parametrize("model", READING)
+def test_means_are_those_of_the_reading(table, model):
+    s = table[model]
+    assert s.given_up == 0
+    assert abs(s.mean - READING[model]) < 4.0 * s.standard_error
+
+
+def test_means_are_those_of_the_paper(table):
+    for cell in read_experiment("liu2021-table1").narrowed(list(READING), [100]).cells:
+        s = table[cell.model]
+        assert abs(s.mean - cell.published.mean) < 4.0 * s.sd * (1 / RUNS + 1 / 100) ** 0.5
+
+
+def test_hierarchy_beats_weights_and_weights_beat_none(table):
+    assert table["hwvem"].quartiles[2] < table["wvem"].quartiles[0]
+    assert table["wvem"].quartiles[2] < table["vem-a"].quartiles[0]
+
+
+def test_plain_distance_is_what_the_paper_has(tmp_path):
+    whole = read_experiment("liu2021-table1").narrowed(["hwvem"], [100])
+    across = replace(whole, settings=whole.settings.model_copy(update={"world": "wrap"}))
+    [(_, s)] = times(across, tmp_path)
+    assert abs(s.mean - MINIMUM_IMAGE) < 4.0 * s.standard_error
+    assert abs(s.mean - whole.cells[0].published.mean) > 20.0 * s.standard_error
+
+
+def test_figure_5_trends(tmp_path):
+    experiment = read_experiment("liu2021-fig5").narrowed([], [100])
+    ends = [c for c in experiment.cells if c.value in (c.sweep.values[0], c.sweep.values[-1])]
+    found = times(replace(experiment, cells=ends), tmp_path, runs=60)
+    by_value = {(cell.sweep.parameter, cell.value): s for cell, s in found}
+    rise, _ = difference(by_value["p1", 0.0], by_value["p1", 2.0])
+    fall, error = difference(by_value["p2", 1.0], by_value["p2", 100.0])
+    assert rise > 0.5
+    assert fall < -10.0 * error
+
+
+def test_figure_6_the_neighbourhood_weight_saves_about_3_ticks(tmp_path):
+    experiment = read_experiment("liu2021-fig6").narrowed([], [100])
+    [(_, on), (_, off)] = times(experiment, tmp_path, runs=60)
+    cost, error = difference(on, off)
+    assert abs(cost - 3.0) < 4.0 * error
+    assert cost > 3.0 * error
