@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
     """A row as rules see themselves."""
     x, y, *z = (float(c) for c in flock.position[row])
     ux, uy, *uz = (float(c) for c in flock.heading[row])
-    key = np.uint64(tick_key(flock.seed, flock.tick))
+    key: Any = np.uint64(tick_key(flock.seed, flock.tick))
     return Me(
         x,
         y,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -17,6 +18,9 @@ from agents.engine.runner import Arrays, InTurn, Law, Synchronous
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
+
+CHUNK = 500
+"""Ticks of a long run between two looks at the world outside."""
 
 
 class Motion:
@@ -121,15 +125,21 @@ class Motion:
         self.tick += ticks
 
     def run_until_consistent(
-        self, limit: int, desired: float = DESIRED, hold: int = HOLD, chunk: int = 500
+        self,
+        limit: int,
+        desired: float = DESIRED,
+        hold: int = HOLD,
+        between: Callable[[], None] = lambda: None,
     ) -> int | None:
         """k_con of Liu et al. 2021 (27): ticks until Deg_con >= `desired`, held for `hold` ticks.
 
-        None if it has not come after `limit` ticks. Compiled, in chunks that Ctrl-C can end.
+        None if it has not come after `limit` ticks. Runs compiled, some hundred ticks at a time;
+        `between` is called between them and may end the run by raising.
         """
         watch = watch_for(len(self.ids), self.reference, desired, hold)
         while self.tick < limit:
-            ticks = min(chunk, limit - self.tick)
+            between()
+            ticks = min(CHUNK, limit - self.tick)
             done, last_off = self.engine.run(self._law, self.tick, ticks, watch)
             self.tick += done
             if done < ticks:

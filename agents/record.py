@@ -44,7 +44,8 @@ class Recorder:
     """Writes frames of a flock to a Parquet file; a context manager.
 
     Leaving it by an exception other than KeyboardInterrupt removes the `.part` and leaves no file.
-    Raises Refusal if the file cannot be written, as when the disk is full.
+    Raises Refusal if the file cannot be written, as when the disk is full; if there is room for the
+    `.part` but not for the Parquet file beside it, the `.part` stays.
     """
 
     def __init__(self, path: str | Path, flock: Flock):
@@ -78,10 +79,16 @@ class Recorder:
                 self.flush()
                 self.stream.close()
                 self.file.close()
-                finish(self.part, self.path)
             except OSError as failure:
                 self.discard()
                 raise refused(self.path, failure) from None
+            try:
+                finish(self.part, self.path)
+            except OSError as failure:
+                raise Refusal(
+                    f"{refused(self.path, failure)}; every frame is in {self.part}: "
+                    f"`flockscope recover {self.part}` once that is mended"
+                ) from None
         else:
             self.discard()
 
@@ -202,7 +209,8 @@ def read_state(path: str | Path, tick: int | None = None) -> Saved:
     if table.num_rows == 0:
         raise Refusal(f"tick = {wanted} is not in {str(path)!r}")
     spec = Spec.from_toml(text, str(path))
-    return Saved(spec, wanted, next_id, arrays_of(table, spec, path))
+    arrays = arrays_of(table, spec, path)
+    return Saved(spec, wanted, max(next_id, int(arrays.ids.max()) + 1), arrays)
 
 
 def last_tick(file) -> int:

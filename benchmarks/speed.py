@@ -94,8 +94,8 @@ def main() -> None:
     quick = arguments.parse_args().quick
     large = 1_000_000
     contestants = [
-        ours(100_000, 20, 1, "100 000 agents, 1 thread"),
-        ours(100_000, 20, 2, "100 000 agents, 2 threads"),
+        ours(100_000, 60, 1, "100 000 agents, 1 thread"),
+        ours(100_000, 60, 2, "100 000 agents, 2 threads"),
         ours(300, 20_000, 1, "300 agents, batch"),
         pyvicsek(100_000, 1),
         mesa_boids(1_000, 1),

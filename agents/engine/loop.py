@@ -13,6 +13,7 @@ import importlib.metadata
 import importlib.util
 import os
 import sys
+import threading
 import types
 from collections import namedtuple
 from collections.abc import Callable
@@ -26,6 +27,7 @@ from numba.core.dispatcher import Dispatcher
 from agents.engine import template
 
 HERE = Path(__file__).parent
+LOADING = threading.Lock()
 TEMPLATES = {"sweep": HERE / "sweep.py", "turns": HERE / "turns.py"}
 
 
@@ -108,14 +110,19 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
         else:
             digest.update(repr(value).encode())
     module_name = f"agents.engine.{kind}_{digest.hexdigest()[:16]}"
-    if module_name in sys.modules:
-        return sys.modules[module_name]
+    with LOADING:
+        if module_name not in sys.modules:
+            sys.modules[module_name] = made(kind, module_name, globals_, fields, digest, seen)
+    return sys.modules[module_name]
+
+
+def made(kind: str, module_name: str, globals_: dict, fields, digest, seen) -> types.ModuleType:
+    """The template `kind` executed as a module of that name."""
     spec = importlib.util.spec_from_file_location(module_name, TEMPLATES[kind])
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     module.__dict__.update(globals_, P=parameter_tuple(module_name, fields))
-    sys.modules[module_name] = module
     spec.loader.exec_module(module)
     fingerprint(module.advance, digest, seen)
     module.__dict__["cache_folder"] = cache_base() / "kernels" / digest.hexdigest()[:24]

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from collections import deque
+from contextlib import suppress
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from agents.engine import phases
 from agents.engine.cells import Grid, Slots, Space
+from agents.engine.team import Team
 from agents.observables.consistency import NOTHING, Watch, is_consistent
 
 SPLIT_FROM = 10_000
 """Agents below which one thread is faster than several."""
+CHUNKS = 4
+"""Shares of a sweep per thread: whoever is done early takes one of another thread's."""
 
 
 class Arrays(NamedTuple):
@@ -122,7 +127,7 @@ class Synchronous(Engine):
 
     def __init__(self, module, arrays: Arrays, space: Space, seed: int, threads: int = 1):
         super().__init__(module, arrays, space, seed, threads)
-        self.pool = ThreadPoolExecutor(self.parts) if self.parts > 1 else None
+        self.team = Team(self.parts)
         self.place = np.empty(0, np.int64)
 
     def call(self, law, tick, ticks, work, watch=NOTHING):
@@ -157,7 +162,7 @@ class Synchronous(Engine):
     def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING):
         """Run ticks; returns (ticks done, last tick not consistent or -1)."""
         n = len(self.arrays.position)
-        if self.pool is None or watch.kind:
+        if self.parts == 1 or watch.kind:
             return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), watch)
         for k in range(ticks):
             self.shared_tick(law, tick + k)
@@ -174,33 +179,38 @@ class Synchronous(Engine):
         slot = int(self.place[row])
         self.call(law, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
 
-    def shared_tick(self, law, tick) -> None:
+    def shared_tick(self, law: Law, tick: int) -> None:
         """One tick, each phase of it on all threads."""
         n = len(self.arrays.position)
-        edges = [n * part // self.parts for part in range(self.parts + 1)]
+        edges = [n * k // self.parts for k in range(self.parts + 1)]
+        chunks = [n * k // (CHUNKS * self.parts) for k in range(CHUNKS * self.parts + 1)]
+        spans = list(pairwise(chunks))
+        own = [deque(spans[k * CHUNKS : (k + 1) * CHUNKS]) for k in range(self.parts)]
 
         def alone(phase: int) -> None:
             self.call(law, tick, 1, (phase, 0, self.parts, 0, n))
 
         def together(phase: int) -> None:
-            assert self.pool is not None
-            jobs = [
-                self.pool.submit(
-                    self.call, law, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1])
-                )
-                for k in range(1, self.parts)
-            ]
-            self.call(law, tick, 1, (phase, 0, self.parts, 0, edges[1]))
-            for job in jobs:
-                job.result()
+            self.team.together(
+                lambda k: self.call(law, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1]))
+            )
+
+        def sweep(k: int) -> None:
+            for owner in range(k, k + self.parts):
+                left = own[owner % self.parts]
+                with suppress(IndexError):
+                    while True:
+                        span = left.popleft() if owner == k else left.pop()
+                        self.call(law, tick, 1, (phases.SWEEP, k, self.parts, *span))
 
         alone(phases.PLAN)
         together(phases.COUNT)
         alone(phases.SHARE)
         together(phases.PLACE)
         together(phases.FILL)
-        alone(phases.PREPARE)
-        together(phases.SWEEP)
+        if len(self.arrays.memory):
+            alone(phases.PREPARE)
+        self.team.together(sweep)
 
 
 class InTurn(Engine):

@@ -77,25 +77,19 @@ def is_consistent(heading, watch):
     return True
 
 
-@compiled
-def total_squared_angle(heading, x, y, z):
-    """Sum over the flock of the squared angles (rad^2) to a unit vector."""
-    total = 0.0
-    for i in range(heading.shape[0]):
-        total += squared_angle(heading, i, x, y, z)
-    return total
+def reference_vector(heading: np.ndarray, reference) -> np.ndarray:
+    """A unit vector: an angle (rad, 2-D), a vector, or None for the direction of the mean heading.
 
-
-def reference_vector(heading: np.ndarray, reference) -> tuple[float, float, float]:
-    """(x, y, z) of a reference: an angle (rad, 2-D), a vector, or None for the mean heading."""
+    The mean direction of headings that cancel out is the first axis.
+    """
     if reference is None:
-        x, y, z = mean_direction(np.ascontiguousarray(heading, float))
-        return float(x), float(y), float(z)
+        reference = heading.mean(axis=0)
+        if np.linalg.norm(reference) * len(heading) < 1e-12:
+            reference = np.eye(heading.shape[1])[0]
     vector = np.atleast_1d(np.asarray(reference, float))
     if vector.size == 1:
-        return math.cos(vector[0]), math.sin(vector[0]), 0.0
-    vector = vector / np.linalg.norm(vector)
-    return float(vector[0]), float(vector[1]), float(vector[2]) if vector.size == 3 else 0.0
+        return np.array([math.cos(vector[0]), math.sin(vector[0])])
+    return vector / np.linalg.norm(vector)
 
 
 def consistency(heading: np.ndarray, reference=None) -> float:
@@ -117,9 +111,11 @@ def consistency(heading: np.ndarray, reference=None) -> float:
     n = len(heading)
     if n == 0:
         return 1.0
-    x, y, z = reference_vector(heading, reference)
-    total = total_squared_angle(np.ascontiguousarray(heading, float), x, y, z)
-    return 1.0 - math.sqrt(total) / (n * math.pi)
+    target = reference_vector(heading, reference)
+    apart = np.linalg.norm(heading - target, axis=1)
+    along = np.linalg.norm(heading + target, axis=1)
+    angle = 2.0 * np.arctan2(apart, along)
+    return 1.0 - float(np.linalg.norm(angle)) / (n * math.pi)
 
 
 def convergence_time(degrees, desired: float = DESIRED) -> int | None:
@@ -140,5 +136,5 @@ def watch_for(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> 
     bound = ((1.0 - desired) * n * math.pi) ** 2
     if reference is None:
         return Watch(2, bound, hold, -1, 0.0, 0.0, 0.0)
-    x, y, z = reference_vector(np.empty((0, 2)), reference)
-    return Watch(1, bound, hold, -1, x, y, z)
+    x, y, *z = (float(c) for c in reference_vector(np.empty((0, 2)), reference))
+    return Watch(1, bound, hold, -1, x, y, z[0] if z else 0.0)

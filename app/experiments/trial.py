@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents import Flock
-from agents.engine.runner import InTurn, Synchronous
 from agents.spec import versions
 from app.experiments.experiment import Cell, Settings
 
@@ -36,23 +35,10 @@ class Stopped(Exception):
     """The run was asked to stop."""
 
 
-class StoppableFlock(Flock):
-    """A flock that stops between two chunks of ticks once `stop` is set."""
-
-    stop: threading.Event | None = None
-
-    @property
-    def engine(self) -> Synchronous | InTurn:
-        """The compiled loop. Raises Stopped."""
-        if self.stop is not None and self.stop.is_set():
-            raise Stopped
-        return super().engine
-
-
-def flock_of(cell: Cell, settings: Settings, seed: int) -> StoppableFlock:
+def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
     """The flock of a cell at tick 0. Raises Refusal."""
     parameters: dict[str, Any] = dict(cell.parameters)
-    return StoppableFlock(
+    return Flock(
         cell.model,
         agents=cell.agents,
         size=cell.size,
@@ -66,8 +52,12 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> Result
     """Run a flock until it is consistent or given up. Raises Stopped."""
     begun = time.perf_counter()
     flock = flock_of(trial.cell, settings, trial.seed)
-    flock.stop = stop
-    k = flock.run_until_consistent(settings.limit, settings.desired, settings.hold)
+
+    def go_on() -> None:
+        if stop.is_set():
+            raise Stopped
+
+    k = flock.run_until_consistent(settings.limit, settings.desired, settings.hold, between=go_on)
     return Result(k, time.perf_counter() - begun)
 
 
