@@ -217,6 +217,28 @@ def wrapped(grid, space, axis, at):
 
 
 @compiled
+def around(grid, space, cell, k):
+    """The k-th of the up to 27 cells around a cell, itself among them: (cell or -1, shifts x y z).
+
+    The shifts bring its agents to their nearest image.
+    """
+    nx, ny, nz = grid.shape[0], grid.shape[1], grid.shape[2]
+    x = cell % nx + k % 3 - 1
+    y = cell // nx % ny + k // 3 % 3 - 1
+    z = cell // (nx * ny) + k // 9 - 1
+    ax, sx = wrapped(grid, space, 0, x)
+    ay, sy = wrapped(grid, space, 1, y)
+    az, sz = wrapped(grid, space, 2, z)
+    seen = (
+        (x == ax or (space.images[0] and nx > 1))
+        and (y == ay or (space.images[1] and ny > 1))
+        and (z == az or (space.images[2] and nz > 1))
+    )
+    inside = 0 <= ax < nx and 0 <= ay < ny and 0 <= az < nz
+    return (az * ny + ay) * nx + ax if seen and inside else -1, sx, sy, sz
+
+
+@compiled
 def copy_column(target, m, source, first, n, shift):
     """target[m : m + n] = source[first : first + n] + shift; unsigned, to be vector code."""
     to, of = np.uintp(m), np.uintp(first)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import adjacent
-from agents.engine.cells import axis_cells, wrapped
+from agents.engine.cells import around
 from agents.engine.compiled import compiled
 
 UNKNOWN = math.inf
@@ -25,33 +25,24 @@ def separation(space, grid, axis, d):
 def visit(space, grid, slots, slot, r, k, tail):
     """Give the unvisited neighbours of a slot the next layer and queue them; returns the tail."""
     layer = slots.signal[k]
-    nx, ny = grid.shape[0], grid.shape[1]
-    cell = slots.cell[slots.row[slot]]
-    cx, cy, cz = cell % nx, (cell // nx) % ny, cell // (nx * ny)
-    fx, mx = axis_cells(grid, space, 0, cx)
-    fy, my = axis_cells(grid, space, 1, cy)
-    fz, mz = axis_cells(grid, space, 2, cz)
     flat = slots.z.shape[0] == 0
-    for kz in range(fz, fz + mz):
-        az, sz = wrapped(grid, space, 2, cz + kz)
-        for ky in range(fy, fy + my):
-            ay, sy = wrapped(grid, space, 1, cy + ky)
-            for kx in range(fx, fx + mx):
-                ax, sx = wrapped(grid, space, 0, cx + kx)
-                at = (az * ny + ay) * nx + ax
-                for j in range(grid.start[at], grid.start[at + 1]):
-                    if layer[j] < UNKNOWN:
-                        continue
-                    dx = separation(space, grid, 0, slots.x[j] + sx - slots.x[slot])
-                    dy = separation(space, grid, 1, slots.y[j] + sy - slots.y[slot])
-                    d2 = dx * dx + dy * dy
-                    if not flat:
-                        dz = separation(space, grid, 2, slots.z[j] + sz - slots.z[slot])
-                        d2 += dz * dz
-                    if 0.0 < d2 <= r * r:
-                        layer[j] = layer[slot] + 1.0
-                        slots.queue[tail] = j
-                        tail += 1
+    for c in range(27):
+        cell, sx, sy, sz = around(grid, space, slots.cell[slots.row[slot]], c)
+        if cell < 0:
+            continue
+        for j in range(grid.start[cell], grid.start[cell + 1]):
+            if layer[j] < UNKNOWN:
+                continue
+            dx = separation(space, grid, 0, slots.x[j] + sx - slots.x[slot])
+            dy = separation(space, grid, 1, slots.y[j] + sy - slots.y[slot])
+            d2 = dx * dx + dy * dy
+            if not flat:
+                dz = separation(space, grid, 2, slots.z[j] + sz - slots.z[slot])
+                d2 += dz * dz
+            if 0.0 < d2 <= r * r:
+                layer[j] = layer[slot] + 1.0
+                slots.queue[tail] = j
+                tail += 1
     return tail
 
 

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 
 from agents.engine.block import Me
 from agents.engine.cells import (
-    axis_cells,
+    around,
     cell_of,
     count_rows,
     fill_slots,
     place_rows,
     plan,
     share_slots,
-    wrapped,
 )
 from agents.engine.compiled import compiled, entry
 from agents.engine.noise import tick_key
@@ -94,39 +93,28 @@ def row_of(flock, i, shown, tick, key):
 def gather(flock, space, grid, slots, desk, p, i, tick, key):
     """Copy the agents around row i into the desk's block; returns how many, or -1 for no room."""
     block = desk.block
-    room = block.shape[1]
-    nx, ny = grid.shape[0], grid.shape[1]
-    cell = slots.cell[i]
-    cx, cy, cz = cell % nx, (cell // nx) % ny, cell // (nx * ny)
-    fx, mx = axis_cells(grid, space, 0, cx)
-    fy, my = axis_cells(grid, space, 1, cy)
-    fz, mz = axis_cells(grid, space, 2, cz)
     m = 0
-    for kz in range(fz, fz + mz):
-        az, sz = wrapped(grid, space, 2, cz + kz)
-        for ky in range(fy, fy + my):
-            ay, sy = wrapped(grid, space, 1, cy + ky)
-            for kx in range(fx, fx + mx):
-                ax, sx = wrapped(grid, space, 0, cx + kx)
-                j = grid.start[(az * ny + ay) * nx + ax]
-                while j >= 0:
-                    if m == room:
-                        return -1
-                    other = row_of(flock, j, desk.mine, tick, key)
-                    block[0, m] = other.x + sx
-                    block[1, m] = other.y + sy
-                    block[2, m] = other.z + sz
-                    block[3, m] = other.ux
-                    block[4, m] = other.uy
-                    block[5, m] = other.uz
-                    if SIGNALS > 0:
-                        for k in range(SIGNALS):
-                            desk.out[k] = desk.mine[k]
-                        show(other, p, desk.out)
-                        for k in range(SIGNALS):
-                            desk.signals[k, m] = desk.out[k]
-                    m += 1
-                    j = slots.row[j]
+    for c in range(27):
+        cell, sx, sy, sz = around(grid, space, slots.cell[i], c)
+        j = grid.start[cell] if cell >= 0 else -1
+        while j >= 0:
+            if m == block.shape[1]:
+                return -1
+            other = row_of(flock, j, desk.mine, tick, key)
+            block[0, m] = other.x + sx
+            block[1, m] = other.y + sy
+            block[2, m] = other.z + sz
+            block[3, m] = other.ux
+            block[4, m] = other.uy
+            block[5, m] = other.uz
+            if SIGNALS > 0:
+                for k in range(SIGNALS):
+                    desk.out[k] = desk.mine[k]
+                show(other, p, desk.out)
+                for k in range(SIGNALS):
+                    desk.signals[k, m] = desk.out[k]
+            m += 1
+            j = slots.row[j]
     return m
 
 

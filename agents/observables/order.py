@@ -21,4 +21,4 @@ def polarisation(heading: np.ndarray) -> float:
     """
     if len(heading) == 0:
         return 0.0
-    return float(np.linalg.norm(np.mean(heading, axis=0)))
+    return min(1.0, float(np.linalg.norm(np.mean(heading, axis=0))))

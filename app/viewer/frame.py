@@ -2,25 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class Inspection:
-    """What is known of one agent and of those it listens to."""
-
-    id: int
-    row: int
-    neighbours: np.ndarray
-    """Rows of its neighbours, (M,)."""
-    separation: np.ndarray
-    """Vectors from it to their nearest images, (M, dim), length."""
-    weights: np.ndarray
-    """How much it listens to each, (M,), >= 0, as the rule weighs them."""
-    facts: dict[str, str] = field(default_factory=dict)
-    """Its state in words, name -> value with unit, for the panel."""
+from agents.inspection import Inspection
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
+from agents.inspection import Inspection
 from app.viewer.crowd import refuse_too_many_links
-from app.viewer.frame import Frame, Inspection
+from app.viewer.frame import Frame
 from app.viewer.ration import Ration
 
 
@@ -85,26 +86,4 @@ class Camera:
         row, self.inspected = self.wanted.row, None
         if row is None or not 0 <= row < len(self.flock.ids):
             return
-        seen = self.flock.inspect(row)
-        self.inspected = Inspection(
-            id=int(seen.id),
-            row=row,
-            neighbours=np.array(seen.neighbours),
-            separation=np.array(seen.separation),
-            weights=np.array(seen.weights),
-            facts=facts(self.flock, row, seen.signals),
-        )
-
-
-def facts(flock: Flock, row: int, signals: dict[str, float]) -> dict[str, str]:
-    """An agent's state in words, name -> value with unit."""
-    x = flock.position[row]
-    ux = flock.heading[row]
-    told = {
-        "position": "(" + ", ".join(f"{value:.2f}" for value in x) + ")",
-        "heading": f"{np.degrees(np.arctan2(ux[1], ux[0])) % 360:.0f}°",
-    }
-    if len(ux) == 3:
-        told["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
-    told["speed"] = f"{flock.speed[row]:.3g} per tick"
-    return told | {name: f"{value:g}" for name, value in signals.items()}
+        self.inspected = self.flock.inspect(row)

@@ -72,6 +72,7 @@ class StubFlock:
     def inspect(self, row: int) -> SimpleNamespace:
         return SimpleNamespace(
             id=row,
+            row=row,
             neighbours=np.array([1]),
             separation=np.ones((1, self.position.shape[1])),
             weights=np.array([1.0]),

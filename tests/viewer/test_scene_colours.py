@@ -155,7 +155,7 @@ def test_unlit_colours_come_back_through_the_browsers_tone_curve():
 
 
 def test_an_inspection_dims_all_but_the_agent_its_neighbours_and_the_leader():
-    inspected = Inspection(5, 5, np.array([7, 9]), np.zeros((2, 2)), np.array([1.0, 0.5]))
+    inspected = Inspection(5, 5, np.array([7, 9]), np.zeros((2, 2)), np.array([1.0, 0.5]), {})
     frame = flock()
     plain = picture(frame, Look(), Stage.of(frame))
     shown = picture(flock(inspected=inspected), Look(), Stage.of(frame))

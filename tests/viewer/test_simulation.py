@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from app.viewer.panels.inspector import facts
 from app.viewer.picture import Wanted
 from app.viewer.simulation import Simulation
 from app.viewer.start import Start
@@ -222,7 +223,7 @@ def test_layers_groups_links_and_an_agent_are_in_frames_only_when_wanted(simulat
     assert frame.group.tolist() == [0, 0, 0]
     assert frame.links.tolist() == [[0, 1]]
     assert frame.inspected.row == 2
-    assert frame.inspected.facts["heading"] == "0°"
+    assert facts(frame, frame.inspected)["heading"] == "0°"
     simulation.setup(Start(agents=2))
     until(lambda: len(simulation.frame.ids) == 2)
     assert simulation.frame.inspected is None

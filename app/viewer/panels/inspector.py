@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from app.viewer.frame import Frame, Inspection
+from agents.inspection import Inspection
+from app.viewer.frame import Frame
 from app.viewer.panels.style import block, table
 
 MOST_NEIGHBOURS = 6
@@ -40,13 +41,30 @@ class Inspector:
 
 def card(frame: Frame, seen: Inspection) -> str:
     """What is known of the agent and of those it listens to."""
-    rows = {html.escape(name): html.escape(value) for name, value in seen.facts.items()}
+    rows = {html.escape(name): html.escape(value) for name, value in facts(frame, seen).items()}
     if frame.group is not None and seen.row < len(frame.group):
         rows["group"] = str(int(frame.group[seen.row]) + 1)
     rows["neighbours"] = str(len(seen.neighbours))
     kind = " · information agent" if frame.informed[seen.row] else ""
     heard = listened(frame, seen)
     return f'<div class="fs-head">Agent {seen.id}{kind}</div>{table(rows)}{heard}'
+
+
+def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
+    """An agent's state in words, name -> value with unit."""
+    ux = frame.heading[seen.row]
+    told = {
+        "position": "(" + ", ".join(f"{value:.2f}" for value in frame.position[seen.row]) + ")",
+        "heading": f"{np.degrees(np.arctan2(ux[1], ux[0])) % 360:.0f}°",
+    }
+    if frame.dim == 3:
+        told["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
+    told["speed"] = f"{frame.speed[seen.row]:.3g} per tick"
+    signals = {
+        name: f"{value:g}" if np.isfinite(value) else "unknown"
+        for name, value in seen.signals.items()
+    }
+    return told | signals
 
 
 def listened(frame: Frame, seen: Inspection) -> str:
