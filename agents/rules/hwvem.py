@@ -68,15 +68,15 @@ def contribution(layer, nearest, neighbours, alike, p):
 
 
 @compiled
-def survey(me, near, r, above):
-    """Over the neighbours of a layer > `above`: the least such layer, and how many there are."""
+def survey(me, near, r):
+    """Over the neighbours: the least layer, UNKNOWN without any, and how many they are."""
     least = UNKNOWN
     count = 0.0
     layer = near.signal[LAYER]
     for j in range(near.n):
         a = adjacent(me, near, j, r)
         count += a
-        if a > 0.0 and above < layer[j] < least:
+        if a > 0.0 and layer[j] < least:
             least = layer[j]
     return least, count
 
@@ -85,13 +85,17 @@ def survey(me, near, r, above):
 def decide(me, near, p):
     """Weighted mean heading of the neighbours (9), summed layer by layer."""
     layer = near.signal[LAYER]
-    nearest, neighbours = survey(me, near, p.r, 0.0)
+    nearest, neighbours = survey(me, near, p.r)
     x = y = z = total = 0.0
     current = nearest
     while current < UNKNOWN:
         sx = sy = sz = alike = 0.0
+        following = UNKNOWN
         for j in range(near.n):
-            a = adjacent(me, near, j, p.r) if layer[j] == current else 0.0
+            a = adjacent(me, near, j, p.r)
+            if a > 0.0 and current < layer[j] < following:
+                following = layer[j]
+            a = a if layer[j] == current else 0.0
             sx += a * near.ux[j]
             sy += a * near.uy[j]
             sz += a * near.uz[j]
@@ -101,7 +105,7 @@ def decide(me, near, p):
         y += c * sy
         z += c * sz
         total += c * alike
-        current, _ = survey(me, near, p.r, current)
+        current = following
     if total == 0.0:
         return Wish(0.0, 0.0, 0.0)
     return Wish(x / total, y / total, z / total)
@@ -125,7 +129,7 @@ def remember(me, near, p, informed, out):
 def weigh(me, near, p, out):
     """Weights h_ij (10) of the agents of the block."""
     layer = near.signal[LAYER]
-    nearest, neighbours = survey(me, near, p.r, 0.0)
+    nearest, neighbours = survey(me, near, p.r)
     for j in range(near.n):
         alike = 0.0
         for n in range(near.n):
