@@ -12,8 +12,10 @@ from app.viewer.scene import Look, Scene
 
 PANELS = 0.25
 """Time between two refreshments of the panels, s."""
-FASTEST, SLOWEST = 1 / 30, 1 / 4
+FASTEST, SLOWEST = 1 / 40, 1 / 4
 """Shortest and longest time between two frames drawn, s."""
+LOOK_AGAIN = 0.005
+"""Shortest time between two looks for a new frame, s."""
 BANDWIDTH = 16e6
 """What all browsers together may be sent, bytes/s."""
 AGENT_BYTES = 28
@@ -24,7 +26,7 @@ def period(agents: int, browsers: int) -> float:
     """Time between two frames, s: longer for a large flock and for many browsers.
 
     >>> round(1 / period(1000, 1)), round(1 / period(1000, 40))
-    (30, 14)
+    (40, 14)
     """
     if browsers == 0:
         return SLOWEST
@@ -63,26 +65,31 @@ class Drawing:
 
     def live(self) -> None:
         """Draw and refresh, until closed; what goes wrong is printed and tried again."""
-        panels_due = 0.0
+        panels_due = due = 0.0
         while not self.closing.is_set():
             began = time.monotonic()
             try:
                 self.before()
-                self.draw()
+                if self.draw():
+                    due = max(due, began - 0.5 * self.period()) + self.period()
                 if began >= panels_due and self.drawn is not None:
                     panels_due = began + PANELS
                     self.panels()
             except Exception as error:
                 traceback.print_exception(error)
                 self.closing.wait(1.0)
-            agents = 0 if self.drawn is None else len(self.drawn[0].ids)
-            rest = began + period(agents, self.browsers()) - time.monotonic()
-            self.closing.wait(max(0.002, rest))
+            self.closing.wait(max(LOOK_AGAIN, due - time.monotonic()))
 
-    def draw(self) -> None:
-        """Draw the latest frame if it, or the look, is new."""
+    def period(self) -> float:
+        """Time between two frames now, s."""
+        agents = 0 if self.drawn is None else len(self.drawn[0].ids)
+        return period(agents, self.browsers())
+
+    def draw(self) -> bool:
+        """Draw the latest frame if it, or the look, is new; whether there was one."""
         frame, look = self.latest()
         if frame is None or (self.drawn and self.drawn[0] is frame and self.drawn[1] == look):
-            return
+            return False
         self.scene.show(frame, look)
         self.drawn = (frame, look)
+        return True

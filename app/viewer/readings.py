@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
+from agents.observables.groups import group_labels, group_sizes
+from agents.observables.layers import layers
 from app.viewer.crowd import refuse_too_many_links
 from app.viewer.ration import Ration
 
@@ -72,26 +74,27 @@ class Readings:
         now = time.perf_counter()
         if at_once or self.quick.due(now):
             with self.quick.measured():
-                self.note(self.order)
+                self.note(self.order, {name: float(self.flock.observe(name)) for name in ORDER})
         if at_once or self.slow.due(now):
             with self.slow.measured():
                 self.values = {k: v for k, v in self.values.items() if k in ORDER}
                 self.layers, self.unknown = np.zeros(0, int), 0
                 refuse_too_many_links(self.flock)
-                self.note(self.structure)
-                self.count_layers()
+                self.note_structure()
 
-    def note(self, course: Course) -> None:
-        """Read a course's observables and add them to it."""
-        seen = {name: float(self.flock.observe(name)) for name in course.names}
+    def note(self, course: Course, seen: dict[str, float]) -> None:
+        """Take values and add them to a course."""
         self.values = self.values | seen
         course.add(self.flock.tick, seen)
 
-    def count_layers(self) -> None:
-        """Count the agents of each layer."""
-        if not self.flock.informed.any():
-            return
-        layer = np.asarray(self.flock.layers())
-        known = layer[(layer > 0) & (layer <= len(layer))]
-        self.layers = np.bincount(known)[1:] if known.size else np.zeros(0, int)
-        self.unknown = len(layer) - known.size
+    def note_structure(self) -> None:
+        """Read what follows from the flock's graph, which is found once."""
+        n, links = len(self.flock.ids), self.flock.links()
+        sizes = group_sizes(group_labels(n, links))
+        found = 2.0 * len(links) / max(1, n), float(len(sizes)), float(sizes.max(initial=0))
+        self.note(self.structure, dict(zip(STRUCTURE, found, strict=True)))
+        if self.flock.informed.any():
+            layer = layers(links, self.flock.informed)
+            known = layer[layer <= n]
+            self.layers = np.bincount(known)[1:]
+            self.unknown = n - known.size
