@@ -30,6 +30,9 @@ COMMANDS = {
 }
 
 
+OWN_OPTIONS = ("--help", "--version", "--install-completion", "--show-completion")
+
+
 class Commands(TyperGroup):
     """The commands by name; the module of a command is imported when it is called."""
 
@@ -86,5 +89,7 @@ def flockscope(
 
 
 def main() -> None:
-    """Entry point of the command line."""
-    app(args=sys.argv[1:] or ["lab"], prog_name="flockscope")
+    """Entry point of the command line; without a command, options are those of `lab`."""
+    given = sys.argv[1:]
+    bare = not given or (given[0].startswith("-") and given[0] not in OWN_OPTIONS)
+    app(args=["lab", *given] if bare else given, prog_name="flockscope")

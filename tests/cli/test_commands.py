@@ -43,12 +43,12 @@ def test_without_a_command_the_laboratory_opens(monkeypatch):
         opened.append(host)
 
     monkeypatch.setattr(lab_module, "lab", stand_in)
-    for args in ([], ["lab", "--host", "there"]):
+    for args in ([], ["lab", "--host", "there"], ["--host", "elsewhere"]):
         monkeypatch.setattr(sys, "argv", ["flockscope", *args])
         with pytest.raises(SystemExit) as stop:
             main_module.main()
         assert stop.value.code == 0
-    assert opened == ["here", "there"]
+    assert opened == ["here", "there", "elsewhere"]
 
 
 def test_help_and_version_import_no_engine():
