@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import numpy as np
 
 from agents.flock import Flock
 from worlds.refusal import Refusal
+from worlds.world import World
 
 MOST_TO_RUN = 2e8
 """Pairs of neighbours above which one tick takes too long for a laboratory."""
 MOST_TO_LIST = 1e7
 """Pairs of neighbours above which links, groups and layers are not looked for."""
 SAMPLE = 64
+
+
+class Dense(Protocol):
+    """What has neighbours: a flock, or one held still."""
+
+    @property
+    def position(self) -> np.ndarray: ...
+    @property
+    def world(self) -> World: ...
+    @property
+    def reach(self) -> float: ...
 
 
 def expected_pairs(agents: int, size: np.ndarray, reach: float) -> float:
@@ -38,7 +51,7 @@ def refuse_too_dense(flock: Flock) -> None:
         )
 
 
-def refuse_too_many_links(flock: Flock) -> None:
+def refuse_too_many_links(flock: Dense) -> None:
     """Raises Refusal if there are too many links to list, judged by some of the agents."""
     position, world = flock.position, flock.world
     if 0.5 * len(position) ** 2 <= MOST_TO_LIST:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,8 +12,11 @@ import numpy as np
 from agents.flock import Flock
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.layers import layers
+from agents.observables.neighbours import links
+from app.viewer.aside import Aside
 from app.viewer.crowd import refuse_too_many_links
 from app.viewer.ration import Ration
+from worlds.world import World
 
 ORDER = ("polarisation", "consistency")
 """Quick to measure: read many times a second."""
@@ -54,6 +58,51 @@ class Course:
             return tuple(np.array(column, float) for column in self.columns)
 
 
+@dataclass(frozen=True)
+class Still:
+    """A flock held still: copies of what its graph follows from."""
+
+    tick: int
+    position: np.ndarray
+    informed: np.ndarray
+    ids: np.ndarray
+    reach: float
+    world: World
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What follows from the graph of a flock."""
+
+    tick: int
+    values: dict[str, float]
+    layers: np.ndarray
+    """Number of agents in layers 1, 2, ..."""
+    unknown: int
+    """Agents that no information reaches."""
+
+
+def still(flock: Flock) -> Still:
+    """Hold a flock still."""
+    position, informed, ids = flock.position.copy(), flock.informed.copy(), flock.ids.copy()
+    return Still(flock.tick, position, informed, ids, flock.reach, flock.world)
+
+
+def structure(flock: Still) -> Structure:
+    """Find the graph of a flock, once, and what follows from it. Raises Refusal if it is huge."""
+    refuse_too_many_links(flock)
+    n = len(flock.ids)
+    pairs = links(flock.position, flock.reach, flock.world.size, flock.world.images)
+    sizes = group_sizes(group_labels(n, pairs))
+    found = 2.0 * len(pairs) / max(1, n), float(len(sizes)), float(sizes.max(initial=0))
+    values = dict(zip(STRUCTURE, found, strict=True))
+    if not flock.informed.any():
+        return Structure(flock.tick, values, np.zeros(0, int), 0)
+    layer = layers(pairs, flock.informed)
+    known = layer[layer <= n]
+    return Structure(flock.tick, values, np.bincount(known)[1:], n - known.size)
+
+
 @dataclass
 class Readings:
     """Reads one flock's observables, no more often than is fair to the flock."""
@@ -68,33 +117,41 @@ class Readings:
     structure: Course = field(default_factory=lambda: Course(*STRUCTURE))
     quick: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.05))
     slow: Ration = field(default_factory=lambda: Ration(period=1 / 4, share=0.1))
+    aside: Aside = field(default_factory=Aside)
 
     def read(self, at_once: bool = False) -> None:
-        """Read what is due; everything if `at_once`."""
+        """Read what is due; everything, and now, if `at_once`.
+
+        Raises Refusal if the flock has too many neighbours to find its graph.
+        """
         now = time.perf_counter()
         if at_once or self.quick.due(now):
             with self.quick.measured():
-                self.note(self.order, {name: float(self.flock.observe(name)) for name in ORDER})
-        if at_once or self.slow.due(now):
+                seen = {name: float(self.flock.observe(name)) for name in ORDER}
+                self.values = self.values | seen
+                self.order.add(self.flock.tick, seen)
+        if at_once:
+            self.aside.forget()
+            self.take(self.study(still(self.flock)))
+        elif done := self.aside.finished():
+            self.take(done.result)
+        elif self.aside.idle and self.slow.due(now):
+            self.aside.begin(self.study(still(self.flock)))
+
+    def study(self, flock: Still) -> Callable[[], Structure]:
+        """The work of finding the graph, which counts against its ration."""
+
+        def work() -> Structure:
             with self.slow.measured():
-                self.values = {k: v for k, v in self.values.items() if k in ORDER}
-                self.layers, self.unknown = np.zeros(0, int), 0
-                refuse_too_many_links(self.flock)
-                self.note_structure()
+                return structure(flock)
 
-    def note(self, course: Course, seen: dict[str, float]) -> None:
-        """Take values and add them to a course."""
-        self.values = self.values | seen
-        course.add(self.flock.tick, seen)
+        return work
 
-    def note_structure(self) -> None:
-        """Read what follows from the flock's graph, which is found once."""
-        n, links = len(self.flock.ids), self.flock.links()
-        sizes = group_sizes(group_labels(n, links))
-        found = 2.0 * len(links) / max(1, n), float(len(sizes)), float(sizes.max(initial=0))
-        self.note(self.structure, dict(zip(STRUCTURE, found, strict=True)))
-        if self.flock.informed.any():
-            layer = layers(links, self.flock.informed)
-            known = layer[layer <= n]
-            self.layers = np.bincount(known)[1:]
-            self.unknown = n - known.size
+    def take(self, found: Callable[[], Structure]) -> None:
+        """Take what was found; without it nothing old is shown."""
+        self.values = {k: v for k, v in self.values.items() if k in ORDER}
+        self.layers, self.unknown = np.zeros(0, int), 0
+        seen = found()
+        self.values = self.values | seen.values
+        self.layers, self.unknown = seen.layers, seen.unknown
+        self.structure.add(seen.tick, seen.values)

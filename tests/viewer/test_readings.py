@@ -45,14 +45,14 @@ def test_a_second_reading_at_one_tick_replaces_the_first():
 
 def test_readings_count_layers_and_leave_the_unknown_out():
     flock = StubFlock(Start(agents=5))
-    flock.links = lambda: np.array([[0, 1], [0, 2], [3, 4]])
+    flock.position = np.array([[1.0, 1.0], [1.5, 1.0], [1.0, 1.5], [3.5, 3.0], [3.5, 3.2]])
     readings = Readings(flock)
     readings.read(at_once=True)
     assert readings.layers.tolist() == [1, 2]
     assert readings.unknown == 2
     assert readings.values["groups"] == 2.0
     assert readings.values["largest-group"] == 3.0
-    assert readings.values["mean-neighbours"] == pytest.approx(6 / 5)
+    assert readings.values["mean-neighbours"] == pytest.approx(8 / 5)
     assert readings.values["polarisation"] == 1.0
 
 
