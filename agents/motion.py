@@ -19,6 +19,8 @@ from agents.observables.consistency import DESIRED, HOLD, watch_for
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
 
+NOISE = "eta"
+"""The parameter that the engine takes for the noise intensity; a rule without it has no noise."""
 CHUNK = 500
 """Ticks of a long run between two looks at the world outside."""
 
@@ -85,7 +87,7 @@ class Motion:
 
     def _make_law(self) -> Law:
         noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
-        return Law(self.loop.P(**as_floats(self.parameters)), noise, self.reach)
+        return Law(self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)}), noise, self.reach)
 
     @property
     def reach(self) -> float:
@@ -190,8 +192,8 @@ class Motion:
 @cache
 def loop_of(model: Model, dim: int) -> ModuleType:
     """The module of the compiled loop of a model."""
-    rule = model.rule
-    return sweep_module(dim, len(rule.signals), model.parts, model.parameters.model_fields)
+    fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
+    return sweep_module(dim, len(model.rule.signals), model.parts, tuple(fields))
 
 
 def whole(name: str, value: Any, least: int) -> int:

@@ -51,3 +51,19 @@ def test_it_flies_in_three_dimensions(fading):
     flock = Flock(fading, agents=100, dim=3, size=3.0, rng=1)
     flock.run(100)
     assert flock.observe("polarisation") > 0.9
+
+
+def test_a_rule_may_have_no_noise_at_all(monkeypatch):
+    from agents.declare import Parameters, Rule, parameter
+    from agents.engine.template import decide
+
+    class Bare(Parameters):
+        sight: float = parameter(1.0, "How far", symbol="s", source="none", low=0.1, high=2.0)
+
+    rule = Rule("bare", "Bare", "Keeps its heading.", "x", "none", Bare, decide, reach="sight")
+    monkeypatch.setitem(MODELS, "bare", Model(rule, constant_speed.BODY))
+    flock = Flock("bare", agents=5, size=3.0, rng=1)
+    before = flock.heading.copy()
+    flock.run(3)
+    assert np.array_equal(flock.heading, before)
+    assert flock.reach == 1.0
