@@ -168,13 +168,13 @@ class Flock(Motion, mesa.Model):
     @property
     def agents(self):
         """Mesa's `AgentSet` of all agents; made when first asked for."""
-        assert self.members is not None
+        _ = self.members
         return super().agents
 
     @property
     def agents_by_type(self):
         """Mesa's dictionary of agent sets."""
-        assert self.members is not None
+        _ = self.members
         return super().agents_by_type
 
     @cached_property

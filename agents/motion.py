@@ -50,6 +50,8 @@ class Motion:
     activation: str
     noise: str
     threads: int
+    law: Law
+    """What every agent goes by: the compiled parameters, kind of noise and reach."""
     _engine: Synchronous | InTurn | None
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -59,7 +61,7 @@ class Motion:
         self.arrays = arrays
         self.position, self.heading, self.speed, self.informed, self.ids, self._memory = arrays
         self._engine = None
-        self._law = self._make_law()
+        self.law = self._make_law()
 
     @property
     def loop(self) -> ModuleType:
@@ -100,11 +102,6 @@ class Motion:
         return is_compiled(self.engine.module)
 
     @property
-    def law(self) -> Law:
-        """What every agent goes by: the compiled parameters, kind of noise and reach."""
-        return self._law
-
-    @property
     def reference(self) -> np.ndarray | None:
         """The heading that the flock is meant to take, (dim,); None for the mean of the flock."""
         if not self.model.rule.converges or not self.informed.any():
@@ -114,16 +111,16 @@ class Motion:
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
-        self._law = self._make_law()
+        self.law = self._make_law()
 
     def advance(self, ticks: int) -> None:
         """Run ticks without collecting anything; frees the GIL while it runs."""
         if ticks > 0 and self._acted:
-            for row in set(range(len(self.ids))) - self._acted:
+            for row in sorted(set(range(len(self.ids))) - self._acted):
                 self.step_member(row)
             ticks -= 1
         if ticks > 0 and len(self.ids):
-            self.engine.run(self._law, self.tick, ticks)
+            self.engine.run(self.law, self.tick, ticks)
         self.tick += ticks
 
     def run_until_consistent(
@@ -138,11 +135,13 @@ class Motion:
         None if it has not come after `limit` ticks. Runs compiled, some hundred ticks at a time;
         `between` is called between them and may end the run by raising.
         """
+        self._end_tick()
         watch = watch_for(len(self.ids), self.reference, desired, hold)
+        watch = watch._replace(last_off=self.tick - 1)
         while self.tick < limit:
             between()
             ticks = min(CHUNK, limit - self.tick)
-            done, last_off = self.engine.run(self._law, self.tick, ticks, watch)
+            done, last_off = self.engine.run(self.law, self.tick, ticks, watch)
             self.tick += done
             if done < ticks:
                 return last_off + 1
@@ -159,8 +158,8 @@ class Motion:
         if row in self._acted:
             self._end_tick()
         if not self._acted:
-            self.engine.open(self._law, self.tick)
-        self.engine.one(self._law, self.tick, row)
+            self.engine.open(self.law, self.tick)
+        self.engine.one(self.law, self.tick, row)
         self._acted.add(row)
         if len(self._acted) == len(self.ids):
             self._end_tick()
@@ -177,7 +176,7 @@ class Motion:
         A layer that is not known is infinite.
         """
         if len(self._memory) and len(self.ids) and not self._acted:
-            self.engine.open(self._law, self.tick)
+            self.engine.open(self.law, self.tick)
         return self._memory
 
     def signal(self, name: str) -> np.ndarray:

@@ -14,6 +14,7 @@ from oracles.flocks import at_rest, build
 from oracles.scenes import contacts_are_clear, scene, scenes, unit_vectors
 from oracles.topology import EDGES
 
+from agents import Flock
 from agents.observables import consistency, groups, layers, neighbours, order
 
 SOME = settings(max_examples=100, deadline=None, derandomize=True)
@@ -192,3 +193,11 @@ def test_observables_of_a_flock(edges, dim):
 def test_a_flock_without_information_agents_is_measured_against_its_mean():
     flock = at_rest("vem", [[0, 0], [5, 5]], [0.1, 0.3])
     assert flock.observe("consistency") == pytest.approx(naive.consistency([0.1, 0.3], 0.2))
+
+
+def test_a_flock_that_has_run_already_must_hold_its_consistency_all_the_same():
+    flock = Flock("vem", agents=30, size=2.0, rng=1)
+    flock.run(300)
+    assert flock.observe("consistency") > 0.9984
+    assert flock.run_until_consistent(1000, hold=60) == 300
+    assert flock.tick == 359
