@@ -12,7 +12,7 @@ from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
 from agents.declare import Rule
 from agents.engine.block import Wish
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 from agents.rules.vicsek import Vicsek
 from turning import turn
 
@@ -25,7 +25,7 @@ MODELS["turner"] = Model(RULE, constant_speed.BODY)
 """
 HELPER = """
 from agents.engine.block import Wish
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 {constant}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 
 class ConstantSpeed(Parameters):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 
 class Me(NamedTuple):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 MARGIN = 1.0 + 1e-9
 """Cells are wider than the range by this factor, so that rounding never hides a neighbour."""

@@ -6,7 +6,7 @@ import math
 
 from agents.engine.block import adjacent
 from agents.engine.cells import around
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 UNKNOWN = math.inf
 """The layer of an agent that no information agent reaches."""

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 M1 = np.uint64(0xBF58476D1CE4E5B9)

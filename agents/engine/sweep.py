@@ -24,11 +24,11 @@ from agents.engine.cells import (
     plan,
     share_slots,
 )
-from agents.engine.compiled import compiled, entry
 from agents.engine.flat import zeros
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.observables.consistency import is_consistent
+from worlds.compiled import compiled, entry
 
 if TYPE_CHECKING:
     from agents.engine.template import DIM, SIGNALS, decide, move, prepare, remember, show

@@ -6,7 +6,7 @@ Also stands in, for type checkers, for the names that `agents.engine.loop` puts 
 from __future__ import annotations
 
 from agents.engine.block import Moved, Wish
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 DIM = 2
 SIGNALS = 0

@@ -20,8 +20,8 @@ from agents.engine.cells import (
     plan,
     share_slots,
 )
-from agents.engine.compiled import compiled, entry
 from agents.engine.noise import tick_key
+from worlds.compiled import compiled, entry
 
 if TYPE_CHECKING:
     from agents.engine.sweep import SIGNALS, act, nearby, nearest_images, ready, show

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 DESIRED = 0.9984
 """Deg_con^d, the degree at which Liu et al. 2021 call a flock consistent (section 3.1)."""

@@ -11,9 +11,9 @@ from typing import Literal
 
 from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.engine.compiled import compiled
 from agents.engine.layers import UNKNOWN, next_layer, search_layers
 from agents.rules.vicsek import Vicsek
+from worlds.compiled import compiled
 
 LAYER = 0
 INSTANT = 1.0

@@ -9,9 +9,9 @@ import math
 
 from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.engine.compiled import compiled
 from agents.engine.layers import search_layers
 from agents.rules.vicsek import Vicsek
+from worlds.compiled import compiled
 
 ANGLE, LAYER = 0, 1
 FULL = 2.0 * math.pi

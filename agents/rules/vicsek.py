@@ -11,7 +11,7 @@ import math
 
 from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.engine.compiled import compiled
+from worlds.compiled import compiled
 
 
 class Vicsek(Parameters):

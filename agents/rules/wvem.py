@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.engine.compiled import compiled
 from agents.engine.layers import search_layers
 from agents.rules.vicsek import Vicsek
+from worlds.compiled import compiled
 
 LAYER = 0
 
