@@ -137,6 +137,10 @@ def as_floats(parameters: Parameters) -> dict[str, float]:
     return made
 
 
+Wished = Literal["heading", "acceleration", "velocity"]
+"""What a rule may wish for and a body take."""
+
+
 @dataclass(frozen=True)
 class Rule:
     """What an agent wants: one file, one declaration. `decide` reads like the paper."""
@@ -150,7 +154,9 @@ class Rule:
     source: str
     parameters: type[Parameters]
     decide: Callable
-    """Compiled: (me, near, p) -> Wish."""
+    """Compiled: (me, near, ground, p) -> Wish."""
+    wish: Wished = "heading"
+    """What `decide` answers; a body takes one kind of wish."""
     reach: str = "r"
     """Name of the parameter that is the largest distance at which agents notice each other."""
     dimensions: tuple[int, ...] = (2, 3)
@@ -159,24 +165,59 @@ class Rule:
     show: Callable | None = None
     """Compiled: (me, p, out). Signals that follow from the agent's own state."""
     remember: Callable | None = None
-    """Compiled: (me, near, p, informed, out). Signals for the next tick."""
+    """Compiled: (me, near, p, out). Signals for the next tick."""
+    memory: tuple[str, ...] = ()
+    """What an agent keeps to itself, in the order of `me.memory`; 0 at the start."""
+    perceive: Callable | None = None
+    """Compiled: (me, near, ground, p). Brings `me.memory` up to date, before `decide`."""
     prepare: Callable | None = None
     """Compiled: (flock, space, grid, slots, p, tick). What needs the whole flock, once a tick."""
     weigh: Callable | None = None
     """Compiled: (me, near, p, out). How much it listens to each of the block; None: 1 each."""
+    forces: tuple[str, ...] = ()
+    """The terms that a wished acceleration or velocity is the sum of."""
+    explain: Callable | None = None
+    """Compiled: (me, near, ground, p, out). The forces one by one, out (len(forces), 3)."""
+    sees_obstacles: bool = False
+    """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
+    sees_points: bool = False
+    """Whether `near` shall hold the boundary points of obstacles within reach."""
     informed: int = 0
     """Information agents unless the user says otherwise."""
+    led: bool = True
+    """Whether there may be information agents."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
 
 
+def one_tick(parameters: Parameters) -> float:  # noqa: ARG001 - the signature of `Body.lasts`
+    """Time is counted in ticks."""
+    return 1.0
+
+
 @dataclass(frozen=True)
 class Body:
-    """How an agent can move: turns the wanted heading into the next position."""
+    """How an agent can move: turns what is wanted into the next position."""
 
     name: str
     title: str
     source: str
     parameters: type[Parameters]
     move: Callable
-    """Compiled: (me, ux, uy, uz, p) -> Moved."""
+    """Compiled: (me, near, ground, want, p, out) -> Moved; `out` receives its signals."""
+    takes: Wished = "heading"
+    """What it is told."""
+    signals: tuple[str, ...] = ()
+    """What bodies tell each other; they follow the rule's signals."""
+    deafens: bool = False
+    """Whether its last signal is 1.0 for agents whose heading counts and 0.0 for others."""
+    sees_obstacles: bool = False
+    """Whether it keeps clear of obstacles and solid edges, whatever the rule wants."""
+    forces: tuple[str, ...] = ()
+    """The terms that its velocity is the sum of."""
+    explain: Callable | None = None
+    """Compiled: (me, near, ground, p, out). The forces one by one, out (len(forces), 3)."""
+    lasts: Callable[[Any], float] = one_tick
+    """The time that a tick stands for, from the parameters."""
+    unit: str = "ticks"
+    """Unit of that time."""

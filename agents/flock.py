@@ -13,7 +13,6 @@ import numpy as np
 
 from agents import catalogue
 from agents.declare import checked
-from agents.engine.layers import UNKNOWN
 from agents.engine.runner import Arrays
 from agents.inspection import Inspection, inspect
 from agents.member import Member
@@ -25,8 +24,9 @@ from agents.observables.neighbours import links
 from agents.record import Recorder, read_state
 from agents.space import FlockSpace
 from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
-from agents.start import Start, given_start, random_headings, random_start
+from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
+from worlds.world import World, layout_names, world_from_layout
 from worlds.world import world as build_world
 
 DENSITY = 4.102
@@ -41,11 +41,14 @@ class Flock(Motion, mesa.Model):
     model: name of a model, see `agents.catalogue.MODELS`.
     agents: ordinary agents, >= 1. Information agents come on top: `informed`, by default as many as
         the model is defined with (0 or 1).
-    size: side of the box, or one per axis, length > 0; by default such that the density is 4.102.
-    dim: 2 or 3. world: `wrap`, `wrap-plain`, `open`, or a TOML file.
+    size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
+        the density is 4.102.
+    dim: 2 or 3, by default the layout's own, or 2. world: a layout by name (`worlds.world.layout_names()`), a TOML file or a `World`;
+        None for the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
-    start: None for random, or arrays `position`, `heading`, `informed`; then `agents` is not used.
+    start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`; then
+        `agents` is not used.
     rng: the run's seed, an integer >= 0; None draws one.
     threads: used from 10 000 agents on; the numbers do not depend on it.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
@@ -65,8 +68,8 @@ class Flock(Motion, mesa.Model):
         *,
         agents: int = 100,
         size: float | Sequence[float] | None = None,
-        dim: int = 2,
-        world: str = "wrap",
+        dim: int | None = None,
+        world: str | World | None = None,
         informed: int | None = None,
         activation: str = "synchronous",
         noise: str = "angular",
@@ -79,9 +82,6 @@ class Flock(Motion, mesa.Model):
     ):
         self.model = catalogue.model(model)
         seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0)
-        if dim not in self.model.dimensions:
-            allowed = " and ".join(f"{d}-D" for d in self.model.dimensions)
-            raise Refusal(f"dim = {dim!r} is not allowed: {model} is defined in {allowed}")
         if activation not in ACTIVATIONS:
             raise unknown("activation", activation, ACTIVATIONS)
         if noise not in NOISES:
@@ -89,9 +89,12 @@ class Flock(Motion, mesa.Model):
         agents = whole("agents", agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.parameters = checked(self.model.parameters, parameters)
-        if size is None:
-            size = ((agents + informed) / DENSITY) ** (1.0 / dim)
-        self.world = build_world(world, dim, size)
+        self.world = self._find_world(world, dim, size, agents + informed)
+        if informed > 0 and not self.model.rule.led:
+            raise Refusal(
+                f"informed = {informed} is not allowed: {model} has no information agents, all of "
+                "its agents know the goal"
+            )
         super().__init__(rng=seed)
         self.seed = seed
         self.tick = 0
@@ -112,18 +115,31 @@ class Flock(Motion, mesa.Model):
             agent_reporters=dict(agent_reporters or {}),
         )
 
+    def _find_world(self, given: str | World | None, dim, size, n: int) -> World:
+        """The world asked for, in the dimensions in which the model is defined. Raises Refusal."""
+        if isinstance(given, World):
+            found = given
+        else:
+            name = self.model.world if given is None else given
+            found = build_world(name, dim, size, lambda d: (n / DENSITY) ** (1.0 / d))
+        if found.dim not in self.model.dimensions:
+            allowed = " and ".join(f"{d}-D" for d in self.model.dimensions)
+            name = self.model.name
+            raise Refusal(f"dim = {found.dim!r} is not allowed: {name} is defined in {allowed}")
+        return found
+
     def _lay_out(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""
         n = len(begin.position)
-        rule = self.model.rule
         self._use(
             Arrays(
                 np.ascontiguousarray(begin.position),
                 np.ascontiguousarray(begin.heading),
-                np.zeros(n),
+                begin.speed.copy(),
                 begin.informed.astype(np.bool_),
                 np.arange(1, n + 1),
-                np.full((len(rule.signals), n), UNKNOWN),
+                np.zeros(n, np.int32),
+                np.tile(self.model.beginning[:, None], n),
             )
         )
         self.next_id = n + 1
@@ -191,13 +207,13 @@ class Flock(Motion, mesa.Model):
         self._end_tick()
         dim = self.world.dim
         if position is None:
-            position = self.rng.uniform(0.0, 1.0, dim) * self.world.size
+            position = free_positions(self.world, 1, self.rng)[0]
         if heading is None:
             heading = random_headings(self.rng, 1, dim)[0]
         new = given_start(
             self.world, {"position": [position], "heading": [heading], "informed": [informed]}
         )
-        n, k = len(self.ids), len(self._memory)
+        n = len(self.ids)
         self._use(
             Arrays(
                 np.concatenate([self.position, new.position]),
@@ -205,7 +221,8 @@ class Flock(Motion, mesa.Model):
                 np.append(self.speed, 0.0),
                 np.append(self.informed, new.informed),
                 np.append(self.ids, self.next_id),
-                np.hstack([self._memory, np.full((k, 1), UNKNOWN)]),
+                np.append(self.arrays.leg, np.int32(0)),
+                np.hstack([self._memory, self.model.beginning[:, None]]),
             )
         )
         self.next_id += 1
@@ -224,6 +241,7 @@ class Flock(Motion, mesa.Model):
                 np.delete(self.speed, row),
                 np.delete(self.informed, row),
                 np.delete(self.ids, row),
+                np.delete(self.arrays.leg, row),
                 np.delete(self._memory, row, axis=1),
             )
         )
@@ -245,6 +263,7 @@ class Flock(Motion, mesa.Model):
             noise=cast(Noise, self.noise),
             start="given" if self.given else "random",
             parameters=self.parameters.model_dump(),
+            layout=None if self.world.name in layout_names() else self.world.to_layout(),
             versions=versions(),
         )
 
@@ -262,7 +281,7 @@ class Flock(Motion, mesa.Model):
             informed=spec.informed,
             size=spec.size,
             dim=spec.dim,
-            world=spec.world,
+            world=spec.world if spec.layout is None else world_of(spec),
             activation=spec.activation,
             noise=spec.noise,
             rng=spec.seed,
@@ -286,6 +305,12 @@ class Flock(Motion, mesa.Model):
         flock.tick, flock.next_id = saved.tick, saved.next_id
         flock._use(saved.arrays)
         return flock
+
+
+def world_of(spec: Spec) -> World:
+    """The world that a spec carries with it. Raises Refusal."""
+    assert spec.layout is not None
+    return world_from_layout(spec.layout, spec.world, spec.dim, None)
 
 
 def known(name: str) -> str:

@@ -1,8 +1,8 @@
-"""One agent seen from close: its state, whom it listens to and how much."""
+"""One agent seen from close: its state, whom it listens to and how much, what moves it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +10,12 @@ import numpy as np
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.observables.neighbours import separation
+from worlds.ground import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.flock import Flock
+
+NO_POINTS = np.empty((0, 2))
 
 
 @dataclass(frozen=True)
@@ -28,13 +31,18 @@ class Inspection:
     weights: np.ndarray
     """How much it listens to each, (M,), as its rule weighs them."""
     signals: dict[str, float]
-    """What it tells its neighbours beside position and heading."""
+    """What it tells its neighbours beside position and heading, and what it keeps to itself."""
+    forces: dict[str, np.ndarray] = field(default_factory=dict)
+    """The terms of its wish, then those of its body's velocity, by name, (dim,) each."""
+    points: np.ndarray = field(default_factory=lambda: NO_POINTS)
+    """Boundary points of obstacles that it perceives, (P, 2), length."""
 
 
 def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
-    """A row as rules see themselves."""
+    """A row as rules see themselves; `signals` (K,) are its columns."""
     x, y, *z = (float(c) for c in flock.position[row])
     ux, uy, *uz = (float(c) for c in flock.heading[row])
+    shared = len(flock.model.signals)
     key: Any = np.uint64(tick_key(flock.seed, flock.tick))
     return Me(
         x,
@@ -44,7 +52,10 @@ def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
         uy,
         uz[0] if uz else 0.0,
         float(flock.speed[row]),
-        signals,
+        signals[:shared],
+        signals[shared:],
+        bool(flock.informed[row]),
+        signals[shared - 1] if flock.model.body.deafens else 1.0,
         int(flock.ids[row]),
         flock.tick,
         key,
@@ -52,8 +63,51 @@ def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
     )
 
 
+def as_near(
+    flock: Flock, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
+) -> Near:
+    """Other rows, `apart` (M, dim) from a row, and boundary points (P, 2), as rules see them."""
+    dim, shared = flock.world.dim, len(flock.model.signals)
+    x, y, z = np.zeros((3, len(rows)))
+    ux, uy, uz = np.zeros((3, len(rows)))
+    for axis, (at, turned) in enumerate(((x, ux), (y, uy), (z, uz))):
+        if axis < dim:
+            at[:] = flock.position[row, axis] + apart[:, axis]
+            turned[:] = flock.heading[rows, axis]
+    told = np.ascontiguousarray(signals[:shared, rows])
+    heard = told[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
+    px, py = np.ascontiguousarray(seen.T)
+    return Near(len(rows), x, y, z, ux, uy, uz, told, heard, len(seen), px, py, np.zeros(len(seen)))
+
+
+def perceived(flock: Flock, row: int) -> np.ndarray:
+    """The boundary points that an agent's rule sees, (P, 2), length."""
+    if not flock.model.rule.sees_points:
+        return NO_POINTS
+    ground = flock.engine.ground
+    found = np.zeros(ground.most_points, np.int32)
+    x, y = (float(c) for c in flock.position[row, :2])
+    n = points_within(ground, x, y, flock.reach, found)
+    return np.column_stack([ground.point_x[found[:n]], ground.point_y[found[:n]]])
+
+
+def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
+    """The terms of the rule's next wish and of its body's velocity, by name, (dim,) each."""
+    ground, p = flock.engine.ground, flock.law.parameters
+    rule, body = flock.model.rule, flock.model.body
+    if rule.perceive is not None and (rule.explain or body.explain):
+        rule.perceive(me, near, ground, p)
+    found: dict[str, np.ndarray] = {}
+    for part in (rule, body):
+        if part.explain is not None:
+            out = np.zeros((len(part.forces), 3))
+            part.explain(me, near, ground, p, out)
+            found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
+    return found
+
+
 def inspect(flock: Flock, row: int) -> Inspection:
-    """Inspect the agent of a row (0 to N - 1)."""
+    """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come."""
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
@@ -61,25 +115,25 @@ def inspect(flock: Flock, row: int) -> Inspection:
     apart = apart[rows]
     signals = flock.signals()
     own = signals[:, row].copy()
+    seen = perceived(flock, row)
     weights = np.ones(len(rows))
-    if rule.weigh is not None and len(rows) and not flock.informed[row]:
-        me = as_me(flock, row, own)
-        flat = np.zeros((3, len(rows)))
-        flat[: world.dim] = flock.position[row][:, None] + apart.T
-        turned = np.zeros((3, len(rows)))
-        turned[: world.dim] = flock.heading[rows].T
-        x, y, z = flat
-        ux, uy, uz = turned
-        told = np.ascontiguousarray(signals[:, rows])
-        near = Near(len(rows), x, y, z, ux, uy, uz, told)
-        rule.weigh(me, near, flock.law.parameters, weights)
+    forces: dict[str, np.ndarray] = {}
     if flock.informed[row]:
         weights[:] = 0.0
+    else:
+        set_goal(flock.engine.ground, flock.elapsed)
+        me = as_me(flock, row, own.copy())
+        near = as_near(flock, row, rows, apart, signals, seen)
+        if rule.weigh is not None and len(rows):
+            rule.weigh(me, near, flock.law.parameters, weights)
+        forces = forces_on(flock, me, near)
     return Inspection(
         int(flock.ids[row]),
         row,
         rows,
         apart,
         weights,
-        dict(zip(rule.signals, own.tolist(), strict=True)),
+        dict(zip(flock.model.columns, own.tolist(), strict=True)),
+        forces,
+        seen,
     )

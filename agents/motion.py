@@ -8,13 +8,15 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from worlds.route import along_route
+from worlds.survey import survey
 
-from agents.catalogue import Model
 from agents.declare import Parameters, as_floats, checked
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.runner import Arrays, InTurn, Law, Synchronous
+from agents.engine.runner import Arrays, InTurn, Law, Place, Synchronous
+from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -59,14 +61,15 @@ class Motion:
     def _use(self, arrays: Arrays) -> None:
         """Take these arrays as the flock's state."""
         self.arrays = arrays
-        self.position, self.heading, self.speed, self.informed, self.ids, self._memory = arrays
+        self.position, self.heading, self.speed = arrays.position, arrays.heading, arrays.speed
+        self.informed, self.ids, self._memory = arrays.informed, arrays.ids, arrays.memory
         self._engine = None
         self.law = self._make_law()
 
     @property
     def loop(self) -> ModuleType:
         """The module of the compiled loop."""
-        return loop_of(self.model, self.world.dim)
+        return loop_of(self.model, self.world.dim, self.world.is_solid)
 
     @property
     def engine(self) -> Synchronous | InTurn:
@@ -82,14 +85,26 @@ class Motion:
             np.pad(self.world.wraps.astype(np.int64), (0, missing)),
             np.pad(self.world.images.astype(np.int64), (0, missing)),
         )
+        place = Place(space, survey(self.world, self.reach))
         if self.activation == "synchronous":
-            return Synchronous(self.loop, self.arrays, space, self.seed, self.threads)
+            return Synchronous(self.loop, self.arrays, place, self.seed, self.threads)
         shuffled = self.activation == "random"
-        return InTurn(turns_module(self.loop), self.arrays, space, self.seed, shuffled)
+        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled)
 
     def _make_law(self) -> Law:
         noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
-        return Law(self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)}), noise, self.reach)
+        numbers = self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)})
+        return Law(numbers, noise, self.reach, self.dt)
+
+    @property
+    def dt(self) -> float:
+        """The time that a tick stands for, in the model's unit of time."""
+        return float(self.model.body.lasts(self.parameters))
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the start, tick * dt."""
+        return self.tick * self.dt
 
     @property
     def reach(self) -> float:
@@ -108,9 +123,31 @@ class Motion:
             return None
         return self.heading[np.argmax(self.informed)]
 
+    def goal_at(self, ticks) -> np.ndarray:
+        """Positions of the gamma agent at ticks (T,), (T, dim), length. Raises Refusal."""
+        mission = self.world.mission
+        if mission is None or mission.goal is None:
+            raise Refusal(f"the world {self.world.name!r} has no goal")
+        return along_route(mission.goal, np.asarray(ticks) * self.dt)
+
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
+        self.law = self._make_law()
+        if self._engine is not None and self.reach > self._engine.ground.reach:
+            self._engine = None
+
+    def change_world(self, world: World) -> None:
+        """Other obstacles, edges or another mission around the running flock.
+
+        Raises Refusal if the world has other dimensions; nothing then changes. Agents stay where
+        they are: see `worlds.clearance` for those that an obstacle has come upon.
+        """
+        if world.dim != self.world.dim:
+            raise Refusal(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")
+        self._end_tick()
+        self.world = world
+        self._engine = None
         self.law = self._make_law()
 
     def advance(self, ticks: int) -> None:
@@ -122,6 +159,15 @@ class Motion:
         if ticks > 0 and len(self.ids):
             self.engine.run(self.law, self.tick, ticks)
         self.tick += ticks
+
+    def trace(self, ticks: int) -> np.ndarray:
+        """Run ticks (>= 0); the positions after each of them, (ticks, N, dim)."""
+        self._end_tick()
+        kept = np.empty((ticks, *self.position.shape))
+        if ticks > 0:
+            self.engine.run(self.law, self.tick, ticks, trace=kept)
+        self.tick += ticks
+        return kept
 
     def run_until_consistent(
         self,
@@ -171,17 +217,17 @@ class Motion:
             self.tick += 1
 
     def signals(self) -> np.ndarray:
-        """What agents tell each other now, (K, N), in the order of the rule's `signals`.
+        """What agents tell each other and keep to themselves now, (K, N): `model.columns`.
 
         A layer that is not known is infinite.
         """
-        if len(self._memory) and len(self.ids) and not self._acted:
+        if len(self.model.signals) and len(self.ids) and not self._acted:
             self.engine.open(self.law, self.tick)
         return self._memory
 
     def signal(self, name: str) -> np.ndarray:
-        """One signal by name, a copy (N,). A layer of N + 1 is unknown. Raises Refusal."""
-        names = self.model.rule.signals
+        """One row of `signals` by name, a copy (N,). A layer of N + 1 is unknown. Raises Refusal."""
+        names = self.model.columns
         if name not in names:
             raise unknown("signal", name, names)
         values = self.signals()[names.index(name)]
@@ -189,10 +235,10 @@ class Motion:
 
 
 @cache
-def loop_of(model: Model, dim: int) -> ModuleType:
-    """The module of the compiled loop of a model."""
+def loop_of(model: Model, dim: int, solid: bool) -> ModuleType:
+    """The module of the compiled loop of a model, in a world where something is solid or not."""
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
-    return sweep_module(dim, len(model.rule.signals), model.parts, tuple(fields))
+    return sweep_module(model.parts(dim, solid), tuple(fields))
 
 
 def whole(name: str, value: Any, least: int) -> int:

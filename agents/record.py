@@ -111,7 +111,9 @@ class Recorder:
             columns["u" + letter] = flock.heading[:, axis].copy()
         columns["speed"] = flock.speed.copy()
         columns["informed"] = flock.informed.copy()
-        for name, values in zip(flock.model.rule.signals, flock.signals(), strict=True):
+        if flock.world.mission is not None and flock.world.mission.path is not None:
+            columns["leg"] = flock.arrays.leg.copy()
+        for name, values in zip(flock.model.columns, flock.signals(), strict=True):
             columns[name] = values.copy()
         return pa.RecordBatch.from_pydict(columns)
 
@@ -227,13 +229,14 @@ def arrays_of(table, spec: Spec, path) -> Arrays:
     axes = AXES[: spec.dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        signals = [column[name] for name in model(spec.model).rule.signals]
+        signals = [column[name] for name in model(spec.model).columns]
         arrays = Arrays(
             np.column_stack([column[a] for a in axes]),
             np.column_stack([column["u" + a] for a in axes]),
             column["speed"].copy(),
             column["informed"].astype(np.bool_),
             column["id"].copy(),
+            column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
         )
     except KeyError as missing:

@@ -44,6 +44,8 @@ class Spec(BaseModel):
     noise: Noise = "angular"
     start: Literal["random", "given"] = "random"
     parameters: dict[str, bool | float | str] = Field(default_factory=dict)
+    layout: dict[str, Any] | None = None
+    """The world itself, where it is none of the built-in ones."""
     versions: dict[str, str] = Field(default_factory=dict)
 
     @property
@@ -53,7 +55,7 @@ class Spec(BaseModel):
 
     def to_toml(self) -> str:
         """The spec as TOML; floats are written so that they come back to the bit."""
-        return tomlkit.dumps(self.model_dump(mode="json"))
+        return tomlkit.dumps(self.model_dump(mode="json", exclude_none=True))
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "TOML text") -> Spec:

@@ -7,12 +7,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
+from worlds.mission import Start as Region
 
+from worlds.clearance import clearance
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
 
 THETA_D = np.pi / 4
 """Heading of the information UAV (rad), theta^d of Liu et al. 2021, section 3.1."""
+
+
+TRIES = 1000
+"""How often agents that do not fit are tried elsewhere before a start is refused."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +29,7 @@ class Start:
     position: np.ndarray
     heading: np.ndarray
     informed: np.ndarray
+    speed: np.ndarray
 
 
 def random_headings(rng: np.random.Generator, n: int, dim: int) -> np.ndarray:
@@ -45,20 +53,96 @@ def random_start(world: World, agents: int, informed: int, rng: np.random.Genera
 
     Positions are uniform in the box and headings uniform; the first information agent is in the
     corner (0, 0), and all of them head for theta^d. Rows are numbered along space, so that agents
-    near each other start near each other in memory; the information agents come first.
+    near each other start near each other in memory; the information agents come first. No agent
+    starts inside an obstacle. A world with a mission may have a start region of its own, where all
+    are spread alike. Raises Refusal where there is no room.
     """
-    size = np.array(world.size)
-    position = rng.uniform(0.0, 1.0, (agents, world.dim)) * size
+    n = agents + informed
+    if world.mission is not None and world.mission.start is not None:
+        return mission_start(world, n, informed, rng)
+    position = free_positions(world, agents, rng)
     heading = random_headings(rng, agents, world.dim)
-    position = position[along_space(position, size)]
-    first = rng.uniform(0.0, 1.0, (informed, world.dim)) * size
-    first[:1] = 0.0
+    position = position[along_space(position, np.array(world.size))]
+    first = free_positions(world, informed, rng)
+    if not world.is_solid:
+        first[:1] = 0.0
     know = np.tile(goal_heading(world.dim), (informed, 1))
     return Start(
         np.concatenate([first, position]),
         np.concatenate([know, heading]),
-        np.arange(agents + informed) < informed,
+        np.arange(n) < informed,
+        np.zeros(n),
     )
+
+
+def free_positions(world: World, n: int, rng: np.random.Generator) -> np.ndarray:
+    """n positions uniform in the box where nothing is solid, (n, dim). Raises Refusal."""
+    return spread(world, np.array(world.low), np.array(world.size), n, 0.0, rng)
+
+
+def spread(world: World, low, size, n: int, spacing: float, rng) -> np.ndarray:
+    """n positions uniform in the box [low, low + size), clear of what is solid, (n, dim).
+
+    They keep at least `spacing` to each other. Raises Refusal if they do not fit.
+    """
+    position = rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
+    for _ in range(TRIES):
+        bad = np.zeros(n, bool)
+        if world.is_solid:
+            bad |= clearance(world, position) <= 0.0
+        if spacing > 0.0:
+            bad |= too_close(position, spacing)
+        if not bad.any():
+            return position
+        position[bad] = rng.uniform(0.0, 1.0, (int(bad.sum()), world.dim)) * size + low
+    gap = f", {spacing:g} from each other," if spacing > 0.0 else ""
+    raise Refusal(
+        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{gap} outside the "
+        f"obstacles of {world.name}"
+    )
+
+
+def too_close(position: np.ndarray, spacing: float) -> np.ndarray:
+    """Rows that are nearer than `spacing` to a row before them, (N,) bool."""
+    pairs = cKDTree(position).query_pairs(spacing, output_type="ndarray")
+    close = np.zeros(len(position), bool)
+    close[pairs.max(axis=1)] = True
+    return close
+
+
+def start_box(region: Region, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lower corner and sides of a start region for n agents, (dim,) each, length."""
+    low = np.array(region.low)
+    if region.density is None:
+        return low, np.array(region.high) - low
+    return low, np.full(len(low), (n / region.density) ** (1.0 / len(low)))
+
+
+def mission_start(world: World, n: int, informed: int, rng: np.random.Generator) -> Start:
+    """A start from the mission's region; the first `informed` agents head for the first waypoint.
+
+    Raises Refusal where there is no room.
+    """
+    mission = world.mission
+    assert mission is not None
+    region = mission.start
+    assert region is not None
+    low, size = start_box(region, n)
+    position = spread(world, low, size, n, region.spacing, rng)
+    position[informed:] = position[informed:][along_space(position[informed:] - low, size)]
+    speed = np.zeros(n)
+    heading = random_headings(rng, n, world.dim)
+    if region.speed_low is not None:
+        velocity = rng.uniform(region.speed_low, region.speed_high, (n, world.dim))
+        speed = np.linalg.norm(velocity, axis=1)
+        moves = speed > 0.0
+        heading[moves] = velocity[moves] / speed[moves, None]
+    if mission.path is not None:
+        way = np.array(mission.path.waypoints[0]) - position[:informed]
+        heading[:informed] = way / np.linalg.norm(way, axis=1, keepdims=True)
+    else:
+        heading[:informed] = goal_heading(world.dim)
+    return Start(position, heading, np.arange(n) < informed, speed)
 
 
 def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
@@ -70,14 +154,14 @@ def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
 
 
 def given_start(world: World, arrays: Mapping[str, Any]) -> Start:
-    """A start from arrays: `position` (N, dim), `heading` (N, dim), `informed` (N,) bool or none.
+    """A start from arrays: `position` and `heading` (N, dim), `speed` and `informed` (N,) or none.
 
-    Headings are brought to length 1. Raises Refusal naming the array, the row and the value where
+    Headings are brought to length 1; speeds are >= 0, and 0 if none are given. Raises Refusal naming the array, the row and the value where
     something is no finite number, has no direction, or does not fit.
     """
     for name in arrays:
-        if name not in ("position", "heading", "informed"):
-            raise unknown("start array", name, ("position", "heading", "informed"))
+        if name not in ("position", "heading", "speed", "informed"):
+            raise unknown("start array", name, ("position", "heading", "speed", "informed"))
     for name in ("position", "heading"):
         if name not in arrays:
             raise Refusal(f"start has no {name!r}: position and heading, both (N, dim), are needed")
@@ -94,7 +178,10 @@ def given_start(world: World, arrays: Mapping[str, Any]) -> Start:
     if (length == 0.0).any():
         row = int(np.flatnonzero(length == 0.0)[0])
         raise Refusal(f"heading of row {row} is a zero vector: a heading needs a direction")
-    return Start(position, heading / length, informed.astype(bool))
+    speed = np.asarray(arrays.get("speed", np.zeros(len(position))), float)
+    if speed.shape != (len(position),) or not (np.isfinite(speed) & (speed >= 0.0)).all():
+        raise Refusal(f"start array 'speed' must be {len(position)} finite numbers >= 0")
+    return Start(position, heading / length, informed.astype(bool), speed)
 
 
 def rows(name: str, values: object, dim: int) -> np.ndarray:

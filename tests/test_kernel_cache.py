@@ -17,7 +17,7 @@ from agents.rules.vicsek import Vicsek
 from turning import turn
 
 @compiled
-def decide(me, near, p):
+def decide(me, near, ground, p):
     return turn(me)
 
 RULE = Rule("turner", "Turner", "Turns.", "x", "none", Vicsek, decide)

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+
+from pydantic import ValidationError
 
 
 class Refusal(ValueError):
@@ -21,3 +27,25 @@ def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> 
     hint = f"did you mean {near[0]!r}? " if near else ""
     where = f" ({origin})" if origin else ""
     return Refusal(f"unknown {kind} {name!r}: {hint}(known: {', '.join(known)}){where}")
+
+
+def first_refusal(
+    error: ValidationError, thing: str, origin: str = "", tags: Collection[str] = ()
+) -> Refusal:
+    """The first thing that pydantic found wrong, as a refusal: the thing, the key, the value.
+
+    `tags` are discriminators, which pydantic puts before the keys of a tagged union.
+    """
+    first = error.errors()[0]
+    keys = [str(key) for key in first["loc"] if key not in tags and "[" not in str(key)]
+    where = f" ({origin})" if origin else ""
+    message = first["msg"].removeprefix("Value error, ")
+    message = message[:1].lower() + message[1:]
+    key = ".".join(keys)
+    if first["type"] == "missing":
+        return Refusal(f"{thing} has no {key}{where}")
+    if first["type"] == "extra_forbidden":
+        return Refusal(f"{thing} has an unknown key {key!r}{where}")
+    if first["type"] == "value_error" and not keys:
+        return Refusal(f"{thing}: {message}{where}")
+    return Refusal(f"{thing}: {key} = {first['input']!r} is not allowed: {message}{where}")

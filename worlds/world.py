@@ -1,33 +1,45 @@
-"""A world: a box with an edge on each axis, where a flock lives."""
+"""A world: a box with an edge on each axis, obstacles in it and a mission, where a flock lives."""
 
 from __future__ import annotations
 
-import math
-import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomlkit
 
-from worlds.refusal import Refusal, unknown
+from worlds.checks import demand_sound
+from worlds.layout import (
+    BOUNDARY_SPACING,
+    DISTANCES,
+    EDGES,
+    layout_fields,
+    layout_names,
+    read_layout,
+)
+from worlds.mission import Mission
+from worlds.obstacles import Obstacle, Union
+from worlds.refusal import Refusal
 
-EDGES = ("wrap", "open")
-"""What an edge does: agents that leave come in on the other side, or go on for ever."""
-DISTANCES = ("nearest-image", "plain")
-"""How distance is measured where an axis wraps: across the seam, or within the box only."""
-LAYOUTS = files("worlds") / "layouts"
+__all__ = [
+    "DISTANCES",
+    "EDGES",
+    "World",
+    "layout_names",
+    "read_layout",
+    "world",
+    "world_from_layout",
+]
 
 
 @dataclass(frozen=True)
 class World:
-    """A box [0, size) in 2 or 3 dimensions.
+    """A box [low, low + size) in 2 or 3 dimensions, with what is in it.
 
     `distance` is "nearest-image" where agents see each other across a wrapping seam, which is the
     right physics, and "plain" where they do not, which is what reproduces the tables of Liu et al.
-    2021.
+    2021. Raises Refusal if an axis wraps whose lower end is not 0.
     """
 
     name: str
@@ -35,6 +47,30 @@ class World:
     edges: tuple[str, ...]
     distance: str = "nearest-image"
     title: str = ""
+    low: tuple[float, ...] = ()
+    """Lower corner; zeros by default."""
+    obstacles: tuple[Obstacle, ...] = ()
+    mission: Mission | None = None
+    height: float = 0.0
+    """Up to which flat obstacles stand in three dimensions, and are drawn in two; by default the
+    top of the box, or a tenth of the longest side."""
+    boundary_spacing: float = BOUNDARY_SPACING
+    """Most distance between neighbouring boundary points, length."""
+    source: str = ""
+    """Where the layout is from."""
+
+    def __post_init__(self) -> None:
+        if not self.low:
+            object.__setattr__(self, "low", (0.0,) * self.dim)
+        for axis in np.flatnonzero(self.wraps):
+            if self.low[axis] != 0.0:
+                raise Refusal(
+                    f"low = {list(self.low)} is not allowed: axis {'xyz'[axis]} wraps and begins "
+                    f"at 0 ({self.name})"
+                )
+        if not self.height:
+            top = self.low[2] + self.size[2] if self.dim == 3 else 0.1 * max(self.size)
+            object.__setattr__(self, "height", top)
 
     @property
     def dim(self) -> int:
@@ -51,60 +87,79 @@ class World:
         """Axes along which neighbours are seen across the seam, (dim,) bool."""
         return self.wraps & (self.distance == "nearest-image")
 
+    @property
+    def is_solid(self) -> bool:
+        """Whether there is anything solid: an obstacle or an edge of the box."""
+        return bool(self.obstacles) or "solid" in self.edges
 
-def layout_names() -> list[str]:
-    """Names of the built-in worlds."""
-    return sorted(
-        f.name.removesuffix(".toml") for f in LAYOUTS.iterdir() if f.name.endswith(".toml")
-    )
+    def to_layout(self) -> dict[str, Any]:
+        """The layout that `world_from_layout` makes this world of again, exactly."""
+        layout: dict[str, Any] = {
+            "title": self.title,
+            "source": self.source,
+            "edges": list(self.edges),
+            "distance": self.distance,
+            "dim": self.dim,
+            "low": list(self.low),
+            "size": list(self.size),
+            "height": self.height,
+            "boundary_spacing": self.boundary_spacing,
+        }
+        if self.mission is not None:
+            layout["mission"] = as_table(self.mission.model_dump(exclude_none=True))
+        if self.obstacles:
+            layout["obstacle"] = [as_table(shape_table(o)) for o in self.obstacles]
+        return layout
+
+    def to_toml(self) -> str:
+        """The layout as a TOML file; numbers keep every bit."""
+        return tomlkit.dumps(self.to_layout())
 
 
-def read_layout(name: str) -> dict[str, Any]:
-    """The text of a built-in layout or of a TOML file, as a dictionary.
+def shape_table(shape: Obstacle) -> dict[str, Any]:
+    """The keys of an obstacle that say anything, its shape and name first."""
+    table = shape.model_dump(exclude_none=True)
+    empty = [key for key, value in table.items() if value in ("", ())]
+    first = {key: table[key] for key in ("shape", "name")}
+    if isinstance(shape, Union):
+        first["parts"] = [shape_table(part) for part in shape.parts]
+    return {k: v for k, v in {**first, **table, **first}.items() if k not in empty}
 
-    Raises Refusal for an unknown name, a missing file or a file that is not TOML.
+
+def as_table(value: Any) -> Any:
+    """A value as TOML knows it: lists in the place of tuples."""
+    if isinstance(value, Mapping):
+        return {key: as_table(item) for key, item in value.items()}
+    return [as_table(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def world(
+    name: str,
+    dim: int | None = None,
+    size: float | Sequence[float] | None = None,
+    unsized: Callable[[int], float] | None = None,
+) -> World:
+    """The world of a layout (a built-in name or a TOML file), sound.
+
+    See `world_from_layout`. Raises Refusal, also for the first error that `worlds.checks` finds.
     """
-    path = LAYOUTS / f"{name}.toml" if name in layout_names() else Path(name)
-    if name not in layout_names() and not name.endswith(".toml"):
-        raise unknown("world", name, layout_names())
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Refusal(f"world file {name!r} cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise Refusal(f"world file {name!r} is not TOML: {error}") from None
+    found = world_from_layout(read_layout(name), name, dim, size, unsized)
+    demand_sound(found)
+    return found
 
 
-def world(name: str, dim: int, size: float | Sequence[float]) -> World:
-    """The world of a layout (a built-in name or a TOML file) with a box of the given size.
+def world_from_layout(
+    layout: Mapping[str, Any],
+    name: str,
+    dim: int | None = None,
+    size: float | Sequence[float] | None = None,
+    unsized: Callable[[int], float] | None = None,
+) -> World:
+    """The world that a layout describes; `worlds.checks` tells whether it is sound.
 
-    `size` is one length for all sides or one per axis, each > 0. Raises Refusal.
+    `dim` is 2 or 3, by default the layout's own, or 2. A flat layout stands up in three dimensions:
+    its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
+    per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
+    layout with obstacles. Raises Refusal.
     """
-    layout = read_layout(name)
-    for key in layout:
-        if key not in ("title", "edges", "distance"):
-            raise unknown("key", key, ("title", "edges", "distance"), name)
-    edges = layout.get("edges", "wrap")
-    edges = (edges,) * dim if isinstance(edges, str) else tuple(edges)
-    if len(edges) != dim:
-        raise Refusal(
-            f"edges = {list(edges)} names {len(edges)} axes, the world has {dim} ({name})"
-        )
-    for edge in edges:
-        if edge not in EDGES:
-            raise unknown("edge", edge, EDGES, name)
-    distance = layout.get("distance", "nearest-image")
-    if distance not in DISTANCES:
-        raise unknown("distance", distance, DISTANCES, name)
-    return World(name, box(dim, size), edges, distance, str(layout.get("title", "")))
-
-
-def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
-    """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
-    sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size).ravel().tolist())
-    if len(sides) != dim:
-        raise Refusal(f"size = {size} has {len(sides)} sides, a {dim}-D world has {dim}")
-    for side in sides:
-        if isinstance(side, bool | str) or not (0.0 < float(side) < 1e9 and math.isfinite(side)):
-            raise Refusal(f"size = {side!r} is not allowed: a side is a length in (0, 1e9)")
-    return tuple(float(side) for side in sides)
+    return World(**layout_fields(layout, name, dim, size, unsized))

@@ -23,9 +23,17 @@ class ConstantSpeed(Parameters):
 
 
 @compiled
-def move(me, ux, uy, uz, p):
+def move(me, near, ground, want, p, out):
     """x(k+1) = x(k) + v0 u(k+1): (7) and (8)."""
-    return Moved(me.x + p.v0 * ux, me.y + p.v0 * uy, me.z + p.v0 * uz, ux, uy, uz, p.v0)
+    return Moved(
+        me.x + p.v0 * want.x,
+        me.y + p.v0 * want.y,
+        me.z + p.v0 * want.z,
+        want.x,
+        want.y,
+        want.z,
+        p.v0,
+    )
 
 
 BODY = Body(

@@ -1,5 +1,7 @@
 """What a rule sees: itself (`Me`), the agents around it (`Near`), and what it answers (`Wish`).
 
+The world around it, its obstacles and its goal, is `worlds.ground.Ground`.
+
 All vectors have three components; in a 2-D world the third is 0. Coordinates in a block are
 those of the nearest image, so that `near.x[j] - me.x` is the separation whatever the edges.
 """
@@ -25,7 +27,13 @@ class Me(NamedTuple):
     uz: float
     speed: float
     signal: np.ndarray
-    """Own signals, shape (K,), in the order in which the rule declares them."""
+    """What it tells the others, shape (K,): the rule's signals, then the body's."""
+    memory: np.ndarray
+    """What it keeps to itself, in the order in which the rule names it; `perceive` writes it."""
+    informed: bool
+    """Whether it is an information agent, which listens to nobody."""
+    heard: float
+    """1.0 if its heading counts, 0.0 while it avoids an obstacle."""
     id: int
     tick: int
     key: int
@@ -48,13 +56,22 @@ class Near(NamedTuple):
     uz: np.ndarray
     signal: np.ndarray
     """What the agents tell each other, shape (K, n or more)."""
+    heard: np.ndarray
+    """1.0 for agents whose heading counts, 0.0 for those that are busy avoiding an obstacle."""
+    points: int
+    """Boundary points of obstacles within reach; 0 for a rule that does not ask for them."""
+    point_x: np.ndarray
+    point_y: np.ndarray
+    spare: np.ndarray
+    """A place for the rule's own working, at least `points` long."""
 
 
 class Wish(NamedTuple):
-    """What a rule answers: the weighted mean heading of those it listens to.
+    """What a rule answers, and what a body is handed: a heading, an acceleration or a velocity.
 
-    Its direction is the wanted heading. Its length, at most 1, is the agreement among those
-    listened to; vectorial noise is weighed against it. (0, 0, 0) means: keep the heading.
+    A wished heading is the weighted mean heading of those listened to. Its length, at most 1, is
+    the agreement among them; vectorial noise is weighed against it. (0, 0, 0) means: keep the
+    heading. A body is handed the unit vector that noise has made of it.
     """
 
     x: float

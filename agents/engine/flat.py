@@ -1,7 +1,8 @@
-"""The third axis of a flat world: a column that is 0 wherever it is read, and costs nothing.
+"""Columns that are the same wherever they are read, and cost nothing.
 
-A rule is written once, with three components. In 2-D its `near.z` and `near.uz` have this type, the
-compiler sees the zeros, and what would be done with them disappears.
+A rule is written once, with three components. In 2-D its `near.z` and `near.uz` are a column of
+zeros, the compiler sees them, and what would be done with them disappears. So with `near.heard`, a
+column of ones in a flock where everyone is heard.
 """
 
 from __future__ import annotations
@@ -14,15 +15,16 @@ from numba.core.datamodel import models
 from numba.core.extending import intrinsic, overload, register_model
 
 
-class ZeroColumn(types.Type):
-    """Numba type of a column of zeros."""
+class ConstantColumn(types.Type):
+    """Numba type of a column of one value (float)."""
 
-    def __init__(self):
-        super().__init__(name="ZeroColumn")
+    def __init__(self, value: float):
+        super().__init__(name=f"ConstantColumn({value})")
+        self.value = value
 
 
-ZERO_COLUMN = ZeroColumn()
-register_model(ZeroColumn)(models.OpaqueModel)
+ZEROS, ONES = ConstantColumn(0.0), ConstantColumn(1.0)
+register_model(ConstantColumn)(models.OpaqueModel)
 
 
 @intrinsic
@@ -32,12 +34,23 @@ def zeros(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
     def codegen(context, builder, signature, arguments):  # noqa: ARG001
         return context.get_dummy_value()
 
-    return ZERO_COLUMN(), codegen
+    return ZEROS(), codegen
+
+
+@intrinsic
+def ones(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
+    """A column of ones, inside compiled code."""
+
+    def codegen(context, builder, signature, arguments):  # noqa: ARG001
+        return context.get_dummy_value()
+
+    return ONES(), codegen
 
 
 @overload(operator.getitem)
-def zero_at(column, j):  # noqa: ARG001
-    """`near.z[j]` in 2-D."""
-    if isinstance(column, ZeroColumn):
-        return lambda column, j: 0.0  # noqa: ARG005
+def constant_at(column, j):  # noqa: ARG001
+    """`near.z[j]` in 2-D, `near.heard[j]` where everyone is heard."""
+    if isinstance(column, ConstantColumn):
+        value = column.value
+        return lambda column, j: value  # noqa: ARG005
     return None

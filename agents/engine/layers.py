@@ -70,13 +70,13 @@ def search_layers(flock, space, grid, slots, r, k, depth):
 
 
 @compiled
-def next_layer(me, near, r, k, informed):
+def next_layer(me, near, r, k):
     """l_i(k+1) = 1 + min l_j(k) over the neighbours (5); above N it is UNKNOWN.
 
     No agent of a flock of N can be in a layer above N: without this cap the layers of a group that
     is cut off would count up for ever.
     """
-    if informed:
+    if me.informed:
         return 1.0
     least = UNKNOWN
     layer = near.signal[k]

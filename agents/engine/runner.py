@@ -8,12 +8,15 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from worlds.ground import Ground
 
 from agents.engine import phases
 from agents.engine.cells import Grid, Slots, Space
 from agents.engine.team import Team
 from agents.observables.consistency import NOTHING, Watch, is_consistent
 
+UNTRACED = np.empty((0, 0, 0))
+"""In place of a trace: positions are not kept."""
 SPLIT_FROM = 10_000
 """Agents below which one thread is faster than several."""
 CHUNKS = 4
@@ -28,8 +31,10 @@ class Arrays(NamedTuple):
     speed: np.ndarray
     informed: np.ndarray
     ids: np.ndarray
+    leg: np.ndarray
+    """The waypoint of the mission's path that an information agent heads for, int32."""
     memory: np.ndarray
-    """Signals, shape (K, N)."""
+    """Signals of the rule, signals of the body, what the rule keeps to itself; shape (K, N)."""
 
 
 def empty_slots(n: int, dim: int, signals: int) -> Slots:
@@ -58,6 +63,8 @@ class Law(NamedTuple):
     """Kind of noise: `agents.engine.noise.ANGULAR` or `VECTORIAL`."""
     reach: float
     """The largest distance at which agents notice each other, length."""
+    lasts: float
+    """How much time a tick stands for."""
 
 
 class Desk(NamedTuple):
@@ -70,12 +77,24 @@ class Desk(NamedTuple):
     mine: np.ndarray
     """One agent's signals as it reads them, (K,), and as it writes them."""
     out: np.ndarray
+    own: np.ndarray
+    """What one agent keeps to itself."""
+    found: np.ndarray
+    """Boundary points around one agent: indices, int32."""
+    points: np.ndarray
+    """Their coordinates and a spare row, (3, room)."""
 
 
-def empty_desk(room: int, signals: int) -> Desk:
-    """A desk for blocks of up to `room` agents."""
+def empty_desk(room: int, signals: int, private: int, points: int) -> Desk:
+    """A desk for blocks of up to `room` agents, with up to `points` boundary points around one."""
     return Desk(
-        np.zeros((9, room)), np.zeros((signals, room)), np.zeros(signals), np.zeros(signals)
+        np.zeros((9, room)),
+        np.zeros((signals, room)),
+        np.zeros(signals),
+        np.zeros(signals),
+        np.zeros(private),
+        np.zeros(points, np.int32),
+        np.zeros((3, points)),
     )
 
 
@@ -92,6 +111,13 @@ def empty_grid(n: int, parts: int) -> Grid:
     )
 
 
+class Place(NamedTuple):
+    """The world as compiled code sees it: its edges, and what stands in it."""
+
+    space: Space
+    ground: Ground
+
+
 class NotANumber(ArithmeticError):
     """A rule gave an agent a position that is not a finite number."""
 
@@ -99,20 +125,22 @@ class NotANumber(ArithmeticError):
 class Engine:
     """The compiled loop of a rule over a flock's arrays."""
 
-    def __init__(self, module, arrays: Arrays, space: Space, seed: int, threads: int = 1):
+    def __init__(self, module, arrays: Arrays, place: Place, seed: int, threads: int = 1):
         self.module = module
         self.arrays = arrays
-        self.space = space
+        self.space, self.ground = place
         self.seed = seed
         n, dim = arrays.position.shape
         self.parts = max(1, threads) if n >= SPLIT_FROM else 1
-        self.slots = empty_slots(n, dim, arrays.memory.shape[0])
+        self.slots = empty_slots(n, dim, module.SIGNALS)
         self.grid = empty_grid(n, self.parts)
-        self.desks = [empty_desk(256, arrays.memory.shape[0]) for _ in range(self.parts)]
+        self.desks: list[Desk] = []
+        self.widen(256)
 
     def widen(self, room: int) -> None:
         """Larger desks."""
-        self.desks = [empty_desk(room, len(self.arrays.memory)) for _ in self.desks]
+        made = room, self.module.SIGNALS, self.module.PRIVATE, self.ground.most_points
+        self.desks = [empty_desk(*made) for _ in range(self.parts)]
 
     def refuse(self, row: int, tick: int) -> None:
         """Name the agent whose position is no number."""
@@ -125,12 +153,12 @@ class Engine:
 class Synchronous(Engine):
     """All agents decide on the same instant, then all have moved."""
 
-    def __init__(self, module, arrays: Arrays, space: Space, seed: int, threads: int = 1):
-        super().__init__(module, arrays, space, seed, threads)
+    def __init__(self, module, arrays: Arrays, place: Place, seed: int, threads: int = 1):
+        super().__init__(module, arrays, place, seed, threads)
         self.team = Team(self.parts)
-        self.place = np.empty(0, np.int64)
+        self.slot_of = np.empty(0, np.int64)
 
-    def call(self, law, tick, ticks, work, watch=NOTHING):
+    def call(self, law, tick, ticks, work, watch=NOTHING, trace=UNTRACED):
         """One call of the compiled loop, with a larger desk if it asks for one."""
         part = work[1]
         done = 0
@@ -138,17 +166,17 @@ class Synchronous(Engine):
             more, last_off, bad, need = self.module.advance(
                 self.arrays,
                 self.space,
+                self.ground,
                 self.grid,
                 self.slots,
                 self.desks[part],
-                law.parameters,
-                law.noise,
-                law.reach,
+                law,
                 self.seed,
                 tick + done,
                 ticks - done,
                 work,
                 watch,
+                trace[done:],
             )
             done += more
             watch = watch._replace(last_off=last_off)
@@ -159,24 +187,29 @@ class Synchronous(Engine):
             if not need or not work[0] & phases.COUNT:  # the sort goes on from where it is
                 return done, last_off
 
-    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING):
-        """Run ticks; returns (ticks done, last tick not consistent or -1)."""
+    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING, trace=UNTRACED):
+        """Run ticks; returns (ticks done, last tick not consistent or -1).
+
+        `trace` (ticks, N, dim), if given, receives the positions after each tick.
+        """
         n = len(self.arrays.position)
         if self.parts == 1 or watch.kind:
-            return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), watch)
+            return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), watch, trace)
         for k in range(ticks):
             self.shared_tick(law, tick + k)
+            if len(trace):
+                trace[k] = self.arrays.position
         return ticks, -1
 
     def open(self, law: Law, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""
         n = len(self.arrays.position)
         self.call(law, tick, 1, (phases.OPEN, 0, 1, 0, n))
-        self.place = np.argsort(self.slots.row)
+        self.slot_of = np.argsort(self.slots.row)
 
     def one(self, law: Law, tick: int, row: int) -> None:
         """Let the agent of one row of an opened tick decide and move."""
-        slot = int(self.place[row])
+        slot = int(self.slot_of[row])
         self.call(law, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
 
     def shared_tick(self, law: Law, tick: int) -> None:
@@ -208,7 +241,7 @@ class Synchronous(Engine):
         alone(phases.SHARE)
         together(phases.PLACE)
         together(phases.FILL)
-        if len(self.arrays.memory):
+        if self.module.SIGNALS:
             alone(phases.PREPARE)
         self.team.together(sweep)
 
@@ -216,8 +249,8 @@ class Synchronous(Engine):
 class InTurn(Engine):
     """Agents act one after another, each on the flock as those before it have left it."""
 
-    def __init__(self, module, arrays: Arrays, space: Space, seed: int, shuffled: bool):
-        super().__init__(module, arrays, space, seed)
+    def __init__(self, module, arrays: Arrays, place: Place, seed: int, shuffled: bool):
+        super().__init__(module, arrays, place, seed)
         self.shuffled = shuffled
 
     def call(self, law, tick, order: np.ndarray, opens: bool) -> None:
@@ -227,12 +260,11 @@ class InTurn(Engine):
             first, bad = self.module.advance(
                 self.arrays,
                 self.space,
+                self.ground,
                 self.grid,
                 self.slots,
                 self.desks[0],
-                law.parameters,
-                law.noise,
-                law.reach,
+                law,
                 self.seed,
                 tick,
                 order,
@@ -246,8 +278,11 @@ class InTurn(Engine):
             opens = False
             self.widen(2 * self.desks[0].block.shape[1])
 
-    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING):
-        """Run ticks; returns (ticks done, last tick not consistent or -1)."""
+    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING, trace=UNTRACED):
+        """Run ticks; returns (ticks done, last tick not consistent or -1).
+
+        `trace` (ticks, N, dim), if given, receives the positions after each tick.
+        """
         last_off = watch.last_off
         for now in range(tick, tick + ticks):
             if watch.kind:
@@ -256,6 +291,8 @@ class InTurn(Engine):
                 elif now - last_off >= watch.hold:
                     return now - tick, last_off
             self.call(law, now, self.order(now), True)
+            if len(trace):
+                trace[now - tick] = self.arrays.position
         return ticks, last_off
 
     def order(self, tick: int) -> np.ndarray:

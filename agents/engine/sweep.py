@@ -1,8 +1,8 @@
 """The tick: every agent decides on the flock as it stands, then all of them have moved.
 
 This file is a template. `agents.engine.loop` loads it once for each rule and body as a module of
-its own, with `decide`, `remember`, `show`, `prepare`, `move`, `DIM` and `SIGNALS` put in place of
-the names below, because numba caches a kernel on disk only if it reaches the rule as a global.
+its own, with the names of `agents.engine.template` put in place, because numba caches a kernel on
+disk only if it reaches the rule as a global.
 
 Everything a tick does passes through the one loop in `advance`: many ticks in one call, a share of
 the flock on one of several threads, a single agent. They run the same machine instructions on the
@@ -14,7 +14,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from agents.engine.block import Me, Near
+from worlds.ground import points_within, set_goal
+
+from agents.engine.block import Me, Near, Wish
+from agents.engine.bounce import bounced
 from agents.engine.cells import (
     count_rows,
     fill_block,
@@ -24,14 +27,29 @@ from agents.engine.cells import (
     plan,
     share_slots,
 )
-from agents.engine.flat import zeros
+from agents.engine.flat import ones, zeros
+from agents.engine.guide import guided
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.observables.consistency import is_consistent
 from worlds.compiled import compiled, entry
 
 if TYPE_CHECKING:
-    from agents.engine.template import DIM, SIGNALS, decide, move, prepare, remember, show
+    from agents.engine.template import (
+        BOUNCES,
+        DEAFENS,
+        DIM,
+        HEADS,
+        PRIVATE,
+        SEES_POINTS,
+        SIGNALS,
+        decide,
+        move,
+        perceive,
+        prepare,
+        remember,
+        show,
+    )
 
 KEEP = 1e-12
 """A wish shorter than this has no direction: the heading is kept."""
@@ -57,7 +75,7 @@ def nearest_images(space, grid, block, m, x, y, z):
 
 @compiled
 def headed(me, wish, noise, eta):
-    """The wanted heading, a unit vector: the wish with its noise; without a wish, the old one."""
+    """The wanted heading, a unit Wish: the wish with its noise; without a wish, the old one."""
     x, y, z = wish.x, wish.y, wish.z
     if noise == VECTORIAL and eta > 0.0:
         if x * x + y * y + z * z < KEEP * KEEP:
@@ -70,13 +88,15 @@ def headed(me, wish, noise, eta):
     else:
         x, y, z = x / length, y / length, z / length
     if noise != VECTORIAL and eta > 0.0:
-        return turned(x, y, z, eta, me.key, me.id, DIM)
-    return x, y, z
+        x, y, z = turned(x, y, z, eta, me.key, me.id, DIM)
+    return Wish(x, y, z)
 
 
 @compiled
-def settle(flock, space, i, moved):
+def settle(flock, space, ground, i, moved):
     """Write what the body answered into row i, within the world's edges."""
+    if BOUNCES:
+        moved = bounced(ground, moved)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
     flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
     flock.heading[i, 0] = moved.ux
@@ -88,27 +108,39 @@ def settle(flock, space, i, moved):
 
 
 @compiled
-def act(flock, space, i, me, near, p, noise, out):
-    """One agent's tick: decide, add noise, move, remember. An information agent only moves."""
-    if flock.informed[i]:
-        ux, uy, uz = me.ux, me.uy, me.uz
+def act(flock, space, ground, i, me, near, law, out):
+    """One agent's tick: perceive, decide, add noise, move, remember.
+
+    An information agent listens to nobody: it follows the mission's path, or keeps its heading.
+    """
+    p = law.parameters
+    for k in range(SIGNALS):
+        out[k] = me.signal[k]
+    if me.informed:
+        want = guided(flock, ground, i, me)
     else:
-        ux, uy, uz = headed(me, decide(me, near, p), noise, p.eta)
-    settle(flock, space, i, move(me, ux, uy, uz, p))
+        if PRIVATE > 0:
+            perceive(me, near, ground, p)
+        want = decide(me, near, ground, p)
+        if HEADS:
+            want = headed(me, want, law.noise, p.eta)
+    settle(flock, space, ground, i, move(me, near, ground, want, p, out))
     if SIGNALS > 0:
-        for k in range(SIGNALS):
-            out[k] = me.signal[k]
-        remember(me, near, p, flock.informed[i], out)
-        for k in range(SIGNALS):
-            flock.memory[k, i] = out[k]
+        remember(me, near, p, out)
+    for k in range(SIGNALS):
+        flock.memory[k, i] = out[k]
+    for k in range(PRIVATE):
+        flock.memory[SIGNALS + k, i] = me.memory[k]
 
 
 @compiled
-def myself(flock, slots, slot, mine, tick, key):
-    """`Me` of a slot; `mine` receives its signals."""
-    for k in range(SIGNALS):
-        mine[k] = slots.signal[k, slot]
+def myself(flock, slots, slot, desk, tick, key):
+    """`Me` of a slot; the desk receives its signals and its memory."""
     i = slots.row[slot]
+    for k in range(SIGNALS):
+        desk.mine[k] = slots.signal[k, slot]
+    for k in range(PRIVATE):
+        desk.own[k] = flock.memory[SIGNALS + k, i]
     return Me(
         slots.x[slot],
         slots.y[slot],
@@ -117,7 +149,10 @@ def myself(flock, slots, slot, mine, tick, key):
         slots.uy[slot],
         slots.uz[slot] if DIM == 3 else 0.0,
         flock.speed[i],
-        mine,
+        desk.mine,
+        desk.own,
+        flock.informed[i],
+        desk.mine[SIGNALS - 1] if DEAFENS else 1.0,
         flock.ids[i],
         tick,
         key,
@@ -126,16 +161,16 @@ def myself(flock, slots, slot, mine, tick, key):
 
 
 @compiled
-def ready(flock, space, grid, slots, p, tick, key, mine, out):
+def ready(flock, space, grid, slots, desk, p, tick, key):
     """Before anyone decides: what each agent shows, and what the rule needs of the whole flock."""
     if SIGNALS > 0:
         for slot in range(slots.row.shape[0]):
-            me = myself(flock, slots, slot, mine, tick, key)
+            me = myself(flock, slots, slot, desk, tick, key)
             for k in range(SIGNALS):
-                out[k] = mine[k]
-            show(me, p, out)
+                desk.out[k] = desk.mine[k]
+            show(me, p, desk.out)
             for k in range(SIGNALS):
-                slots.signal[k, slot] = out[k]
+                slots.signal[k, slot] = desk.out[k]
         prepare(flock, space, grid, slots, p, tick)
         for slot in range(slots.row.shape[0]):
             for k in range(SIGNALS):
@@ -143,16 +178,45 @@ def ready(flock, space, grid, slots, p, tick, key, mine, out):
 
 
 @compiled
-def nearby(m, block, at, signals):
-    """The block's m agents as a rule sees them; positions start at row `at`."""
-    if DIM == 2:
-        flat: Any = zeros()
-        return Near(m, block[at], block[at + 1], flat, block[3], block[4], flat, signals)
-    return Near(m, block[at], block[at + 1], block[at + 2], block[3], block[4], block[5], signals)
+def see_points(ground, reach, me, desk):
+    """Copy the boundary points within reach of an agent to its desk; returns how many."""
+    n = points_within(ground, me.x, me.y, reach, desk.found)
+    for k in range(n):
+        desk.points[0, k] = ground.point_x[desk.found[k]]
+        desk.points[1, k] = ground.point_y[desk.found[k]]
+    return n
 
 
 @compiled
-def sweep(flock, space, grid, slots, desk, p, noise, tick, key, first, last):
+def nearby(m, desk, at, points):
+    """The m agents of the desk's block, and the points there, as a rule sees them.
+
+    Positions start at row `at`.
+    """
+    block, signals = desk.block, desk.signals
+    flat: Any = zeros()
+    z, uz = (flat, flat) if DIM == 2 else (block[at + 2], block[5])
+    heard: Any = signals[SIGNALS - 1] if DEAFENS else ones()
+    spot = desk.points
+    return Near(
+        m,
+        block[at],
+        block[at + 1],
+        z,
+        block[3],
+        block[4],
+        uz,
+        signals,
+        heard,
+        points,
+        spot[0],
+        spot[1],
+        spot[2],
+    )
+
+
+@compiled
+def sweep(flock, space, ground, grid, slots, desk, law, tick, key, first, last):
     """The agents of slots first to last act, cell by cell."""
     block = desk.block
     lone = False
@@ -164,23 +228,34 @@ def sweep(flock, space, grid, slots, desk, p, noise, tick, key, first, last):
         cell = slots.cell[slots.row[slot]]
         end = min(last, grid.start[cell + 1])
         m = fill_block(grid, space, slots, cell, block, desk.signals)
-        near = nearby(m, block, at, desk.signals)
+        near = nearby(m, desk, at, 0)
         while slot < end:
-            me = myself(flock, slots, slot, desk.mine, tick, key)
+            me = myself(flock, slots, slot, desk, tick, key)
+            if SEES_POINTS:
+                near = nearby(m, desk, at, see_points(ground, law.reach, me, desk))
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z)
-            act(flock, space, slots.row[slot], me, near, p, noise, desk.out)
+            act(flock, space, ground, slots.row[slot], me, near, law, desk.out)
             slot += 1
 
 
+@compiled
+def note(position, into):
+    """Copy the positions (N, dim), without the working space that an array assignment takes."""
+    for i in range(position.shape[0]):
+        for axis in range(DIM):
+            into[i, axis] = position[i, axis]
+
+
 @entry
-def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, ticks, work, watch):
+def advance(flock, space, ground, grid, slots, desk, law, seed, tick, ticks, work, watch, trace):
     """Run `ticks` ticks, or the asked phases of one.
 
     `work` = (phases, part, parts, first row, last row): phases is a sum of PLAN .. SWEEP, and the
     rows (slots, while sweeping) are those of this part. `watch` = (kind, bound, hold, x, y, z):
     stop once the flock has been consistent within `bound` for `hold` ticks; see
-    `agents.observables.consistency.is_consistent`. Returns (ticks done, last tick that was not
+    `agents.observables.consistency.is_consistent`. `trace` (ticks, N, dim) or (0, N, dim) receives
+    the positions after each tick. Returns (ticks done, last tick that was not
     consistent or -1, first row with a position that is no number or -1, room that the desk's block
     lacks or 0); where it lacks room, the tick has not begun.
     """
@@ -196,7 +271,8 @@ def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, ticks,
                 break
         key = tick_key(seed, now)
         if phases & PLAN:
-            plan(grid, space, reach, flock.position)
+            set_goal(ground, now * law.lasts)
+            plan(grid, space, law.reach, flock.position)
         if phases & COUNT:
             bad = count_rows(grid, space, slots, flock.position, part, first, last)
             if bad >= 0:
@@ -210,8 +286,10 @@ def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, ticks,
         if phases & FILL:
             fill_slots(slots, flock.position, flock.heading, flock.memory, first, last)
         if phases & PREPARE:
-            ready(flock, space, grid, slots, p, now, key, desk.mine, desk.out)
+            ready(flock, space, grid, slots, desk, law.parameters, now, key)
         if phases & SWEEP:
-            sweep(flock, space, grid, slots, desk, p, noise, now, key, first, last)
+            sweep(flock, space, ground, grid, slots, desk, law, now, key, first, last)
+        if trace.shape[0] > 0:
+            note(flock.position, trace[done])
         done += 1
     return done, last_off, -1, 0

@@ -10,10 +10,26 @@ from worlds.compiled import compiled
 
 DIM = 2
 SIGNALS = 0
+"""What agents tell each other, the rule's and the body's."""
+PRIVATE = 0
+"""What each agent keeps to itself."""
+HEADS = True
+"""Whether the rule wishes a heading, which noise may turn."""
+DEAFENS = False
+"""Whether the last signal says who is heard: 1.0, or 0.0."""
+SEES_POINTS = False
+"""Whether the rule is given the boundary points of obstacles."""
+BOUNCES = False
+"""Whether agents bounce off what is solid, because their rule does not see it."""
 
 
 @compiled
-def decide(me, near, p):
+def perceive(me, near, ground, p):
+    """Take note of nothing."""
+
+
+@compiled
+def decide(me, near, ground, p):
     """Keep the heading."""
     return Wish(0.0, 0.0, 0.0)
 
@@ -24,7 +40,7 @@ def show(me, p, out):
 
 
 @compiled
-def remember(me, near, p, informed, out):
+def remember(me, near, p, out):
     """Remember what was shown."""
 
 
@@ -34,6 +50,6 @@ def prepare(flock, space, grid, slots, p, tick):
 
 
 @compiled
-def move(me, ux, uy, uz, p):
+def move(me, near, ground, want, p, out):
     """Stand still."""
-    return Moved(me.x, me.y, me.z, ux, uy, uz, 0.0)
+    return Moved(me.x, me.y, me.z, want.x, want.y, want.z, 0.0)

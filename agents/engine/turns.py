@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from worlds.ground import set_goal
+
 from agents.engine.block import Me
 from agents.engine.cells import (
     around,
@@ -24,7 +26,18 @@ from agents.engine.noise import tick_key
 from worlds.compiled import compiled, entry
 
 if TYPE_CHECKING:
-    from agents.engine.sweep import SIGNALS, act, nearby, nearest_images, ready, show
+    from agents.engine.sweep import (
+        DEAFENS,
+        PRIVATE,
+        SEES_POINTS,
+        SIGNALS,
+        act,
+        nearby,
+        nearest_images,
+        ready,
+        see_points,
+        show,
+    )
 
 
 @compiled
@@ -49,17 +62,18 @@ def unlink(grid, slots, i):
 
 
 @compiled
-def open_tick(flock, space, grid, slots, desk, p, reach, tick, key):
+def open_tick(flock, space, ground, grid, slots, desk, law, tick, key):
     """Sort the flock, do what needs all of it, and link the lists; returns a bad row or -1."""
     n = flock.ids.shape[0]
-    plan(grid, space, reach, flock.position)
+    set_goal(ground, tick * law.lasts)
+    plan(grid, space, law.reach, flock.position)
     bad = count_rows(grid, space, slots, flock.position, 0, 0, n)
     if bad >= 0:
         return bad
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
     fill_slots(slots, flock.position, flock.heading, flock.memory, 0, n)
-    ready(flock, space, grid, slots, p, tick, key, desk.mine, desk.out)
+    ready(flock, space, grid, slots, desk, law.parameters, tick, key)
     for cell in range(grid.shape[0] * grid.shape[1] * grid.shape[2]):
         grid.start[cell] = -1
     for i in range(n - 1, -1, -1):
@@ -68,11 +82,13 @@ def open_tick(flock, space, grid, slots, desk, p, reach, tick, key):
 
 
 @compiled
-def row_of(flock, i, shown, tick, key):
-    """`Me` of a row as it stands now; `shown` receives its signals."""
+def row_of(flock, i, desk, tick, key):
+    """`Me` of a row as it stands now; the desk receives its signals and its memory."""
     flat = flock.position.shape[1] == 2
     for k in range(SIGNALS):
-        shown[k] = flock.memory[k, i]
+        desk.mine[k] = flock.memory[k, i]
+    for k in range(PRIVATE):
+        desk.own[k] = flock.memory[SIGNALS + k, i]
     return Me(
         flock.position[i, 0],
         flock.position[i, 1],
@@ -81,7 +97,10 @@ def row_of(flock, i, shown, tick, key):
         flock.heading[i, 1],
         0.0 if flat else flock.heading[i, 2],
         flock.speed[i],
-        shown,
+        desk.mine,
+        desk.own,
+        flock.informed[i],
+        desk.mine[SIGNALS - 1] if DEAFENS else 1.0,
         flock.ids[i],
         tick,
         key,
@@ -100,7 +119,7 @@ def gather(flock, space, grid, slots, desk, p, i, tick, key):
         while j >= 0:
             if m == block.shape[1]:
                 return -1
-            other = row_of(flock, j, desk.mine, tick, key)
+            other = row_of(flock, j, desk, tick, key)
             block[0, m] = other.x + sx
             block[1, m] = other.y + sy
             block[2, m] = other.z + sz
@@ -119,15 +138,16 @@ def gather(flock, space, grid, slots, desk, p, i, tick, key):
 
 
 @entry
-def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, order, first, opens):
+def advance(flock, space, ground, grid, slots, desk, law, seed, tick, order, first, opens):
     """Let the rows order[first:] act in turn, after opening the tick if `opens`.
 
     Returns (place in `order` reached, first row with a position that is no number or -1). It stops
     early, before the agent at that place has acted, if the desk's block lacks room.
     """
+    p = law.parameters
     key = tick_key(seed, tick)
     if opens:
-        bad = open_tick(flock, space, grid, slots, desk, p, reach, tick, key)
+        bad = open_tick(flock, space, ground, grid, slots, desk, law, tick, key)
         if bad >= 0:
             return first, bad
     for at in range(first, order.shape[0]):
@@ -135,7 +155,7 @@ def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, order,
         m = gather(flock, space, grid, slots, desk, p, i, tick, key)
         if m < 0:
             return at, -1
-        me = row_of(flock, i, desk.mine, tick, key)
+        me = row_of(flock, i, desk, tick, key)
         if SIGNALS > 0:
             for k in range(SIGNALS):
                 desk.out[k] = desk.mine[k]
@@ -143,8 +163,8 @@ def advance(flock, space, grid, slots, desk, p, noise, reach, seed, tick, order,
             for k in range(SIGNALS):
                 desk.mine[k] = desk.out[k]
         nearest_images(space, grid, desk.block, m, me.x, me.y, me.z)
-        near = nearby(m, desk.block, 6, desk.signals)
-        act(flock, space, i, me, near, p, noise, desk.out)
+        points = see_points(ground, law.reach, me, desk) if SEES_POINTS else 0
+        act(flock, space, ground, i, me, nearby(m, desk, 6, points), law, desk.out)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from agents.observables import consistency, groups, layers, neighbours, order
+from worlds.clearance import clearance
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,35 @@ def nearest(flock) -> float:
     world = flock.world
     found = neighbours.nearest_neighbour(flock.position, world.size, world.images)
     return float(np.min(found, initial=np.inf))
+
+
+def obstacle_distance(flock) -> float:
+    """Least signed distance of an agent to what is solid."""
+    return float(np.min(clearance(flock.world, flock.position), initial=np.inf))
+
+
+def inside(flock) -> int:
+    """How many agents are inside an obstacle or beyond a solid edge."""
+    return int((clearance(flock.world, flock.position) < 0.0).sum())
+
+
+def goal_distance(flock) -> float:
+    """Distance of the flock's centre to the goal, or to the end of the path; nan without."""
+    mission = flock.world.mission
+    if mission is None or (mission.goal is None and mission.path is None):
+        return float("nan")
+    if mission.goal is not None:
+        end = flock.goal_at([flock.tick])[0]
+    else:
+        end = np.array(mission.path.waypoints[-1])
+    return float(np.linalg.norm(flock.position.mean(axis=0) - end))
+
+
+def following(flock) -> float:
+    """Share of agents in the component of an information agent; nan without one."""
+    if not flock.informed.any():
+        return float("nan")
+    return float((flock.layers() <= len(flock.ids)).mean())
 
 
 OBSERVABLES = {
@@ -70,6 +100,34 @@ OBSERVABLES = {
         ),
         Observable(
             "nearest-neighbour", "Least distance between agents", "length", "[0, inf]", nearest
+        ),
+        Observable(
+            "obstacle-distance",
+            "Least distance of an agent to an obstacle or a solid edge",
+            "length",
+            "[-inf, inf]",
+            obstacle_distance,
+        ),
+        Observable(
+            "inside-obstacles",
+            "Agents inside an obstacle or beyond a solid edge",
+            "agents",
+            "[0, N]",
+            inside,
+        ),
+        Observable(
+            "goal-distance",
+            "Distance of the flock's centre to the goal or to the end of the path",
+            "length",
+            "[0, inf]",
+            goal_distance,
+        ),
+        Observable(
+            "following",
+            "Share of agents linked to an information agent",
+            "1",
+            "[0, 1]",
+            following,
         ),
         Observable(
             "connectivity",

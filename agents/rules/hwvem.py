@@ -82,29 +82,31 @@ def survey(me, near, r):
 
 
 @compiled
-def decide(me, near, p):
-    """Weighted mean heading of the neighbours (9), summed layer by layer."""
+def decide(me, near, ground, p):
+    """Weighted mean heading of the neighbours (9), (18), summed layer by layer."""
     layer = near.signal[LAYER]
     nearest, neighbours = survey(me, near, p.r)
     x = y = z = total = 0.0
     current = nearest
     while current < UNKNOWN:
-        sx = sy = sz = alike = 0.0
+        sx = sy = sz = alike = heard = 0.0
         following = UNKNOWN
         for j in range(near.n):
             a = adjacent(me, near, j, p.r)
             if a > 0.0 and current < layer[j] < following:
                 following = layer[j]
             a = a if layer[j] == current else 0.0
-            sx += a * near.ux[j]
-            sy += a * near.uy[j]
-            sz += a * near.uz[j]
+            o = a * near.heard[j]
+            sx += o * near.ux[j]
+            sy += o * near.uy[j]
+            sz += o * near.uz[j]
+            heard += o
             alike += a
         c = contribution(current, nearest, neighbours, alike, p)
         x += c * sx
         y += c * sy
         z += c * sz
-        total += c * alike
+        total += c * heard
         current = following
     if total == 0.0:
         return Wish(0.0, 0.0, 0.0)
@@ -119,10 +121,10 @@ def prepare(flock, space, grid, slots, p, tick):
 
 
 @compiled
-def remember(me, near, p, informed, out):
+def remember(me, near, p, out):
     """Word of the layers spreads one hop: (5)."""
     if p.layers != INSTANT:
-        out[LAYER] = next_layer(me, near, p.r, LAYER, informed)
+        out[LAYER] = next_layer(me, near, p.r, LAYER)
 
 
 @compiled
@@ -136,7 +138,7 @@ def weigh(me, near, p, out):
             alike += adjacent(me, near, n, p.r) if layer[n] == layer[j] else 0.0
         out[j] = 0.0
         if adjacent(me, near, j, p.r) > 0.0 and layer[j] < UNKNOWN:
-            out[j] = contribution(layer[j], nearest, neighbours, alike, p)
+            out[j] = near.heard[j] * contribution(layer[j], nearest, neighbours, alike, p)
 
 
 HWVEM = Rule(

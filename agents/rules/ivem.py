@@ -43,14 +43,14 @@ def extremes(me, near, p):
     """Least and largest angle among the neighbours, (inf, -inf) without any."""
     least, largest = math.inf, -math.inf
     for j in range(near.n):
-        if adjacent(me, near, j, p.r) > 0.0:
+        if adjacent(me, near, j, p.r) * near.heard[j] > 0.0:
             least = min(least, near.signal[ANGLE, j])
             largest = max(largest, near.signal[ANGLE, j])
     return least, largest
 
 
 @compiled
-def decide(me, near, p):
+def decide(me, near, ground, p):
     """theta_i + lambda (max - min) / 2: (30), (31)."""
     theta = me.signal[ANGLE]
     least, largest = extremes(me, near, p)
@@ -64,11 +64,11 @@ def decide(me, near, p):
 
 
 @compiled
-def decide_informed(me, near, p):
+def decide_informed(me, near, ground, p):
     """In direct contact with an information UAV: the weighted mean; else as IVEM."""
     x = y = total = contact = 0.0
     for j in range(near.n):
-        a = adjacent(me, near, j, p.r)
+        a = adjacent(me, near, j, p.r) * near.heard[j]
         knows = a if near.signal[LAYER, j] == 1.0 else 0.0
         h = a - knows + p.k_iu * knows
         x += h * near.ux[j]
@@ -76,7 +76,7 @@ def decide_informed(me, near, p):
         total += h
         contact += knows
     if contact == 0.0 or total == 0.0:
-        return decide(me, near, p)
+        return decide(me, near, ground, p)
     return Wish(x / total, y / total, 0.0)
 
 
@@ -92,7 +92,8 @@ def weigh(me, near, p, out):
     least, largest = extremes(me, near, p)
     for j in range(near.n):
         angle = near.signal[ANGLE, j]
-        out[j] = adjacent(me, near, j, p.r) if angle in (least, largest) else 0.0
+        heard = adjacent(me, near, j, p.r) * near.heard[j]
+        out[j] = heard if angle in (least, largest) else 0.0
 
 
 @compiled
@@ -100,7 +101,7 @@ def weigh_informed(me, near, p, out):
     """In contact with an information UAV: k_IU for it and 1 for others; else as IVEM."""
     contact = 0.0
     for j in range(near.n):
-        out[j] = adjacent(me, near, j, p.r)
+        out[j] = adjacent(me, near, j, p.r) * near.heard[j]
         if near.signal[LAYER, j] == 1.0:
             contact += out[j]
             out[j] *= p.k_iu

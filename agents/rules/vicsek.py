@@ -41,15 +41,17 @@ class Vicsek(Parameters):
 
 
 @compiled
-def decide(me, near, p):
-    """Mean heading over the neighbours and itself: (6)."""
-    x, y, z, n = me.ux, me.uy, me.uz, 1.0
+def decide(me, near, ground, p):
+    """Mean heading over the neighbours and itself: (6), with obstacles (18)."""
+    n = me.heard
+    x, y, z = n * me.ux, n * me.uy, n * me.uz
     for j in range(near.n):
-        a = adjacent(me, near, j, p.r)
+        a = adjacent(me, near, j, p.r) * near.heard[j]
         x += a * near.ux[j]
         y += a * near.uy[j]
         z += a * near.uz[j]
         n += a
+    n = max(n, 1.0)
     return Wish(x / n, y / n, z / n)
 
 

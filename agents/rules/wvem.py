@@ -50,12 +50,12 @@ def weight(layer, p):
 
 
 @compiled
-def decide(me, near, p):
+def decide(me, near, ground, p):
     """Weighted mean heading of the neighbours, itself left out."""
     layer = near.signal[LAYER]
     x = y = z = total = 0.0
     for j in range(near.n):
-        h = adjacent(me, near, j, p.r) * weight(layer[j], p)
+        h = adjacent(me, near, j, p.r) * near.heard[j] * weight(layer[j], p)
         x += h * near.ux[j]
         y += h * near.uy[j]
         z += h * near.uz[j]
@@ -75,7 +75,7 @@ def prepare(flock, space, grid, slots, p, tick):
 def weigh(me, near, p, out):
     """Weights h_ij of the agents of the block."""
     for j in range(near.n):
-        out[j] = adjacent(me, near, j, p.r) * weight(near.signal[LAYER, j], p)
+        out[j] = adjacent(me, near, j, p.r) * near.heard[j] * weight(near.signal[LAYER, j], p)
 
 
 WVEM = Rule(

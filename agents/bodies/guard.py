@@ -1,0 +1,37 @@
+"""The guard: a velocity that would take an agent into an obstacle loses what leads there."""
+
+from __future__ import annotations
+
+from worlds.ground import nearest_surface
+
+from worlds.compiled import compiled
+
+LEAST = 0.01
+"""Share of the range that an agent must keep to the next surface; else it stays where it is."""
+
+
+@compiled
+def without_inward(at, vx, vy, vz, allowed):
+    """The velocity with at most the speed `allowed` towards the surface."""
+    over = min(0.0, vx * at.nx + vy * at.ny + vz * at.nz + allowed)
+    return vx - over * at.nx, vy - over * at.ny, vz - over * at.nz
+
+
+@compiled
+def guarded(ground, at, me, vx, vy, vz, reach):
+    """The velocity (length/tick) of an agent whose nearest surface is `at`, within `reach`.
+
+    Up to reach / 2 from the surface no velocity towards it is left; further out at most half the
+    distance per tick. Where the step would end at another surface, as in a corner, what leads there
+    is taken out too, and a step that even so ends in the solid is not made.
+    """
+    allowed = 0.0 if at.distance <= 0.5 * reach else 0.5 * at.distance
+    vx, vy, vz = without_inward(at, vx, vy, vz, allowed)
+    least = min(at.distance, LEAST * reach)
+    then = nearest_surface(ground, me.x + vx, me.y + vy, me.z + vz)
+    if then.distance < least:
+        vx, vy, vz = without_inward(then, vx, vy, vz, 0.0)
+        then = nearest_surface(ground, me.x + vx, me.y + vy, me.z + vz)
+        if then.distance < least:
+            return 0.0, 0.0, 0.0
+    return vx, vy, vz

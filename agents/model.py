@@ -1,0 +1,122 @@
+"""A model: a rule, the body that carries it out, and what a flock of it starts with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from pydantic import create_model
+
+from agents.declare import Body, Parameters, Rule
+from agents.engine.layers import UNKNOWN
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A rule and a body under one name, with one set of parameters.
+
+    Raises TypeError if the body cannot take what the rule wishes.
+    """
+
+    rule: Rule
+    body: Body
+    suffix: str = ""
+    """Put behind the rule's name, to tell models of one rule apart."""
+    title_suffix: str = ""
+    summary_suffix: str = ""
+    defaults: Mapping[str, Any] = field(default_factory=dict)
+    """Defaults that differ from those of the rule and the body."""
+    world: str = "wrap"
+    """The world that it is at home in."""
+    agents: int | None = None
+    """How many agents a flock has there, None for the user's own default."""
+
+    def __post_init__(self):
+        if self.rule.wish != self.body.takes:
+            raise TypeError(
+                f"rule {self.rule.name} wishes a {self.rule.wish}, but the body {self.body.name} "
+                f"takes a {self.body.takes}"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name on the command line and in a spec."""
+        return self.rule.name + self.suffix
+
+    @property
+    def title(self) -> str:
+        """Name for people."""
+        return self.rule.title + self.title_suffix
+
+    @property
+    def summary(self) -> str:
+        """What it does, in a sentence or two."""
+        return self.rule.summary + self.summary_suffix
+
+    @property
+    def dimensions(self) -> tuple[int, ...]:
+        """Dimensions in which it is defined."""
+        return self.rule.dimensions
+
+    @property
+    def informed(self) -> int:
+        """Information agents unless the user says otherwise."""
+        return self.rule.informed
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """What agents tell each other: the rule's signals, then the body's."""
+        return self.rule.signals + self.body.signals
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The rows of a flock's memory: signals, then what agents keep to themselves."""
+        return self.signals + self.rule.memory
+
+    @cached_property
+    def beginning(self) -> np.ndarray:
+        """What the columns begin at: layers unknown, everyone heard, nothing remembered."""
+        rule, body = self.rule, self.body
+        return np.repeat(
+            [UNKNOWN, 1.0, 0.0], [len(rule.signals), len(body.signals), len(rule.memory)]
+        )
+
+    @property
+    def sees_obstacles(self) -> bool:
+        """Whether it steers clear of obstacles by itself."""
+        return self.rule.sees_obstacles or self.body.sees_obstacles
+
+    @cached_property
+    def parameters(self) -> type[Parameters]:
+        """The parameters of the rule and of the body, as one model."""
+        bases = (self.body.parameters, self.rule.parameters)
+        own: dict[str, Any] = {}
+        for name, value in self.defaults.items():
+            base = next(b for b in bases if name in b.model_fields)
+            changed = copy(base.model_fields[name])
+            changed.default = value
+            own[name] = (changed.annotation, changed)
+        return create_model(self.name, __base__=bases, **own)
+
+    def parts(self, dim: int, solid: bool) -> dict[str, Any]:
+        """What makes its loop in `dim` dimensions, in a world where something is solid or not."""
+        rule, body = self.rule, self.body
+        return {
+            "DIM": dim,
+            "SIGNALS": len(self.signals),
+            "PRIVATE": len(rule.memory),
+            "HEADS": rule.wish == "heading",
+            "DEAFENS": body.deafens,
+            "SEES_POINTS": rule.sees_points,
+            "BOUNCES": solid and not self.sees_obstacles,
+            "perceive": rule.perceive,
+            "decide": rule.decide,
+            "show": rule.show,
+            "remember": rule.remember,
+            "prepare": rule.prepare,
+            "move": body.move,
+        }

@@ -1,0 +1,287 @@
+"""Boundary points and expected velocity: flocking round obstacles of any shape (Wu et al. 2023, 3).
+
+An agent perceives the boundary points of obstacles within r. Each pushes as a flock-mate does, and
+all of them together tow it to where it expects to be next: along the boundary while an obstacle is
+in its way, to the gamma agent otherwise. In the plane only: phases have no order in space.
+
+What the paper leaves open is read so that its claims come out. An obstacle is in the way if a
+perceived point lies ahead of the agent, towards the gamma agent and no further than that, within
+d_e of the straight line to it. Phases are compared as (16) says; the sign printed in (15) never
+holds on an ascending sort.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from agents.declare import Rule, parameter
+from agents.engine.block import Wish
+from agents.rules.sigma import (
+    FORCES,
+    Interaction,
+    flockmates,
+    has_goal,
+    level,
+    push,
+    show,
+    weigh,
+)
+from worlds.compiled import compiled
+
+MEMORY = (
+    "following",
+    "blocked",
+    "split_x",
+    "split_y",
+    "rejoin_x",
+    "rejoin_y",
+    "aim_x",
+    "aim_y",
+    "phase",
+    "scenario",
+)
+"""What an agent keeps to itself.
+
+following: 1 from a split point on until it is free again. blocked: 1 while an obstacle is in its
+way. split, rejoin: the last such points, m. aim: the expected position, m. phase: of the aim, rad
+in [0, 2 pi) from the axis. scenario: 1 to 4 for A1 to A4 of table 2, 0 where there is no goal.
+"""
+FOLLOWING, BLOCKED, SPLIT, REJOIN, AIM, PHASE, SCENARIO = 0, 1, 2, 4, 6, 8, 9
+"""Their places in `me.memory`; points take two."""
+AT_SPLIT, BETWEEN, AT_REJOIN, FREE = 1.0, 2.0, 3.0, 4.0
+"""The scenarios A1 to A4."""
+CLOCKWISE = 1.0
+"""Index of `clockwise` among the choices of `sense`."""
+TURN = 2.0 * math.pi
+
+
+class BoundaryPoints(Interaction):
+    """Parameters of boundary-point flocking."""
+
+    tau_a: float = parameter(
+        0.1,
+        "Weight of attraction and repulsion further away than d",
+        symbol="\\tau_a",
+        low=0.0,
+        high=1e6,
+        step=0.1,
+        source="Wu et al. 2023, (12), table 3",
+    )
+    tau_e: float = parameter(
+        10.0,
+        "Weight of the repulsion between the early-warning distance d_e and d",
+        symbol="\\tau_e",
+        low=0.0,
+        high=1e6,
+        step=1.0,
+        source="Wu et al. 2023, (12), table 3",
+    )
+    tau_s: float = parameter(
+        10000.0,
+        "Weight of the repulsion nearer than the early-warning distance d_e",
+        symbol="\\tau_s",
+        low=0.0,
+        high=1e6,
+        step=100.0,
+        source="Wu et al. 2023, (12), table 3",
+    )
+    d_min: float = parameter(
+        1.0,
+        "Least safe distance; the early-warning distance is d_e = d_min + 2 p_max dt",
+        symbol="d_{min}",
+        unit="m",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="Wu et al. 2023, (12), table 3",
+    )
+    dtheta: float = parameter(
+        round(math.pi / 4.0, 4),
+        "Gap in phase at which a boundary is taken to end",
+        symbol="\\Delta\\theta",
+        unit="rad",
+        low=0.01,
+        high=round(TURN, 3),
+        step=0.05,
+        source="Wu et al. 2023, (15), (16), table 3",
+    )
+    sense: Literal["counterclockwise", "clockwise"] = parameter(
+        "counterclockwise",
+        "Which way round the flock goes: phases are compared from small to large, or back",
+        symbol="s",
+        source="Wu et al. 2023, (15), (16), table 2",
+    )
+
+
+@compiled
+def alarm(p):
+    """The early-warning distance d_e = d_min + 2 p_max dt, m."""
+    return p.d_min + 2.0 * p.p_max * p.dt
+
+
+@compiled
+def is_blocked(me, near, gx, gy, width):
+    """1.0 if a perceived point lies ahead and within `width` (m) of the line to the gamma agent."""
+    x, y = gx - me.x, gy - me.y
+    length = math.sqrt(x * x + y * y)
+    if length == 0.0:
+        return 0.0
+    ux, uy = x / length, y / length
+    found = 0.0
+    for k in range(near.points):
+        dx = near.point_x[k] - me.x
+        dy = near.point_y[k] - me.y
+        along = dx * ux + dy * uy
+        across = math.fabs(dx * uy - dy * ux)
+        inside = (along > 0.0) & (along <= length) & (across <= width)
+        found = 1.0 if inside else found
+    return found
+
+
+@compiled
+def boundary_end(me, near, ax, ay, p):
+    """The point q_k(m) at which the boundary ends, by phase from the axis to (ax, ay): (15), (16).
+
+    The first phase in ascending order that the next exceeds by dtheta or more, else the last.
+    Clockwise the order is the opposite. Without a sort: from the first phase on, the furthest that
+    is less than dtheta ahead is jumped to, until there is none. Returns (x, y, phase).
+    """
+    axis = math.atan2(ay - me.y, ax - me.x)
+    sign = -1.0 if p.sense == CLOCKWISE else 1.0
+    now = math.inf
+    for k in range(near.points):
+        phase = math.atan2(near.point_y[k] - me.y, near.point_x[k] - me.x) - axis
+        phase = sign * (phase + TURN if phase < 0.0 else phase)
+        near.spare[k] = phase
+        now = phase if phase < now else now
+    while True:
+        ahead = now
+        for k in range(near.points):
+            phase = near.spare[k]
+            ahead = phase if (phase - now < p.dtheta) & (phase > ahead) else ahead
+        if ahead == now:
+            break
+        now = ahead
+    k = 0
+    while near.spare[k] != now:
+        k += 1
+    return near.point_x[k], near.point_y[k], sign * now
+
+
+@compiled
+def perceive(me, near, ground, p):
+    """Split point, rejoin point and expected position (table 2, figures 3 and 4)."""
+    m = me.memory
+    m[SCENARIO] = 0.0
+    if not has_goal(ground):
+        return
+    gx, gy = ground.goal[0, 0], ground.goal[0, 1]
+    was = m[BLOCKED]
+    m[BLOCKED] = is_blocked(me, near, gx, gy, alarm(p))
+    scenario = AT_SPLIT if m[BLOCKED] > 0.0 else FREE
+    if m[FOLLOWING] > 0.0:
+        away = math.hypot(me.x - gx, me.y - gy)
+        if away <= math.hypot(m[SPLIT] - gx, m[SPLIT + 1] - gy):
+            m[REJOIN], m[REJOIN + 1] = me.x, me.y
+            scenario = AT_REJOIN if m[BLOCKED] > 0.0 else FREE
+        elif m[BLOCKED] == 0.0 or was > 0.0:
+            scenario = BETWEEN
+    m[SCENARIO] = scenario
+    m[FOLLOWING] = 0.0 if scenario == FREE else 1.0
+    if scenario == FREE:
+        m[AIM], m[AIM + 1], m[PHASE] = gx, gy, 0.0
+        return
+    ax, ay = gx, gy
+    if scenario == BETWEEN:
+        ax, ay = m[SPLIT], m[SPLIT + 1]
+    else:
+        m[SPLIT], m[SPLIT + 1] = me.x, me.y
+    if near.points > 0:
+        m[AIM], m[AIM + 1], m[PHASE] = boundary_end(me, near, ax, ay, p)
+
+
+@compiled
+def boundary(me, near, p):
+    """The sums of (14) and (18) over the boundary points: gradient (x, y), then sum of b_ik."""
+    warning = alarm(p)
+    fx = fy = heed = 0.0
+    for k in range(near.points):
+        dx = near.point_x[k] - me.x
+        dy = near.point_y[k] - me.y
+        d2 = dx * dx + dy * dy
+        force, rho = push(d2, p)
+        f = level(d2, warning, p.d, p.tau_a, p.tau_e, p.tau_s) * force
+        fx += f * dx
+        fy += f * dy
+        heed += rho
+    return fx, fy, heed
+
+
+@compiled
+def terms(me, near, ground, p):
+    """The terms of u_i (19), a row (x, y, z) for each of FORCES, m/s^2.
+
+    Without a gamma agent nothing is in the way, and boundary points push but do not tow.
+    """
+    vx, vy = me.speed * me.ux, me.speed * me.uy
+    fx, fy, _, cx, cy, _ = flockmates(me, near, p, alarm(p), p.tau_a, p.tau_e, p.tau_s)
+    bx = by = ex = ey = gx = gy = 0.0
+    if near.points > 0:
+        bx, by, heed = boundary(me, near, p)
+        if me.memory[SCENARIO] > 0.0:
+            ex = heed * ((me.memory[AIM] - me.x) / p.dt - vx)
+            ey = heed * ((me.memory[AIM + 1] - me.y) / p.dt - vy)
+    if has_goal(ground):
+        gx = -p.c1g * (me.x - ground.goal[0, 0]) - p.c2g * (vx - ground.goal[1, 0])
+        gy = -p.c1g * (me.y - ground.goal[0, 1]) - p.c2g * (vy - ground.goal[1, 1])
+    return (
+        (p.c1a * fx, p.c1a * fy, 0.0),
+        (p.c2a * cx, p.c2a * cy, 0.0),
+        (p.c1b * bx, p.c1b * by, 0.0),
+        (p.c2b * ex, p.c2b * ey, 0.0),
+        (gx, gy, 0.0),
+    )
+
+
+@compiled
+def decide(me, near, ground, p):
+    """u_i = u_i^alpha + u_i^beta + u_i^gamma (19)."""
+    f, c, b, e, g = terms(me, near, ground, p)
+    return Wish(f[0] + c[0] + b[0] + e[0] + g[0], f[1] + c[1] + b[1] + e[1] + g[1], 0.0)
+
+
+@compiled
+def explain(me, near, ground, p, out):
+    """The terms of (19) one by one."""
+    force = terms(me, near, ground, p)
+    for row in range(5):
+        for axis in range(3):
+            out[row, axis] = force[row][axis]
+
+
+RULE = Rule(
+    name="boundary-points",
+    title="Boundary-point flocking",
+    summary="Agents that follow a gamma agent go round obstacles of any shape, of which they "
+    "perceive only boundary points: these push, and tow along the boundary.",
+    equation=r"u_i = \sum_{j \in \mathcal{N}_i^\alpha} \big[c_1^\alpha \eta(d_{ij}) \phi_\alpha "
+    r"n_{ij} + c_2^\alpha a_{ij} (p_j - p_i)\big] + \sum_{k \in \mathcal{N}_i^\beta} \big[c_1^\beta"
+    r" \eta(d_{ik}) \phi_\alpha n_{ik} + c_2^\beta b_{ik} \big(\tfrac{\hat q_i - q_i}{\Delta t} - "
+    r"p_i\big)\big] - c_1^\gamma (q_i - q_\gamma) - c_2^\gamma (p_i - p_\gamma)",
+    source="Wu et al. 2023, (12) to (19), table 2",
+    parameters=BoundaryPoints,
+    decide=decide,
+    wish="acceleration",
+    dimensions=(2,),
+    signals=("pace",),
+    show=show,
+    memory=MEMORY,
+    perceive=perceive,
+    weigh=weigh,
+    forces=FORCES,
+    explain=explain,
+    sees_obstacles=True,
+    sees_points=True,
+    led=False,
+)

@@ -1,0 +1,162 @@
+"""Flocking with obstacle avoidance of Olfati-Saber 2006, as Wu et al. 2023, 2.2, repeat it.
+
+Every agent knows the gamma agent. Each obstacle within r is a beta agent at its nearest point,
+which moves along the surface as the agent's shadow: p_hat = P p, for walls and curves alike.
+Obstacles that touch are one obstacle. Printed, the push of a beta agent is at most 2 c_1^beta where
+flock-mates push with up to 19, and agents are pushed through obstacles; so by default it pushes as
+an agent does (see the parameter `beta`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from agents.declare import Rule, parameter
+from agents.engine.block import Wish
+from agents.rules.sigma import (
+    FORCES,
+    Interaction,
+    bump,
+    flockmates,
+    has_goal,
+    push,
+    show,
+    sigma_1,
+    sigma_norm,
+    stretch,
+    weigh,
+)
+from worlds.compiled import compiled
+from worlds.ground import solids_around, surface
+
+PRINTED = 1.0
+"""Index of `printed` among the choices of `beta`."""
+
+
+class OlfatiSaber(Interaction):
+    """Parameters of Olfati-Saber's rule."""
+
+    beta: Literal["alpha-form", "printed"] = parameter(
+        "alpha-form",
+        "Whether obstacles act as agents do, phi_alpha within r, or with the bounded phi_beta "
+        "within d_beta as printed",
+        symbol="\\phi_\\beta",
+        source="Wu et al. 2023, (10), (14)",
+    )
+    d_beta: float = parameter(
+        4.0,
+        "Distance at which the printed phi_beta begins to push agents off an obstacle",
+        symbol="d'",
+        unit="m",
+        low=0.2,
+        high=30.0,
+        step=0.25,
+        source="Wu et al. 2023, (10); no value is given, so that of d",
+    )
+
+
+@compiled
+def printed_push(d2, p):
+    """phi_beta(|z|_sigma) / stretch and b_ik, for |z|^2 = d2: (10) with sigma_1(s - d_beta)."""
+    s = sigma_norm(d2, p.eps)
+    d_beta = sigma_norm(p.d_beta * p.d_beta, p.eps)
+    rho = bump(s / d_beta, p.h)
+    return rho * (sigma_1(s - d_beta) - 1.0) / stretch(d2, p.eps), rho
+
+
+@compiled
+def shadows(me, ground, p):
+    """Gradient and consensus (10) summed over the solids within r, without the gains.
+
+    With n the normal of a solid's nearest surface, P = I - n n^T, and so p_hat - p = P p - p =
+    -(n . p) n.
+    """
+    vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
+    fx = fy = fz = cx = cy = cz = 0.0
+    around = solids_around(ground, me.x, me.y)
+    for k in range(around.count):
+        at = surface(ground, around, k, me.x, me.y, me.z)
+        if math.fabs(at.distance) <= p.r:
+            dx, dy, dz = at.x - me.x, at.y - me.y, at.z - me.z
+            d2 = dx * dx + dy * dy + dz * dz
+            f, rho = printed_push(d2, p) if p.beta == PRINTED else push(d2, p)
+            into = rho * (vx * at.nx + vy * at.ny + vz * at.nz)
+            fx += f * dx
+            fy += f * dy
+            fz += f * dz
+            cx -= into * at.nx
+            cy -= into * at.ny
+            cz -= into * at.nz
+    return fx, fy, fz, cx, cy, cz
+
+
+@compiled
+def lead(me, ground, p):
+    """u^gamma (11); nothing where there is no gamma agent."""
+    if not has_goal(ground):
+        return 0.0, 0.0, 0.0
+    x, y, z = me.x - ground.goal[0, 0], me.y - ground.goal[0, 1], me.z - ground.goal[0, 2]
+    pull = p.c1g / stretch(x * x + y * y + z * z, 1.0)
+    return (
+        -pull * x - p.c2g * (me.speed * me.ux - ground.goal[1, 0]),
+        -pull * y - p.c2g * (me.speed * me.uy - ground.goal[1, 1]),
+        -pull * z - p.c2g * (me.speed * me.uz - ground.goal[1, 2]),
+    )
+
+
+@compiled
+def terms(me, near, ground, p):
+    """The terms of u_i (7), a row (x, y, z) for each of FORCES, m/s^2."""
+    fx, fy, fz, cx, cy, cz = flockmates(me, near, p, 0.0, 1.0, 1.0, 1.0)
+    bx, by, bz, ex, ey, ez = shadows(me, ground, p)
+    return (
+        (p.c1a * fx, p.c1a * fy, p.c1a * fz),
+        (p.c2a * cx, p.c2a * cy, p.c2a * cz),
+        (p.c1b * bx, p.c1b * by, p.c1b * bz),
+        (p.c2b * ex, p.c2b * ey, p.c2b * ez),
+        lead(me, ground, p),
+    )
+
+
+@compiled
+def decide(me, near, ground, p):
+    """u_i = u_i^alpha + u_i^beta + u_i^gamma (7)."""
+    f, c, b, e, g = terms(me, near, ground, p)
+    return Wish(
+        f[0] + c[0] + b[0] + e[0] + g[0],
+        f[1] + c[1] + b[1] + e[1] + g[1],
+        f[2] + c[2] + b[2] + e[2] + g[2],
+    )
+
+
+@compiled
+def explain(me, near, ground, p, out):
+    """The terms of (7) one by one."""
+    force = terms(me, near, ground, p)
+    for row in range(5):
+        for axis in range(3):
+            out[row, axis] = force[row][axis]
+
+
+RULE = Rule(
+    name="olfati-saber",
+    title="Olfati-Saber flocking",
+    summary="Agents form a lattice of spacing d, agree on a velocity and follow a gamma agent; "
+    "each obstacle near by is a beta agent at its nearest point.",
+    equation=r"u_i = \sum_{j \in \mathcal{N}_i} \big[c_1^\alpha \phi_\alpha(\|q_j - q_i\|_\sigma)"
+    r"\, n_{ij} + c_2^\alpha a_{ij} (p_j - p_i)\big] + \sum_{k \in \mathcal{N}_i^\beta} \big["
+    r"c_1^\beta \phi_\beta(\|\hat q_{ik} - q_i\|_\sigma)\, \hat n_{ik} + c_2^\beta b_{ik} "
+    r"(\hat p_{ik} - p_i)\big] - c_1^\gamma \sigma_1(q_i - q_\gamma) - c_2^\gamma (p_i - p_\gamma)",
+    source="Olfati-Saber 2006; Wu et al. 2023, (7) to (11)",
+    parameters=OlfatiSaber,
+    decide=decide,
+    wish="acceleration",
+    signals=("pace",),
+    show=show,
+    weigh=weigh,
+    forces=FORCES,
+    explain=explain,
+    sees_obstacles=True,
+    led=False,
+)

@@ -1,0 +1,331 @@
+"""Boids: separation, alignment, cohesion, and steering clear of what is ahead.
+
+Reynolds 1987, "Flocks, herds, and schools: a distributed behavioral model", SIGGRAPH, and Reynolds
+1999, "Steering behaviors for autonomous characters", GDC. The steering forces are weighted and
+summed, one of the ways that Reynolds names; the body cuts the sum at max_force.
+
+Reynolds 1999 advises to normalise the forces before they are weighted. Here each is divided by a
+scale of its own instead and cut at length 1, so that a boid that has what it wants is not shaken by
+the direction of a tiny force. The papers give no numbers: weights and radii are chosen here.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Parameters, Rule, parameter
+from agents.engine.block import Wish
+from worlds.compiled import compiled
+from worlds.ground import nearest_surface
+
+PACE = 0
+"""The signal that tells a boid's speed; with its heading it makes its velocity."""
+FORCES = ("separation", "alignment", "cohesion", "avoidance", "seek")
+"""The steering forces, as accelerations, length/s^2."""
+PROBES = 5
+"""Points at which a boid looks for surfaces, evenly spaced from its own place to look_ahead."""
+HEAD_ON = 1e-6
+"""A surface normal with less than this across the heading is met head-on."""
+
+
+class Boids(Parameters):
+    """Parameters of Reynolds' boids."""
+
+    r: float = parameter(
+        5.0,
+        "Distance within which boids and surfaces are noticed; the other radii count up to it",
+        symbol="r",
+        unit="length",
+        low=0.1,
+        high=100.0,
+        step=0.1,
+        source="Reynolds 1999, neighbourhood; value chosen here",
+    )
+    fov: float = parameter(
+        270.0,
+        "Field of view: boids behind, outside of this angle about the heading, are not seen",
+        symbol="\\phi",
+        unit="deg",
+        low=1.0,
+        high=360.0,
+        step=5.0,
+        source="Reynolds 1987, 1999, neighbourhood; 270 deg is usual, e.g. Reynolds' figures",
+    )
+    r_separation: float = parameter(
+        1.5,
+        "Distance within which others are too close",
+        symbol="r_s",
+        unit="length",
+        low=0.01,
+        high=100.0,
+        step=0.1,
+        source="Reynolds 1999, separation; value chosen here",
+    )
+    r_alignment: float = parameter(
+        4.0,
+        "Distance within which velocities are matched",
+        symbol="r_a",
+        unit="length",
+        low=0.01,
+        high=100.0,
+        step=0.1,
+        source="Reynolds 1999, alignment; value chosen here",
+    )
+    r_cohesion: float = parameter(
+        5.0,
+        "Distance within which the centre of the others attracts",
+        symbol="r_c",
+        unit="length",
+        low=0.01,
+        high=100.0,
+        step=0.1,
+        source="Reynolds 1999, cohesion; value chosen here",
+    )
+    w_separation: float = parameter(
+        2.0,
+        "Weight of separation, in units of max_force",
+        symbol="w_s",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="Reynolds 1999, flocking; value chosen here",
+    )
+    w_alignment: float = parameter(
+        2.0,
+        "Weight of alignment, in units of max_force",
+        symbol="w_a",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="Reynolds 1999, flocking; value chosen here",
+    )
+    w_cohesion: float = parameter(
+        0.6,
+        "Weight of cohesion, in units of max_force",
+        symbol="w_c",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="Reynolds 1999, flocking; value chosen here",
+    )
+    w_avoidance: float = parameter(
+        4.0,
+        "Weight of steering clear of surfaces ahead, in units of max_force",
+        symbol="w_o",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source="Reynolds 1999, containment; value chosen here",
+    )
+    look_ahead: float = parameter(
+        4.0,
+        "How far ahead surfaces are looked for",
+        symbol="l",
+        unit="length",
+        low=0.01,
+        high=100.0,
+        step=0.1,
+        source="Reynolds 1999, obstacle avoidance; value chosen here",
+    )
+    clearance: float = parameter(
+        1.0,
+        "Distance to surfaces that the way ahead must keep",
+        symbol="d",
+        unit="length",
+        low=0.01,
+        high=20.0,
+        step=0.1,
+        source="Reynolds 1999, obstacle avoidance (bounding radius); value chosen here",
+    )
+    w_seek: float = parameter(
+        0.3,
+        "Weight of seeking the goal, in a world that has one, in units of max_force",
+        symbol="w_g",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="Reynolds 1999, seek; value chosen here",
+    )
+
+
+@compiled
+def cut(x, y, z):
+    """The vector, at most 1 long."""
+    length = math.sqrt(x * x + y * y + z * z)
+    share = 1.0 / length if length > 1.0 else 1.0
+    return share * x, share * y, share * z
+
+
+@compiled
+def edge_of_view(p):
+    """Cosine of half the field of view; less than any cosine if a boid sees all around."""
+    return math.cos(0.5 * math.radians(p.fov)) if p.fov < 360.0 else -2.0
+
+
+@compiled
+def in_view(me, near, j, edge):
+    """1.0 and the squared distance of j if it is another boid in the field of view, else 0.0."""
+    dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
+    d2 = dx * dx + dy * dy + dz * dz
+    ahead = dx * me.ux + dy * me.uy + dz * me.uz
+    return (1.0 if (d2 > 0.0) & (ahead >= edge * math.sqrt(d2)) else 0.0), d2
+
+
+@compiled
+def flocking(me, near, p):
+    """Separation, alignment and cohesion, each at most 1 long: nine numbers.
+
+    Separation: r_s times the sum of the unit vectors away from each neighbour over its distance.
+    Alignment: mean velocity minus one's own, over max_speed. Cohesion: towards the mean position,
+    over r_c.
+    """
+    edge = edge_of_view(p)
+    s2 = min(p.r, p.r_separation) ** 2
+    a2 = min(p.r, p.r_alignment) ** 2
+    c2 = min(p.r, p.r_cohesion) ** 2
+    pace = near.signal[PACE]
+    sx = sy = sz = ax = ay = az = cx = cy = cz = aligned = cohering = 0.0
+    for j in range(near.n):
+        seen, d2 = in_view(me, near, j, edge)
+        dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
+        s = (seen if d2 <= s2 else 0.0) / (d2 if d2 > 0.0 else 1.0)
+        sx -= s * dx
+        sy -= s * dy
+        sz -= s * dz
+        a = seen if d2 <= a2 else 0.0
+        ax += a * pace[j] * near.ux[j]
+        ay += a * pace[j] * near.uy[j]
+        az += a * pace[j] * near.uz[j]
+        aligned += a
+        c = seen if d2 <= c2 else 0.0
+        cx += c * dx
+        cy += c * dy
+        cz += c * dz
+        cohering += c
+    sx, sy, sz = cut(p.r_separation * sx, p.r_separation * sy, p.r_separation * sz)
+    n = max(1.0, aligned)
+    v = me.speed if aligned > 0.0 else 0.0
+    ax, ay, az = cut(
+        (ax / n - v * me.ux) / p.max_speed,
+        (ay / n - v * me.uy) / p.max_speed,
+        (az / n - v * me.uz) / p.max_speed,
+    )
+    n = max(1.0, cohering) * p.r_cohesion
+    cx, cy, cz = cut(cx / n, cy / n, cz / n)
+    return sx, sy, sz, ax, ay, az, cx, cy, cz
+
+
+@compiled
+def sideways(me):
+    """A unit vector across the heading, to the left in the plan: where to turn when head-on."""
+    length = math.sqrt(me.ux * me.ux + me.uy * me.uy)
+    if length < HEAD_ON:
+        return 1.0, 0.0, 0.0
+    return -me.uy / length, me.ux / length, 0.0
+
+
+@compiled
+def avoidance(me, ground, p):
+    """Across the heading, away from the first surface that the way ahead comes too close to.
+
+    The part of the surface normal across the heading (Reynolds 1999, containment), as a unit
+    vector times an urgency that falls linearly with the distance of the probe; nothing where the
+    way leads away from the surface.
+    """
+    for k in range(PROBES):
+        way = p.look_ahead * k / (PROBES - 1)
+        at = nearest_surface(ground, me.x + way * me.ux, me.y + way * me.uy, me.z + way * me.uz)
+        towards = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz
+        if at.distance < p.clearance and towards <= 0.0:
+            x, y, z = at.nx - towards * me.ux, at.ny - towards * me.uy, at.nz - towards * me.uz
+            length = math.sqrt(x * x + y * y + z * z)
+            urgency = 1.0 - k / PROBES
+            if length < HEAD_ON:
+                x, y, z = sideways(me)
+                length = 1.0
+            return urgency * x / length, urgency * y / length, urgency * z / length
+    return 0.0, 0.0, 0.0
+
+
+@compiled
+def seek(me, ground, p):
+    """Towards the goal at full speed: the wanted change of velocity over max_speed, at most 1."""
+    if ground.route.shape[0] == 0:
+        return 0.0, 0.0, 0.0
+    dx = ground.goal[0, 0] - me.x
+    dy = ground.goal[0, 1] - me.y
+    dz = ground.goal[0, 2] - me.z
+    d = math.sqrt(dx * dx + dy * dy + dz * dz)
+    d = d if d > 0.0 else 1.0
+    v = me.speed / p.max_speed
+    return cut(dx / d - v * me.ux, dy / d - v * me.uy, dz / d - v * me.uz)
+
+
+@compiled
+def decide(me, near, ground, p):
+    """The weighted sum of the steering forces, length/s^2; the body cuts it at max_force."""
+    sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, near, p)
+    ox, oy, oz = avoidance(me, ground, p)
+    gx, gy, gz = seek(me, ground, p)
+    s, a, c, o, g = p.w_separation, p.w_alignment, p.w_cohesion, p.w_avoidance, p.w_seek
+    return Wish(
+        p.max_force * (s * sx + a * ax + c * cx + o * ox + g * gx),
+        p.max_force * (s * sy + a * ay + c * cy + o * oy + g * gy),
+        p.max_force * (s * sz + a * az + c * cz + o * oz + g * gz),
+    )
+
+
+@compiled
+def explain(me, near, ground, p, out):
+    """The steering forces with their weights, length/s^2, in the order of FORCES."""
+    sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, near, p)
+    out[0, 0], out[0, 1], out[0, 2] = sx, sy, sz
+    out[1, 0], out[1, 1], out[1, 2] = ax, ay, az
+    out[2, 0], out[2, 1], out[2, 2] = cx, cy, cz
+    out[3, 0], out[3, 1], out[3, 2] = avoidance(me, ground, p)
+    out[4, 0], out[4, 1], out[4, 2] = seek(me, ground, p)
+    for k in range(3):
+        out[0, k] *= p.w_separation * p.max_force
+        out[1, k] *= p.w_alignment * p.max_force
+        out[2, k] *= p.w_cohesion * p.max_force
+        out[3, k] *= p.w_avoidance * p.max_force
+        out[4, k] *= p.w_seek * p.max_force
+
+
+@compiled
+def show(me, p, out):
+    """Neighbours see one's speed."""
+    out[PACE] = me.speed
+
+
+@compiled
+def weigh(me, near, p, out):
+    """1 for those in view within the largest of the radii, 0 for others."""
+    edge = edge_of_view(p)
+    most = min(p.r, max(p.r_separation, max(p.r_alignment, p.r_cohesion))) ** 2
+    for j in range(near.n):
+        seen, d2 = in_view(me, near, j, edge)
+        out[j] = seen if d2 <= most else 0.0
+
+
+REYNOLDS = Rule(
+    name="reynolds",
+    title="Reynolds' boids",
+    summary="Boids keep apart, match velocities and stay together with those that they see, and "
+    "steer clear of what is ahead.",
+    equation=r"a_i = F\,\big(w_s s_i + w_a a_i + w_c c_i + w_o o_i + w_g g_i\big), \qquad "
+    r"s_i = \Big[r_s\sum_j \frac{x_i - x_j}{|x_i - x_j|^2}\Big]_1,\quad "
+    r"a_i = \Big[\frac{\bar v - v_i}{v_{max}}\Big]_1,\quad "
+    r"c_i = \Big[\frac{\bar x - x_i}{r_c}\Big]_1",
+    source="Reynolds 1987; Reynolds 1999",
+    parameters=Boids,
+    decide=decide,
+    wish="acceleration",
+    signals=("pace",),
+    show=show,
+    weigh=weigh,
+    forces=FORCES,
+    explain=explain,
+    sees_obstacles=True,
+    led=False,
+)

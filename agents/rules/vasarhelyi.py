@@ -1,0 +1,280 @@
+"""Flocking of real drones: repulsion, alignment by a braking curve, shill agents at every surface.
+
+Vasarhelyi et al. 2018, "Optimized flocking of autonomous drones in confined environments", Science
+Robotics 3, eaat3536. The equations are those of the paper as two public implementations repeat
+them: robotsim (github.com/csviragh/robotsim), the authors' own simulator, and SwarmLab
+(github.com/lis-epfl/swarmlab; Soria et al. 2020). The paper's table of optimised parameters was not
+at hand: each parameter below says which of them its default is from.
+
+The paper adds up a shill agent for each wall and each obstacle. Here there is one, at the nearest
+surface.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Parameters, Rule, parameter
+from agents.engine.block import Wish, adjacent
+from worlds.compiled import compiled
+from worlds.ground import solids_around, surface
+
+PACE = 0
+"""The signal that tells an agent's speed; with its heading it makes its velocity v_j."""
+FORCES = ("self-propulsion", "repulsion", "alignment", "shill")
+"""The terms of the wanted velocity, m/s."""
+
+ROBOTSIM = "robotsim of Vasarhelyi et al. 2018: parameters"
+SWARMLAB = "SwarmLab, param_vasarhelyi.m; for 4 m/s, not checked against the paper's table"
+
+
+class Drones(Parameters):
+    """Parameters of the flocking of drones."""
+
+    r: float = parameter(
+        100.0,
+        "Range of communication, and distance within which surfaces are noticed",
+        symbol="r^c",
+        unit="m",
+        low=1.0,
+        high=500.0,
+        step=5.0,
+        source=f"{ROBOTSIM}/unitparams.dat, R_C",
+    )
+    v_flock: float = parameter(
+        4.0,
+        "Speed at which a drone flies on its own",
+        symbol="v^{flock}",
+        unit="m/s",
+        low=0.0,
+        high=32.0,
+        step=0.5,
+        source=f"Vasarhelyi et al. 2018 (flights at 4, 6, 8 m/s); {ROBOTSIM}/flockingparams.dat",
+    )
+    r0_rep: float = parameter(
+        25.6668,
+        "Distance within which neighbours repel each other",
+        symbol="r_0^{rep}",
+        unit="m",
+        low=0.0,
+        high=200.0,
+        step=0.5,
+        source=f"{ROBOTSIM}/flockingparams.dat, R_0 (at 4 m/s); SwarmLab has 25",
+    )
+    p_rep: float = parameter(
+        0.13,
+        "Strength of the repulsion: speed per metre that a neighbour is too close",
+        symbol="p^{rep}",
+        unit="1/s",
+        low=0.0,
+        high=5.0,
+        step=0.01,
+        source="DANCERS (github.com/Chroma-CITI/DANCERS), default_vat_params_; SwarmLab has 0.03",
+    )
+    r0_frict: float = parameter(
+        85.3,
+        "Distance up to which all difference in velocity beyond the slack is taken out",
+        symbol="r_0^{frict}",
+        unit="m",
+        low=0.0,
+        high=500.0,
+        step=0.5,
+        source=SWARMLAB,
+    )
+    c_frict: float = parameter(
+        0.05,
+        "Strength of the alignment, of the difference in velocity that is too much",
+        symbol="C^{frict}",
+        low=0.0,
+        high=2.0,
+        step=0.01,
+        source=SWARMLAB,
+    )
+    v_frict: float = parameter(
+        0.63,
+        "Slack: difference in velocity that is always allowed",
+        symbol="v^{frict}",
+        unit="m/s",
+        low=0.0,
+        high=10.0,
+        step=0.05,
+        source=SWARMLAB,
+    )
+    p_frict: float = parameter(
+        3.2,
+        "Slope of the braking curve of the alignment near its stopping point",
+        symbol="p^{frict}",
+        unit="1/s",
+        low=0.01,
+        high=20.0,
+        step=0.1,
+        source=SWARMLAB,
+    )
+    a_frict: float = parameter(
+        4.16,
+        "Deceleration of the braking curve of the alignment",
+        symbol="a^{frict}",
+        unit="m/s^2",
+        low=0.01,
+        high=50.0,
+        step=0.1,
+        source=SWARMLAB,
+    )
+    r0_shill: float = parameter(
+        0.3,
+        "Distance to a surface at which the velocity of the shill agent is to be taken on",
+        symbol="r_0^{shill}",
+        unit="m",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source=SWARMLAB,
+    )
+    v_shill: float = parameter(
+        13.6,
+        "Speed of the shill agents away from the surface",
+        symbol="v^{shill}",
+        unit="m/s",
+        low=0.0,
+        high=100.0,
+        step=0.1,
+        source=SWARMLAB,
+    )
+    p_shill: float = parameter(
+        3.55,
+        "Slope of the braking curve of the shill agents near its stopping point",
+        symbol="p^{shill}",
+        unit="1/s",
+        low=0.01,
+        high=20.0,
+        step=0.1,
+        source=SWARMLAB,
+    )
+    a_shill: float = parameter(
+        3.02,
+        "Deceleration of the braking curve of the shill agents",
+        symbol="a^{shill}",
+        unit="m/s^2",
+        low=0.01,
+        high=50.0,
+        step=0.1,
+        source=SWARMLAB,
+    )
+
+
+@compiled
+def braking(r, a, p):
+    """D(r, a, p), m/s: the speed from which one can still stop within r (m).
+
+    Zero up to r = 0, then r p up to the speed a / p, then sqrt(2 a r - a^2 / p^2): deceleration a,
+    with a soft end.
+    """
+    linear = p * max(r, 0.0)
+    root = math.sqrt(max(0.0, 2.0 * a * r - a * a / (p * p)))
+    return linear if linear < a / p else root
+
+
+@compiled
+def neighbourly(me, near, p):
+    """Repulsion and alignment, summed over the neighbours: six numbers, m/s.
+
+    v^rep = p^rep (r_0^rep - r_ij) along x_i - x_j within r_0^rep; v^frict = C^frict (v_ij - most)
+    along v_j - v_i, if the difference v_ij is more than most = max(v^frict, D(r_ij - r_0^frict)).
+    """
+    vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
+    pace = near.signal[PACE]
+    rx = ry = rz = fx = fy = fz = 0.0
+    for j in range(near.n):
+        dx = me.x - near.x[j]
+        dy = me.y - near.y[j]
+        dz = me.z - near.z[j]
+        seen = adjacent(me, near, j, p.r)
+        d = math.sqrt(dx * dx + dy * dy + dz * dz)
+        push = seen * p.p_rep * max(0.0, p.r0_rep - d) / (d if d > 0.0 else 1.0)
+        rx += push * dx
+        ry += push * dy
+        rz += push * dz
+        wx = pace[j] * near.ux[j] - vx
+        wy = pace[j] * near.uy[j] - vy
+        wz = pace[j] * near.uz[j] - vz
+        w = math.sqrt(wx * wx + wy * wy + wz * wz)
+        most = max(p.v_frict, braking(d - p.r0_frict, p.a_frict, p.p_frict))
+        pull = seen * p.c_frict * max(0.0, w - most) / (w if w > 0.0 else 1.0)
+        fx += pull * wx
+        fy += pull * wy
+        fz += pull * wz
+    return rx, ry, rz, fx, fy, fz
+
+
+@compiled
+def shill(me, ground, p):
+    """v^wall and v^obst, m/s: alignment, without slack and in full, to a shill agent per solid.
+
+    It stands at the solid's nearest place and flies with v^shill along the normal away from it.
+    """
+    x = y = z = 0.0
+    around = solids_around(ground, me.x, me.y)
+    for k in range(around.number):
+        at = surface(ground, around, k, me.x, me.y, me.z)
+        if at.distance <= p.r:
+            wx = p.v_shill * at.nx - me.speed * me.ux
+            wy = p.v_shill * at.ny - me.speed * me.uy
+            wz = p.v_shill * at.nz - me.speed * me.uz
+            w = math.sqrt(wx * wx + wy * wy + wz * wz)
+            most = braking(at.distance - p.r0_shill, p.a_shill, p.p_shill)
+            pull = max(0.0, w - most) / (w if w > 0.0 else 1.0)
+            x += pull * wx
+            y += pull * wy
+            z += pull * wz
+    return x, y, z
+
+
+@compiled
+def decide(me, near, ground, p):
+    """The wanted velocity before it is cut at v^max; at rest, self-propulsion is ahead."""
+    rx, ry, rz, fx, fy, fz = neighbourly(me, near, p)
+    sx, sy, sz = shill(me, ground, p)
+    return Wish(
+        p.v_flock * me.ux + rx + fx + sx,
+        p.v_flock * me.uy + ry + fy + sy,
+        p.v_flock * me.uz + rz + fz + sz,
+    )
+
+
+@compiled
+def explain(me, near, ground, p, out):
+    """The terms of the wanted velocity, m/s, in the order of FORCES."""
+    out[0, 0], out[0, 1], out[0, 2] = p.v_flock * me.ux, p.v_flock * me.uy, p.v_flock * me.uz
+    rx, ry, rz, fx, fy, fz = neighbourly(me, near, p)
+    out[1, 0], out[1, 1], out[1, 2] = rx, ry, rz
+    out[2, 0], out[2, 1], out[2, 2] = fx, fy, fz
+    out[3, 0], out[3, 1], out[3, 2] = shill(me, ground, p)
+
+
+@compiled
+def show(me, p, out):
+    """Neighbours are told one's speed."""
+    out[PACE] = me.speed
+
+
+VASARHELYI = Rule(
+    name="vasarhelyi",
+    title="Drones of Vasarhelyi et al.",
+    summary="Drones keep their distance and match velocities as far as they could still brake; "
+    "walls and obstacles are agents that fly away from the surface.",
+    equation=r"\tilde v_i = v^{flock}\frac{v_i}{|v_i|} + \sum_{r_{ij} < r_0^{rep}} p^{rep}"
+    r"(r_0^{rep} - r_{ij})\,\hat r_{ij} + C^{frict}\sum_{j} \big(v_{ij} - \max(v^{frict}, "
+    r"D(r_{ij} - r_0^{frict}, a^{frict}, p^{frict}))\big)_+ \frac{v_j - v_i}{v_{ij}} + "
+    r"\big(v_{is} - D(r_{is} - r_0^{shill}, a^{shill}, p^{shill})\big)_+ "
+    r"\frac{v_s - v_i}{v_{is}}",
+    source="Vasarhelyi et al. 2018, as in robotsim and SwarmLab",
+    parameters=Drones,
+    decide=decide,
+    wish="velocity",
+    signals=("pace",),
+    show=show,
+    forces=FORCES,
+    explain=explain,
+    sees_obstacles=True,
+    led=False,
+)

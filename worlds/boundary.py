@@ -1,0 +1,115 @@
+"""Boundary points: places along outlines, close enough to stand for the surface."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+if TYPE_CHECKING:
+    from worlds.world import World
+
+SHARP = np.cos(np.radians(20.0))
+"""Cosine of the least turn at a corner, which is a boundary point itself."""
+HIDDEN = 1e-9
+"""A point deeper than this in what is solid is no surface, length."""
+
+
+def boundary_points(world: World, united: list[shapely.Geometry]) -> np.ndarray:
+    """Points along the united outlines and the solid edges of the box, (M, 2), length.
+
+    Neighbours along an outline are at most `world.boundary_spacing` apart; corners are among them.
+    Points that lie in a solid or beyond a solid edge are left out.
+    """
+    rings = [
+        shapely.get_coordinates(ring)
+        for outline in united
+        for part in shapely.get_parts(shapely.orient_polygons(outline))
+        for ring in (part.exterior, *part.interiors)
+    ]
+    found = [along_ring(ring, world.boundary_spacing) for ring in rings]
+    low = np.array(world.low)
+    high = low + world.size
+    for axis, edge in enumerate(world.edges):
+        if edge == "solid":
+            for at in (low[axis], high[axis]):
+                start, end = low.copy(), high.copy()
+                start[axis] = end[axis] = at
+                line = along_line(np.array([start, end]), world.boundary_spacing)
+                last = end[None] if world.edges[1 - axis] != "solid" or axis == 0 else line[:0]
+                found.append(np.concatenate([line, last]))
+    points = np.concatenate(found) if found else np.empty((0, 2))
+    hidden = np.zeros(len(points), bool)
+    for axis, edge in enumerate(world.edges):
+        if edge == "solid":
+            hidden |= (points[:, axis] < low[axis] - HIDDEN) | (
+                points[:, axis] > high[axis] + HIDDEN
+            )
+    for outline in united:
+        inner = shapely.contains_xy(outline, *points.T)
+        deep = shapely.distance(outline.boundary, shapely.points(points)) > HIDDEN
+        hidden |= inner & deep
+    return points[~hidden]
+
+
+def along_ring(ring: np.ndarray, spacing: float) -> np.ndarray:
+    """Points on a closed ring (n + 1, 2): its corners, and between them evenly, (m, 2)."""
+    way = np.diff(ring, axis=0)
+    along = way / np.hypot(*way.T)[:, None]
+    sharp = (along * np.roll(along, 1, axis=0)).sum(axis=1) < SHARP
+    corners = np.flatnonzero(sharp)
+    if not len(corners):
+        corners = np.array([0])
+    turned = np.roll(ring[:-1], -corners[0], axis=0)
+    stops = np.append(corners - corners[0], len(turned))
+    turned = np.concatenate([turned, turned[:1]])
+    pieces = [along_line(turned[a : b + 1], spacing) for a, b in itertools.pairwise(stops)]
+    return np.concatenate(pieces)
+
+
+def along_line(line: np.ndarray, spacing: float) -> np.ndarray:
+    """Points that divide a line (n, 2) evenly, its start among them but not its end, (m, 2)."""
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    number = max(1, math.ceil(length[-1] / spacing * (1.0 - 1e-12)))
+    at = length[-1] * np.arange(number) / number
+    return np.column_stack([np.interp(at, length, axis) for axis in line.T])
+
+
+def sorted_points(
+    points: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray, float, float, float, int, int, np.ndarray, int]:
+    """Points (M, 2) sorted by cells of side >= reach / 2: nine fields of the ground.
+
+    They are x, y, left, front, inverse, columns, rows, first point of each cell, and room for all
+    that can lie within reach of any place.
+    """
+    if not len(points):
+        return np.empty(0), np.empty(0), 0.0, 0.0, 0.0, 0, 0, np.zeros(1, np.int32), 0
+    low = points.min(axis=0)
+    width, depth = np.maximum(points.max(axis=0) - low, 1e-9)
+    # No more than a few cells per point, and an end of a range stays in the cell it is in.
+    side = max(0.5 * reach, math.sqrt(width * depth / (4.0 * len(points)))) * (1.0 + 1e-9)
+    side = max(side, max(width, depth) / (4.0 * len(points) + 16.0))
+    inverse = 1.0 / side
+    columns, rows = int(width * inverse) + 1, int(depth * inverse) + 1
+    column, row = np.floor((points - low) * inverse).astype(int).T
+    cell = row * columns + column
+    order = np.lexsort((points[:, 0], points[:, 1], cell))
+    count = np.bincount(cell, minlength=columns * rows)
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
+    x, y = np.ascontiguousarray(points[order].T)
+    least = float(low[0]), float(low[1])
+    room = fullest(count.reshape(rows, columns)) + 1
+    return x, y, *least, inverse, columns, rows, start, room
+
+
+def fullest(count: np.ndarray) -> int:
+    """The most points in any 5 x 5 cells, which hold all places within reach of their middle."""
+    total = np.zeros(np.array(count.shape) + 5, np.int64)
+    total[3:-2, 3:-2] = count
+    total = total.cumsum(axis=0).cumsum(axis=1)
+    box = total[5:, 5:] - total[:-5, 5:] - total[5:, :-5] + total[:-5, :-5]
+    return int(box.max())

@@ -1,0 +1,181 @@
+"""Whether a world is sound: what is wrong with it is named with its place, never repaired."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+import shapely
+
+from worlds.clearance import clearance
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from worlds.world import World
+
+LEG_STEPS = 1000
+"""Places along a leg of a path that are looked at."""
+START_STEPS = 24
+"""Places along each axis at which a start region is looked at for room."""
+
+
+class Problem(NamedTuple):
+    """Something wrong with a world."""
+
+    feature: str
+    """What is wrong: an obstacle or a part of the mission."""
+    place: tuple[float, ...]
+    """Where, length; empty if it is nowhere in particular."""
+    text: str
+    """What is wrong with it, a sentence that names it."""
+    severity: Literal["error", "warning"] = "error"
+
+
+def demand_sound(world: World) -> None:
+    """Raise Refusal naming the first error in a world; warnings pass."""
+    for problem in problems(world):
+        if problem.severity == "error":
+            raise Refusal(f"{problem.text} ({world.name})")
+
+
+def problems(world: World) -> list[Problem]:
+    """Everything that is wrong with a world, errors in its shapes first.
+
+    The mission is looked at where the shapes are sound.
+    """
+    found = [p for number, _ in enumerate(world.obstacles) for p in shape_problems(world, number)]
+    if not found and world.mission is not None:
+        found = dimension_problems(world)
+        if not found:
+            found = start_problems(world) + place_problems(world) + leg_problems(world)
+    return found
+
+
+def shape_problems(world: World, number: int) -> list[Problem]:
+    """What is wrong with the shape of an obstacle, itself or in its world."""
+    obstacle = world.obstacles[number]
+    feature = obstacle.label if obstacle.name else f"{obstacle.label} {number + 1}"
+    found = []
+    for outline, bottom, top in obstacle.spans():
+        if not outline.is_valid:
+            found.append(unsound(feature, outline))
+        elif not outline.area > 0.0:
+            place = tuple(shapely.get_coordinates(outline)[0].tolist())
+            found.append(Problem(feature, place, f"obstacle {feature} has no area"))
+        floor = 0.0 if bottom is None else bottom
+        ceiling = world.height if top is None else top
+        if world.dim == 3 and floor >= ceiling:
+            place = tuple(shapely.get_coordinates(outline)[0].tolist())
+            text = f"obstacle {feature} has bottom {floor:g} not below its top {ceiling:g}"
+            found.append(Problem(feature, place, text))
+    if world.dim == 2 and needs_space(obstacle):
+        text = f"obstacle {feature} has three dimensions, its world has 2"
+        found.append(Problem(feature, (), text))
+    return found
+
+
+def unsound(feature: str, outline: shapely.Polygon) -> Problem:
+    """What makes a polygon unsound, in words, and where."""
+    reason, _, rest = shapely.is_valid_reason(outline).partition("[")
+    place = tuple(float(number) for number in rest.rstrip("]").split())
+    words = {
+        "Self-intersection": "crosses itself",
+        "Ring Self-intersection": "touches itself",
+        "Hole lies outside shell": "has a hole outside of it",
+        "Holes are nested": "has a hole within a hole",
+        "Interior is disconnected": "is cut in two by its holes",
+        "Too few points in geometry component": "has no area",
+    }
+    where = f" at ({', '.join(f'{number:g}' for number in place)})" if place else ""
+    wrong = words.get(reason.strip(), f"is unsound ({reason.strip()})")
+    if not outline.exterior.is_simple and outline.area == 0.0:
+        wrong = "has no area"
+    return Problem(feature, place, f"obstacle {feature} {wrong}{where}")
+
+
+def needs_space(obstacle) -> bool:
+    """Whether an obstacle is only defined in three dimensions."""
+    if obstacle.shape == "union":
+        return any(needs_space(part) for part in obstacle.parts)
+    return obstacle.shape in ("sphere", "prism") or (
+        obstacle.shape == "box" and len(obstacle.low) == 3
+    )
+
+
+def dimension_problems(world: World) -> list[Problem]:
+    """Parts of the mission with another number of coordinates than the world has."""
+    assert world.mission is not None
+    return [
+        Problem(part, (), f"{part} has {dim} coordinates, the world has {world.dim}")
+        for part, dim in world.mission.dims().items()
+        if dim != world.dim
+    ]
+
+
+def start_problems(world: World) -> list[Problem]:
+    """A start region in which there is no room outside the obstacles."""
+    assert world.mission is not None
+    start = world.mission.start
+    if start is None or start.high is None or not world.is_solid:
+        return []
+    low, high = np.array(start.low), np.array(start.high)
+    steps = (np.arange(START_STEPS) + 0.5) / START_STEPS
+    grid = np.stack(np.meshgrid(*[steps] * world.dim, indexing="ij"), axis=-1)
+    place = low + grid.reshape(-1, world.dim) * (high - low)
+    if (clearance(world, place) > 0.0).any():
+        return []
+    return [
+        Problem(
+            "mission.start",
+            start.low,
+            f"mission.start {spot(start.low)} to "
+            f"{spot(start.high)} has no room outside the obstacles",
+        )
+    ]
+
+
+def place_problems(world: World) -> list[Problem]:
+    """Waypoints and goals inside what is solid."""
+    assert world.mission is not None
+    found = []
+    for part, points in way(world).items():
+        depth = clearance(world, np.array(points))
+        for number in np.flatnonzero(depth < 0.0):
+            text = f"{part}[{number}] = {spot(points[number])} is inside an obstacle"
+            found.append(Problem(part, tuple(points[number]), text))
+    return found
+
+
+def leg_problems(world: World) -> list[Problem]:
+    """Legs of a path that cross an obstacle, as warnings."""
+    assert world.mission is not None
+    if world.mission.path is None:
+        return []
+    points = world.mission.path.waypoints
+    legs = list(zip(points, points[1:] + points[:1] * world.mission.path.closed, strict=False))
+    found = []
+    for number, (start, end) in enumerate(legs):
+        share = np.linspace(0.0, 1.0, LEG_STEPS)[:, None]
+        depth = clearance(world, np.array(start) + share * (np.array(end) - start))
+        if depth.min() < 0.0:
+            at = np.array(start) + share[depth.argmin()] * (np.array(end) - start)
+            text = f"mission.path from {spot(start)} to {spot(end)} goes through an obstacle"
+            place = tuple(at.tolist())
+            found.append(Problem(f"mission.path {number}", place, text, "warning"))
+    return found
+
+
+def way(world: World) -> dict[str, tuple[tuple[float, ...], ...]]:
+    """The waypoints of the mission's path and of its goal, by the key in the layout."""
+    assert world.mission is not None
+    found: dict[str, tuple[tuple[float, ...], ...]] = {}
+    if world.mission.path is not None:
+        found["mission.path.waypoints"] = world.mission.path.waypoints
+    if world.mission.goal is not None:
+        found["mission.goal.route"] = world.mission.goal.route
+    return found
+
+
+def spot(place: tuple[float, ...]) -> str:
+    """A place in words."""
+    return f"({', '.join(f'{number:g}' for number in place)})"

@@ -1,0 +1,202 @@
+"""Layouts: how a world is written in a TOML file, and what its keys come to."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from worlds.mission import mission
+from worlds.obstacles import obstacle
+from worlds.refusal import Refusal, unknown
+
+EDGES = ("wrap", "open", "solid")
+"""What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
+DISTANCES = ("nearest-image", "plain")
+"""How distance is measured where an axis wraps: across the seam, or within the box only."""
+LAYOUTS = files("worlds") / "layouts"
+KEYS = (
+    "title",
+    "source",
+    "edges",
+    "distance",
+    "dim",
+    "low",
+    "size",
+    "height",
+    "boundary_spacing",
+    "obstacle",
+    "mission",
+)
+BOUNDARY_SPACING = 0.5
+"""Of boundary points, length; the papers' value."""
+
+
+def layout_names() -> list[str]:
+    """Names of the built-in worlds."""
+    return sorted(
+        f.name.removesuffix(".toml") for f in LAYOUTS.iterdir() if f.name.endswith(".toml")
+    )
+
+
+def read_layout(name: str) -> dict[str, Any]:
+    """The text of a built-in layout or of a TOML file, as a dictionary.
+
+    Raises Refusal for an unknown name, a missing file or a file that is not TOML.
+    """
+    path = LAYOUTS / f"{name}.toml" if name in layout_names() else Path(name)
+    if name not in layout_names() and not name.endswith(".toml"):
+        raise unknown("world", name, layout_names())
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise Refusal(f"world file {name!r} cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise Refusal(f"world file {name!r} is not TOML: {error}") from None
+
+
+def layout_fields(
+    layout: Mapping[str, Any],
+    name: str,
+    dim: int | None,
+    size: float | Sequence[float] | None,
+    unsized: Callable[[int], float] | None,
+) -> dict[str, Any]:
+    """The fields of the `worlds.world.World` that a layout describes. Raises Refusal."""
+    for key in layout:
+        if key not in KEYS:
+            raise unknown("key", key, KEYS, name)
+    own = own_dim(layout, name)
+    dim = (own or 2) if dim is None else dim
+    if dim not in (2, 3):
+        raise Refusal(f"dim = {dim!r} is not allowed: a world has 2 or 3 dimensions ({name})")
+    if own == 3 and dim == 2:
+        raise Refusal(f"dim = 2 is not allowed: the world {name} has 3 dimensions")
+    stands = own == 2 and dim == 3
+    edges = chosen_edges(layout, dim, stands, name)
+    distance = layout.get("distance", "nearest-image")
+    if distance not in DISTANCES:
+        raise unknown("distance", distance, DISTANCES, name)
+    height = length(layout, "height", 0.0, name)
+    solid = tuple(obstacle(values, name) for values in tables(layout, "obstacle", name))
+    sides = chosen_size(layout, dim, size, unsized, height, bool(solid), name)
+    low = layout.get("low", [0.0] * (own or dim))
+    if stands and len(low) == 2:
+        low = [*low, 0.0]
+    task = mission(layout["mission"], name) if "mission" in layout else None
+    if task is not None and dim == 3:
+        task = task.standing(height or sides[2])
+    return {
+        "name": name,
+        "size": sides,
+        "edges": edges,
+        "distance": distance,
+        "title": str(layout.get("title", "")),
+        "low": corner(low, dim, name),
+        "obstacles": solid,
+        "mission": task,
+        "height": height,
+        "boundary_spacing": length(layout, "boundary_spacing", BOUNDARY_SPACING, name),
+        "source": str(layout.get("source", "")),
+    }
+
+
+def own_dim(layout: Mapping[str, Any], name: str) -> int | None:
+    """The dimension that a layout is written in, None where it fits both. Raises Refusal."""
+    dim = layout.get("dim")
+    if dim is not None and (isinstance(dim, bool) or dim not in (2, 3)):
+        raise Refusal(f"dim = {dim!r} is not allowed: a world has 2 or 3 dimensions ({name})")
+    for key in ("size", "low"):
+        value = layout.get(key)
+        if isinstance(value, list):
+            if dim is not None and len(value) != dim:
+                raise Refusal(f"{key} = {value} has {len(value)} numbers, not {dim} ({name})")
+            dim = len(value)
+    edges = layout.get("edges")
+    return len(edges) if dim is None and isinstance(edges, list) and len(edges) == 2 else dim
+
+
+def chosen_edges(layout: Mapping[str, Any], dim: int, stands: bool, name: str) -> tuple[str, ...]:
+    """What the edge of each axis does. Raises Refusal.
+
+    Of a flat layout that stands up, floor and ceiling are as the sides are, or solid if these
+    differ.
+    """
+    given = layout.get("edges", "wrap")
+    edges = (given,) * dim if isinstance(given, str) else tuple(given)
+    if stands and len(edges) == 2:
+        edges = (*edges, edges[0] if edges[0] == edges[1] else "solid")
+    if len(edges) != dim:
+        raise Refusal(
+            f"edges = {list(edges)} names {len(edges)} axes, the world has {dim} ({name})"
+        )
+    for edge in edges:
+        if edge not in EDGES:
+            raise unknown("edge", edge, EDGES, name)
+    return edges
+
+
+def chosen_size(layout, dim: int, size, unsized, height: float, fixed: bool, name: str):
+    """The sides of the box, (dim,) of lengths. Raises Refusal."""
+    own = layout.get("size")
+    if own is not None:
+        own = box(len(own) if isinstance(own, list) else dim, own)
+        if len(own) < dim:
+            own = (*own, height or 0.1 * max(own))
+    if own is None and fixed:
+        raise Refusal(f"the world {name} has obstacles but no size")
+    if size is None:
+        if own is None and unsized is None:
+            raise Refusal(f"the world {name} has no size of its own: give one")
+        return own if own is not None or unsized is None else box(dim, unsized(dim))
+    given = box(dim, size)
+    if fixed and given != own:
+        raise Refusal(
+            f"size = {size} is not allowed: the world {name} has obstacles, its size is {list(own)}"
+        )
+    return given
+
+
+def tables(layout: Mapping[str, Any], key: str, name: str) -> list[Any]:
+    """A list of tables in a layout, [[key]] in TOML. Raises Refusal."""
+    value = layout.get(key, [])
+    if not isinstance(value, list | tuple):
+        raise Refusal(f"{key} is not a list of tables: write [[{key}]] ({name})")
+    return list(value)
+
+
+def length(layout: Mapping[str, Any], key: str, default: float, name: str) -> float:
+    """A length > 0 in a layout. Raises Refusal."""
+    value = layout.get(key, default)
+    if value is default:
+        return default
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 1e9:
+        raise Refusal(f"{key} = {value!r} is not allowed: a length in (0, 1e9) ({name})")
+    return float(value)
+
+
+def corner(values: Any, dim: int, name: str) -> tuple[float, ...]:
+    """The lower corner of a box. Raises Refusal."""
+    good = isinstance(values, list | tuple) and len(values) == dim
+    for value in values if good else ():
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        good = good and number and -1e9 < value < 1e9
+    if not good:
+        raise Refusal(f"low = {values!r} is not allowed: {dim} numbers in (-1e9, 1e9) ({name})")
+    return tuple(float(value) for value in values)
+
+
+def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
+    """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
+    sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size).ravel().tolist())
+    if len(sides) != dim:
+        raise Refusal(f"size = {size} has {len(sides)} sides, a {dim}-D world has {dim}")
+    for side in sides:
+        if isinstance(side, bool | str) or not (0.0 < float(side) < 1e9 and math.isfinite(side)):
+            raise Refusal(f"size = {side!r} is not allowed: a side is a length in (0, 1e9)")
+    return tuple(float(side) for side in sides)

@@ -1,0 +1,284 @@
+"""Obstacles: solid shapes that a world may hold.
+
+A flat shape stands on the plan of the world. In three dimensions it is a prism from `bottom` to
+`top`; None is the floor (z = 0) or the world's `height`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+import shapely
+from pydantic import Field, TypeAdapter, ValidationError, field_validator, model_validator
+
+from worlds.refusal import Refusal, first_refusal, unknown
+from worlds.shape import Corner, Flat, Length, Place, Point, Shape, Span, circle, shifted, turn
+
+
+class Disc(Flat):
+    """A filled circle."""
+
+    shape: Literal["disc"] = "disc"
+    centre: Point
+    radius: Length
+
+    def outline(self) -> shapely.Polygon:
+        """A regular polygon with its corners on the circle."""
+        return shapely.Polygon(circle(self.centre, self.radius))
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
+
+
+class Polygon(Flat):
+    """A polygon, maybe with holes; its last point is joined to its first."""
+
+    shape: Literal["polygon"] = "polygon"
+    points: tuple[Point, ...] = Field(min_length=3)
+    holes: tuple[Annotated[tuple[Point, ...], Field(min_length=3)], ...] = ()
+
+    def outline(self) -> shapely.Polygon:
+        """The polygon."""
+        return shapely.Polygon(self.points, self.holes)
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {**shifted_rings(self, dx, dy), **self._raised(dz)}
+
+
+class Wall(Flat):
+    """A straight wall with flat ends: a rectangle around its centre line."""
+
+    shape: Literal["wall"] = "wall"
+    start: Point
+    end: Point
+    thickness: Length
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.start == self.end:
+            raise ValueError(f"start and end are both {list(self.start)}: a wall needs a length")
+        return self
+
+    def outline(self) -> shapely.Polygon:
+        """The rectangle."""
+        start, end = np.array(self.start), np.array(self.end)
+        along = (end - start) / math.dist(start, end)
+        aside = 0.5 * self.thickness * np.array([-along[1], along[0]])
+        return shapely.Polygon([start - aside, end - aside, end + aside, start + aside])
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        ends = {"start": shifted(self.start, dx, dy), "end": shifted(self.end, dx, dy)}
+        return {**ends, **self._raised(dz)}
+
+
+class Ring(Flat):
+    """A closed ring: a disc with a round hole."""
+
+    shape: Literal["ring"] = "ring"
+    centre: Point
+    radius: Length
+    """Of the outer circle."""
+    width: Length
+
+    @model_validator(mode="after")
+    def _has_a_hole(self) -> Self:
+        if self.width >= self.radius:
+            raise ValueError(f"width = {self.width:g} leaves no hole in radius = {self.radius:g}")
+        return self
+
+    def outline(self) -> shapely.Polygon:
+        """A regular polygon with a hole of as many corners."""
+        inner = circle(self.centre, self.radius - self.width)
+        return shapely.Polygon(circle(self.centre, self.radius), [inner])
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
+
+
+class CShape(Flat):
+    """Three sides of a rectangle: a pocket, open towards the direction `opening`."""
+
+    shape: Literal["c"] = "c"
+    centre: Point
+    size: tuple[Length, Length]
+    """Outer width and height while it is open towards +x, before it is turned."""
+    thickness: Length
+    opening: Place = 0.0
+    """Direction in degrees, 0 is +x, 90 is +y."""
+
+    @model_validator(mode="after")
+    def _has_room(self) -> Self:
+        width, height = self.size
+        if self.thickness >= width or 2.0 * self.thickness >= height:
+            raise ValueError(
+                f"thickness = {self.thickness:g} leaves no room in size = {list(self.size)}"
+            )
+        return self
+
+    def outline(self) -> shapely.Polygon:
+        """Eight corners, turned."""
+        x, y = 0.5 * self.size[0], 0.5 * self.size[1]
+        t = self.thickness
+        lower = [(-x, -y), (x, -y), (x, t - y), (t - x, t - y)]
+        upper = [(t - x, y - t), (x, y - t), (x, y), (-x, y)]
+        c, s = turn(self.opening)
+        turned = np.array([*lower, *upper]) @ np.array([[c, s], [-s, c]])
+        return shapely.Polygon(turned + np.array(self.centre))
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
+
+
+class Sphere(Shape):
+    """A sphere; only in three dimensions."""
+
+    shape: Literal["sphere"] = "sphere"
+    centre: tuple[Place, Place, Place]
+    radius: Length
+
+    def spheres(self) -> list[tuple[tuple[float, float, float], float]]:
+        """Itself."""
+        return [(self.centre, self.radius)]
+
+    def footprint(self) -> shapely.Geometry:
+        """Its shadow on the plan."""
+        return shapely.Polygon(circle(self.centre[:2], self.radius))
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {"centre": (*shifted(self.centre[:2], dx, dy), self.centre[2] + dz)}
+
+
+class Box(Flat):
+    """An upright box with sides along the axes; corners with 2 or 3 coordinates."""
+
+    shape: Literal["box"] = "box"
+    low: Corner
+    high: Corner
+
+    @model_validator(mode="after")
+    def _is_a_box(self) -> Self:
+        low, high = list(self.low), list(self.high)
+        if len(low) != len(high):
+            raise ValueError(f"low = {low} and high = {high} differ in dimension")
+        if any(a >= b for a, b in zip(low, high, strict=True)):
+            raise ValueError(f"high = {high} is not above low = {low} on every axis")
+        if len(low) == 3 and (self.bottom, self.top) != (None, None):
+            raise ValueError("a box with three coordinates has its own bottom and top")
+        return self
+
+    def outline(self) -> shapely.Polygon:
+        """The rectangle."""
+        (x, y), (u, v) = self.low[:2], self.high[:2]
+        return shapely.Polygon([(x, y), (u, y), (u, v), (x, v)])
+
+    def spans(self) -> list[Span]:
+        """Itself, upright."""
+        if len(self.low) == 3 and len(self.high) == 3:
+            return [(self.outline(), self.low[2], self.high[2])]
+        return super().spans()
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        by = (dx, dy, dz)
+        low, high = (
+            tuple(a + d for a, d in zip(corner, by, strict=False))
+            for corner in (self.low, self.high)
+        )
+        return {"low": low, "high": high, **self._raised(dz)}
+
+
+class Prism(Shape):
+    """A polygon, maybe with holes, from a bottom to a top; only in three dimensions."""
+
+    shape: Literal["prism"] = "prism"
+    points: tuple[Point, ...] = Field(min_length=3)
+    holes: tuple[Annotated[tuple[Point, ...], Field(min_length=3)], ...] = ()
+    bottom: Place
+    top: Place
+
+    @model_validator(mode="after")
+    def _stands(self) -> Self:
+        if self.bottom >= self.top:
+            raise ValueError(f"top = {self.top:g} is not above bottom = {self.bottom:g}")
+        return self
+
+    def spans(self) -> list[Span]:
+        """Itself."""
+        return [(shapely.Polygon(self.points, self.holes), self.bottom, self.top)]
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {
+            **shifted_rings(self, dx, dy),
+            "bottom": self.bottom + dz,
+            "top": self.top + dz,
+        }
+
+
+class Union(Shape):
+    """Several obstacles under one name."""
+
+    shape: Literal["union"] = "union"
+    parts: tuple[Obstacle, ...] = Field(min_length=1)
+
+    @field_validator("parts", mode="before")
+    @classmethod
+    def _known_shapes(cls, parts: Any) -> Any:
+        for part in parts if isinstance(parts, list | tuple) else ():
+            if isinstance(part, Mapping) and part.get("shape") not in SHAPES:
+                raise ValueError(str(unknown("shape", part.get("shape"), SHAPES)))
+        return parts
+
+    def spans(self) -> list[Span]:
+        """Those of its parts."""
+        return [span for part in self.parts for span in part.spans()]
+
+    def spheres(self) -> list[tuple[tuple[float, float, float], float]]:
+        """Those of its parts."""
+        return [sphere for part in self.parts for sphere in part.spheres()]
+
+    def footprint(self) -> shapely.Geometry:
+        """The union of its parts' footprints."""
+        return shapely.union_all([part.footprint() for part in self.parts])
+
+    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
+        return {"parts": tuple(part.moved(dx, dy, dz) for part in self.parts)}
+
+
+Obstacle = Annotated[
+    Disc | Polygon | Wall | Ring | CShape | Sphere | Box | Prism | Union,
+    Field(discriminator="shape"),
+]
+SHAPES = ("disc", "polygon", "wall", "ring", "c", "sphere", "box", "prism", "union")
+Union.model_rebuild()
+ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)
+
+
+def obstacle(values: Mapping[str, Any], origin: str = "") -> Any:
+    """The obstacle that a table of a layout describes, chosen by its key `shape`.
+
+    Raises Refusal naming the obstacle, the key and the value; `origin` says where it came from.
+
+    >>> obstacle({"shape": "disc", "centre": [2, 3], "radius": 0.5}).footprint().bounds
+    (1.5, 2.5, 2.5, 3.5)
+    """
+    if not isinstance(values, Mapping):
+        raise Refusal(f"obstacle = {values!r} is not a table of keys ({origin})")
+    if "shape" not in values:
+        raise Refusal(f"obstacle {dict(values)} has no shape (known: {', '.join(SHAPES)})")
+    if values["shape"] not in SHAPES:
+        raise unknown("shape", values["shape"], SHAPES, origin)
+    label = repr(values["name"]) if values.get("name") else values["shape"]
+    try:
+        return ADAPTER.validate_python(values)
+    except ValidationError as error:
+        raise first_refusal(error, f"obstacle {label}", origin, SHAPES) from None
+
+
+def shifted_rings(shape: Polygon | Prism, dx: float, dy: float) -> dict[str, Any]:
+    """Points and holes, moved."""
+    return {
+        "points": tuple(shifted(point, dx, dy) for point in shape.points),
+        "holes": tuple(tuple(shifted(p, dx, dy) for p in hole) for hole in shape.holes),
+    }
