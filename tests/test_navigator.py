@@ -54,7 +54,7 @@ def state_of(flock, model):
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("guard", [True, False])
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 14), spread=st.sampled_from((0.3, 0.6, 2.0)))
 def test_every_tick_is_the_papers(model, guard, seed, n, spread):
     flock = Flock(

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.declare import Body, Parameters, parameter
+from agents.declare import Body, Parameters, Rule, declared, parameter
 from agents.engine.block import Moved
+from agents.model import Model
 from worlds.compiled import compiled
 from worlds.ground import nearest_surface
 
@@ -47,7 +48,7 @@ class Drone(Parameters):
         unit="m/s^2",
         low=0.01,
         high=50.0,
-        step=0.1,
+        step=0.05,
         source="robotsim of Vasarhelyi et al. 2018: parameters/unitparams.dat, a_max",
     )
     v_max: float = parameter(
@@ -57,7 +58,7 @@ class Drone(Parameters):
         unit="m/s",
         low=0.01,
         high=50.0,
-        step=0.5,
+        step=0.1,
         source="robotsim of Vasarhelyi et al. 2018: src/algo_spp_evol.c, V_Max at 4 m/s",
     )
     margin: float = parameter(
@@ -68,7 +69,7 @@ class Drone(Parameters):
         unit="m",
         low=0.001,
         high=20.0,
-        step=0.1,
+        step=0.05,
         source="added to Vasarhelyi et al. 2018",
     )
     guard: bool = parameter(
@@ -124,3 +125,23 @@ BODY = Body(
     lasts=lambda p: p.dt,
     unit="s",
 )
+
+
+def tenth(rule: Rule) -> Model:
+    """The model NAME-tenth: drones and flight at a tenth of the size, for small worlds.
+
+    Every default in m, m/s and m/s^2 is divided by 10 and time goes on as before: in a world that
+    is as much smaller the motion is the same.
+    """
+    every = declared(rule.parameters) + declared(Drone)
+    small = {one.name: one.default / 10.0 for one in every if one.unit in ("m", "m/s", "m/s^2")}
+    return Model(
+        rule,
+        BODY,
+        suffix="-tenth",
+        title_suffix=" at a tenth of the size",
+        summary_suffix=" All lengths are a tenth of the real ones.",
+        defaults=small,
+        world="obstacles",
+        agents=30,
+    )

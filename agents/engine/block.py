@@ -32,8 +32,8 @@ class Me(NamedTuple):
     """What it keeps to itself, in the order in which the rule names it; `perceive` writes it."""
     informed: bool
     """Whether it is an information agent, which listens to nobody."""
-    heard: float
-    """1.0 if its heading counts, 0.0 while it avoids an obstacle."""
+    own_weight: float
+    """1.0 where its own heading counts in the mean (6), 0.0 on a mission: b_ii = 0 in (18)."""
     id: int
     tick: int
     key: int

@@ -152,7 +152,7 @@ def myself(flock, slots, slot, desk, tick, key):
         desk.mine,
         desk.own,
         flock.informed[i],
-        desk.mine[SIGNALS - 1] if DEAFENS else 1.0,
+        0.0 if DEAFENS else 1.0,
         flock.ids[i],
         tick,
         key,

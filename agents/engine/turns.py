@@ -100,7 +100,7 @@ def row_of(flock, i, desk, tick, key):
         desk.mine,
         desk.own,
         flock.informed[i],
-        desk.mine[SIGNALS - 1] if DEAFENS else 1.0,
+        0.0 if DEAFENS else 1.0,
         flock.ids[i],
         tick,
         key,

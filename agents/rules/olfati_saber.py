@@ -75,7 +75,7 @@ def shadows(me, ground, p):
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
     fx = fy = fz = cx = cy = cz = 0.0
     around = solids_around(ground, me.x, me.y)
-    for k in range(around.count):
+    for k in range(around.number):
         at = surface(ground, around, k, me.x, me.y, me.z)
         if math.fabs(at.distance) <= p.r:
             dx, dy, dz = at.x - me.x, at.y - me.y, at.z - me.z

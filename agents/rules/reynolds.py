@@ -138,7 +138,7 @@ class Boids(Parameters):
         source="Reynolds 1999, obstacle avoidance (bounding radius); value chosen here",
     )
     w_seek: float = parameter(
-        0.3,
+        0.5,
         "Weight of seeking the goal, in a world that has one, in units of max_force",
         symbol="w_g",
         low=0.0,

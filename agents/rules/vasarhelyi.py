@@ -38,7 +38,7 @@ class Drones(Parameters):
         unit="m",
         low=1.0,
         high=500.0,
-        step=5.0,
+        step=1.0,
         source=f"{ROBOTSIM}/unitparams.dat, R_C",
     )
     v_flock: float = parameter(
@@ -48,7 +48,7 @@ class Drones(Parameters):
         unit="m/s",
         low=0.0,
         high=32.0,
-        step=0.5,
+        step=0.1,
         source=f"Vasarhelyi et al. 2018 (flights at 4, 6, 8 m/s); {ROBOTSIM}/flockingparams.dat",
     )
     r0_rep: float = parameter(
@@ -58,7 +58,7 @@ class Drones(Parameters):
         unit="m",
         low=0.0,
         high=200.0,
-        step=0.5,
+        step=0.1,
         source=f"{ROBOTSIM}/flockingparams.dat, R_0 (at 4 m/s); SwarmLab has 25",
     )
     p_rep: float = parameter(
@@ -78,7 +78,7 @@ class Drones(Parameters):
         unit="m",
         low=0.0,
         high=500.0,
-        step=0.5,
+        step=0.1,
         source=SWARMLAB,
     )
     c_frict: float = parameter(
@@ -97,7 +97,7 @@ class Drones(Parameters):
         unit="m/s",
         low=0.0,
         high=10.0,
-        step=0.05,
+        step=0.01,
         source=SWARMLAB,
     )
     p_frict: float = parameter(
@@ -117,7 +117,7 @@ class Drones(Parameters):
         unit="m/s^2",
         low=0.01,
         high=50.0,
-        step=0.1,
+        step=0.01,
         source=SWARMLAB,
     )
     r0_shill: float = parameter(
@@ -127,7 +127,7 @@ class Drones(Parameters):
         unit="m",
         low=0.0,
         high=50.0,
-        step=0.1,
+        step=0.01,
         source=SWARMLAB,
     )
     v_shill: float = parameter(
@@ -157,7 +157,7 @@ class Drones(Parameters):
         unit="m/s^2",
         low=0.01,
         high=50.0,
-        step=0.1,
+        step=0.01,
         source=SWARMLAB,
     )
 

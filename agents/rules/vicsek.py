@@ -43,7 +43,7 @@ class Vicsek(Parameters):
 @compiled
 def decide(me, near, ground, p):
     """Mean heading over the neighbours and itself: (6), with obstacles (18)."""
-    n = me.heard
+    n = me.own_weight
     x, y, z = n * me.ux, n * me.uy, n * me.uz
     for j in range(near.n):
         a = adjacent(me, near, j, p.r) * near.heard[j]
@@ -51,7 +51,8 @@ def decide(me, near, ground, p):
         y += a * near.uy[j]
         z += a * near.uz[j]
         n += a
-    n = max(n, 1.0)
+    if n == 0.0:
+        return Wish(0.0, 0.0, 0.0)
     return Wish(x / n, y / n, z / n)
 
 

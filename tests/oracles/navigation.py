@@ -71,6 +71,7 @@ def genuine(model, i, state, touch, heard, p):
     if rule == "ivem-a" and not (seen[i] & state.informed).any():
         return family.unit(family.ivem_angle(i, state.heading, seen))
     weight = family.weights(rule, i, state.layer, touch, state.informed, p) * heard
+    weight[i] = 0.0  # b_ii: nobody contributes to its own direction
     if weight.sum() == 0:
         return state.heading[i]
     mean = (weight[:, None] * state.heading).sum(axis=0)
