@@ -18,7 +18,7 @@ THETA_D = np.pi / 4
 """Heading of the information UAV (rad), theta^d of Liu et al. 2021, section 3.1."""
 
 
-TRIES = 1000
+TRIES = 300
 """How often agents that do not fit are tried elsewhere before a start is refused."""
 
 

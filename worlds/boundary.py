@@ -18,11 +18,12 @@ HIDDEN = 1e-9
 """A point deeper than this in what is solid is no surface, length."""
 
 
-def boundary_points(world: World, united: list[shapely.Geometry]) -> np.ndarray:
+def boundary_points(world: World, united: list[shapely.Geometry], margin: float) -> np.ndarray:
     """Points along the united outlines and the solid edges of the box, (M, 2), length.
 
     Neighbours along an outline are at most `world.boundary_spacing` apart; corners are among them.
-    Points that lie in a solid or beyond a solid edge are left out.
+    Points that lie in a solid or beyond a solid edge are left out. Solid edges go on by `margin`
+    (length) across a wrapping edge.
     """
     rings = [
         shapely.get_coordinates(ring)
@@ -31,16 +32,9 @@ def boundary_points(world: World, united: list[shapely.Geometry]) -> np.ndarray:
         for ring in (part.exterior, *part.interiors)
     ]
     found = [along_ring(ring, world.boundary_spacing) for ring in rings]
+    found += box_lines(world, margin)
     low = np.array(world.low)
     high = low + world.size
-    for axis, edge in enumerate(world.edges):
-        if edge == "solid":
-            for at in (low[axis], high[axis]):
-                start, end = low.copy(), high.copy()
-                start[axis] = end[axis] = at
-                line = along_line(np.array([start, end]), world.boundary_spacing)
-                last = end[None] if world.edges[1 - axis] != "solid" or axis == 0 else line[:0]
-                found.append(np.concatenate([line, last]))
     points = np.concatenate(found) if found else np.empty((0, 2))
     hidden = np.zeros(len(points), bool)
     for axis, edge in enumerate(world.edges):
@@ -49,10 +43,31 @@ def boundary_points(world: World, united: list[shapely.Geometry]) -> np.ndarray:
                 points[:, axis] > high[axis] + HIDDEN
             )
     for outline in united:
-        inner = shapely.contains_xy(outline, *points.T)
-        deep = shapely.distance(outline.boundary, shapely.points(points)) > HIDDEN
-        hidden |= inner & deep
-    return points[~hidden]
+        shapely.prepare(outline)
+        inner = np.flatnonzero(shapely.contains_xy(outline, *points.T))
+        rim = outline.boundary
+        shapely.prepare(rim)
+        hidden[inner] |= ~shapely.dwithin(rim, shapely.points(points[inner]), HIDDEN)
+    return np.unique(points[~hidden], axis=0)
+
+
+def box_lines(world: World, margin: float) -> list[np.ndarray]:
+    """Points along the solid edges of the box, each place once."""
+    (x, y), (u, v) = world.low, np.array(world.low) + world.size
+    if world.edges == ("solid", "solid"):
+        ring = np.array([(x, y), (u, y), (u, v), (x, v), (x, y)])
+        return [along_ring(ring, world.boundary_spacing)]
+    found = []
+    for axis, edge in enumerate(world.edges):
+        start, end = np.array([x, y]), np.array([u, v])
+        if world.wraps[1 - axis]:
+            start[1 - axis] -= margin
+            end[1 - axis] += margin
+        for at in (start[axis], end[axis]) if edge == "solid" else ():
+            start[axis] = end[axis] = at
+            line = np.array([start, end])
+            found.append(np.concatenate([along_line(line, world.boundary_spacing), line[1:]]))
+    return found
 
 
 def along_ring(ring: np.ndarray, spacing: float) -> np.ndarray:

@@ -57,15 +57,14 @@ def shape_problems(world: World, number: int) -> list[Problem]:
     feature = obstacle.label if obstacle.name else f"{obstacle.label} {number + 1}"
     found = []
     for outline, bottom, top in obstacle.spans():
-        if not outline.is_valid:
-            found.append(unsound(feature, outline))
-        elif not outline.area > 0.0:
-            place = tuple(shapely.get_coordinates(outline)[0].tolist())
+        place = tuple(shapely.get_coordinates(outline)[0].tolist())
+        if shapely.convex_hull(outline).area == 0.0:
             found.append(Problem(feature, place, f"obstacle {feature} has no area"))
+        elif not outline.is_valid:
+            found.append(unsound(feature, outline))
         floor = 0.0 if bottom is None else bottom
         ceiling = world.height if top is None else top
         if world.dim == 3 and floor >= ceiling:
-            place = tuple(shapely.get_coordinates(outline)[0].tolist())
             text = f"obstacle {feature} has bottom {floor:g} not below its top {ceiling:g}"
             found.append(Problem(feature, place, text))
     if world.dim == 2 and needs_space(obstacle):
@@ -84,12 +83,9 @@ def unsound(feature: str, outline: shapely.Polygon) -> Problem:
         "Hole lies outside shell": "has a hole outside of it",
         "Holes are nested": "has a hole within a hole",
         "Interior is disconnected": "is cut in two by its holes",
-        "Too few points in geometry component": "has no area",
     }
     where = f" at ({', '.join(f'{number:g}' for number in place)})" if place else ""
     wrong = words.get(reason.strip(), f"is unsound ({reason.strip()})")
-    if not outline.exterior.is_simple and outline.area == 0.0:
-        wrong = "has no area"
     return Problem(feature, place, f"obstacle {feature} {wrong}{where}")
 
 
@@ -141,9 +137,20 @@ def place_problems(world: World) -> list[Problem]:
     for part, points in way(world).items():
         depth = clearance(world, np.array(points))
         for number in np.flatnonzero(depth < 0.0):
-            text = f"{part}[{number}] = {spot(points[number])} is inside an obstacle"
+            where = (
+                "beyond a solid edge" if is_beyond(world, points[number]) else "inside an obstacle"
+            )
+            text = f"{part}[{number}] = {spot(points[number])} is {where}"
             found.append(Problem(part, tuple(points[number]), text))
     return found
+
+
+def is_beyond(world: World, place: tuple[float, ...]) -> bool:
+    """Whether a place is outside of the box across a solid edge."""
+    return any(
+        edge == "solid" and not low <= at <= low + side
+        for at, low, side, edge in zip(place, world.low, world.size, world.edges, strict=True)
+    )
 
 
 def leg_problems(world: World) -> list[Problem]:

@@ -181,7 +181,7 @@ def runs(owner: np.ndarray, chunk: np.ndarray, chunks: Chunks) -> tuple[np.ndarr
     new = np.ones(len(owner), bool)
     new[1:] = (owner[1:] != owner[:-1]) | (chunk[1:] != chunk[:-1] + 1)
     first = np.flatnonzero(new)
-    last = np.append(first[1:], len(owner)) - 1
+    last = np.append(first[1:], len(owner))[: len(first)] - 1
     edges = np.column_stack([chunks.first[chunk[first]], chunks.last[chunk[last]]])
     return owner[first], np.ascontiguousarray(edges, np.int32).reshape(-1, 2)
 

@@ -46,7 +46,7 @@ def survey(world: World, reach: float) -> Ground:
     plane = solid_planes(world)
     points = np.empty((0, 2))
     if world.dim == 2:
-        points = boundary_points(world, list(united.values()))
+        points = boundary_points(world, list(united.values()), reach)
     mission = world.mission or Mission()
     return Ground(
         float(reach),

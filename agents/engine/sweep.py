@@ -93,10 +93,10 @@ def headed(me, wish, noise, eta):
 
 
 @compiled
-def settle(flock, space, ground, i, moved):
+def settle(flock, space, ground, i, me, moved):
     """Write what the body answered into row i, within the world's edges."""
     if BOUNCES:
-        moved = bounced(ground, moved)
+        moved = bounced(ground, me, moved)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
     flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
     flock.heading[i, 0] = moved.ux
@@ -124,7 +124,7 @@ def act(flock, space, ground, i, me, near, law, out):
         want = decide(me, near, ground, p)
         if HEADS:
             want = headed(me, want, law.noise, p.eta)
-    settle(flock, space, ground, i, move(me, near, ground, want, p, out))
+    settle(flock, space, ground, i, me, move(me, near, ground, want, p, out))
     if SIGNALS > 0:
         remember(me, near, p, out)
     for k in range(SIGNALS):

@@ -24,8 +24,9 @@ FORCES = ("separation", "alignment", "cohesion", "avoidance", "seek")
 """The steering forces, as accelerations, length/s^2."""
 PROBES = 5
 """Points at which a boid looks for surfaces, evenly spaced from its own place to look_ahead."""
-HEAD_ON = 1e-6
-"""A surface normal with less than this across the heading is met head-on."""
+SLIGHT = 1e-6
+"""A component of a unit vector that is as good as none: head-on if it is that across the heading,
+along the surface if it is that of the heading along the normal."""
 
 
 class Boids(Parameters):
@@ -49,7 +50,7 @@ class Boids(Parameters):
         low=1.0,
         high=360.0,
         step=5.0,
-        source="Reynolds 1987, 1999, neighbourhood; 270 deg is usual, e.g. Reynolds' figures",
+        source="Reynolds 1987, 1999, neighbourhood; value chosen here",
     )
     r_separation: float = parameter(
         1.5,
@@ -219,7 +220,7 @@ def flocking(me, near, p):
 def sideways(me):
     """A unit vector across the heading, to the left in the plan: where to turn when head-on."""
     length = math.sqrt(me.ux * me.ux + me.uy * me.uy)
-    if length < HEAD_ON:
+    if length < SLIGHT:
         return 1.0, 0.0, 0.0
     return -me.uy / length, me.ux / length, 0.0
 
@@ -236,11 +237,11 @@ def avoidance(me, ground, p):
         way = p.look_ahead * k / (PROBES - 1)
         at = nearest_surface(ground, me.x + way * me.ux, me.y + way * me.uy, me.z + way * me.uz)
         towards = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz
-        if at.distance < p.clearance and towards <= 0.0:
+        if at.distance < p.clearance and towards <= SLIGHT:
             x, y, z = at.nx - towards * me.ux, at.ny - towards * me.uy, at.nz - towards * me.uz
             length = math.sqrt(x * x + y * y + z * z)
             urgency = 1.0 - k / PROBES
-            if length < HEAD_ON:
+            if length < SLIGHT:
                 x, y, z = sideways(me)
                 length = 1.0
             return urgency * x / length, urgency * y / length, urgency * z / length

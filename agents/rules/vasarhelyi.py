@@ -25,7 +25,10 @@ FORCES = ("self-propulsion", "repulsion", "alignment", "shill")
 """The terms of the wanted velocity, m/s."""
 
 ROBOTSIM = "robotsim of Vasarhelyi et al. 2018: parameters"
-SWARMLAB = "SwarmLab, param_vasarhelyi.m; for 4 m/s, not checked against the paper's table"
+SWARMLAB = (
+    "SwarmLab, parameters/param_swarm/param_vasarhelyi.m, which does not say for what v^flock; not "
+    "checked against the paper's table"
+)
 
 
 class Drones(Parameters):
@@ -69,7 +72,9 @@ class Drones(Parameters):
         low=0.0,
         high=5.0,
         step=0.01,
-        source="DANCERS (github.com/Chroma-CITI/DANCERS), default_vat_params_; SwarmLab has 0.03",
+        source="DANCERS (github.com/Chroma-CITI/DANCERS), config_robotsim_default.yaml, whose "
+        "braking curve of the alignment is SwarmLab's; SwarmLab has 0.03; not checked against the "
+        "paper's table",
     )
     r0_frict: float = parameter(
         85.3,

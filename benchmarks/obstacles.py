@@ -1,0 +1,109 @@
+"""Obstacles: how long a survey takes, and how many questions a second its ground answers.
+
+uv run python benchmarks/obstacles.py [--edges 10000] [--reach 6]
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+
+import numpy as np
+
+from worlds.compiled import entry
+from worlds.ground import Ground, line_of_sight, nearest_surface, points_within
+from worlds.obstacles import Disc, Wall
+from worlds.shape import SEGMENTS
+from worlds.survey import survey
+from worlds.world import World
+
+SIDE = 100.0
+REPEATS = 5
+
+
+@entry
+def surfaces(ground, place, _):
+    """The sum of all nearest distances that are finite, so that none is left out."""
+    total = 0.0
+    for i in range(place.shape[0]):
+        at = nearest_surface(ground, place[i, 0], place[i, 1], 0.0)
+        total += at.distance if at.distance < math.inf else 0.0
+    return total
+
+
+@entry
+def sights(ground, place, _):
+    """How many places see the next one."""
+    total = 0.0
+    for i in range(place.shape[0] - 1):
+        a, b = place[i], place[i + 1]
+        total += line_of_sight(ground, a[0], a[1], 0.0, b[0], b[1], 0.0)
+    return total
+
+
+@entry
+def points(ground, place, found):
+    """How many boundary points are within reach of the places."""
+    total = 0.0
+    for i in range(place.shape[0]):
+        total += points_within(ground, place[i, 0], place[i, 1], ground.reach, found)
+    return total
+
+
+def yard(edges: int, rng: np.random.Generator) -> World:
+    """A square with about so many edges of obstacles: half of them discs, half walls."""
+    discs = [
+        Disc(centre=(float(x), float(y)), radius=float(r))
+        for x, y, r in rng.uniform((0, 0, 0.3), (SIDE, SIDE, 2.0), (edges // 2 // SEGMENTS, 3))
+    ]
+    walls = [
+        Wall(start=(float(x), float(y)), end=(float(x + u), float(y + v)), thickness=0.2)
+        for x, y, u, v in rng.uniform((0, 0, -2, -2), (SIDE, SIDE, 2, 2), (edges // 2 // 4, 4))
+    ]
+    return World("yard", (SIDE, SIDE), ("solid", "solid"), obstacles=(*discs, *walls))
+
+
+def rate(question, ground: Ground, place: np.ndarray) -> float:
+    """Questions per second, the best of some rounds."""
+    found = np.empty(ground.most_points, np.int32)
+    question(ground, place[:2], found)
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        question(ground, place, found)
+        seconds.append(time.perf_counter() - start)
+    return len(place) / min(seconds)
+
+
+def main() -> None:
+    """Survey a yard, ask from everywhere, print."""
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--edges", type=int, default=10_000)
+    arguments.add_argument("--reach", type=float, default=6.0)
+    given = arguments.parse_args()
+    rng = np.random.default_rng(1)
+    world = yard(given.edges, rng)
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        ground = survey(world, given.reach)
+        seconds.append(time.perf_counter() - start)
+    print(
+        f"{len(ground.edge):,} edges of {len(ground.span):,} outlines, "
+        f"{len(ground.point_x):,} boundary points, reach {given.reach:g}"
+    )
+    print(f"survey: {min(seconds):.3f} s")
+    place = rng.uniform(0.0, SIDE, (100_000, 2))
+    near = place + rng.uniform(-given.reach, given.reach, place.shape)
+    pairs = np.stack([place, near], axis=1).reshape(-1, 2)
+    for name, question, where in (
+        ("nearest surfaces", surfaces, place),
+        ("lines of sight", sights, pairs),
+        ("boundary points within reach", points, place),
+    ):
+        print(f"{name}: {rate(question, ground, where) / 1e6:.2f} million a second")
+
+
+if __name__ == "__main__":
+    main()

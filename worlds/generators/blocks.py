@@ -1,0 +1,99 @@
+"""Random blocks: rectangles at any angle, in space boxes along the axes, a least gap between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from worlds.generators.kind import Kind, Made, Parameters, box_text, count, length
+from worlds.obstacles import Box, Polygon
+from worlds.refusal import Refusal
+
+TRIES = 2_000
+"""Places tried for each block."""
+
+
+class BlockParameters(Parameters):
+    """Random blocks."""
+
+    count: int = count(12, "number of blocks")
+    side_low: float = length(2.0, "least side")
+    side_high: float = length(8.0, "largest side")
+    gap: float = length(2.0, "least gap between two blocks, and between a block and the box",
+                        least=0)  # fmt: skip
+
+
+def make_blocks(
+    rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: BlockParameters
+) -> Made:
+    """Draw the sides, evenly in their range, and then a free place for each, the largest first.
+
+    Raises Refusal if one finds no place in TRIES tries.
+    """
+    if p.side_low > p.side_high:
+        raise Refusal(f"side_low = {p.side_low:g} m is above side_high = {p.side_high:g} m")
+    sides = rng.uniform(p.side_low, p.side_high, (p.count, size.size))
+    sides = sides[np.argsort(-sides.prod(axis=1), kind="stable")]
+    place = place_box if size.size == 3 else place_rectangle
+    made: list[Any] = []
+    for k, side in enumerate(sides):
+        block = place(rng, low, size, side, p.gap, made)
+        if block is None:
+            raise Refusal(
+                f"count = {p.count} blocks with sides of {p.side_low:g} to {p.side_high:g} m and "
+                f"gap = {p.gap:g} m do not fit in {box_text(size)}: {k} found a place, "
+                f"the next one did not in {TRIES} tries"
+            )
+        made.append(block)
+    if size.size == 3:
+        return Made([Box(low=tuple(lo.tolist()), high=tuple(hi.tolist())) for lo, hi in made])
+    return Made([Polygon(points=block.exterior.coords[:-1]) for block in made])
+
+
+def place_rectangle(
+    rng: np.random.Generator,
+    low: np.ndarray,
+    size: np.ndarray,
+    side: np.ndarray,
+    gap: float,
+    placed: list[shapely.Polygon],
+) -> shapely.Polygon | None:
+    """A rectangle at a random angle and place, `gap` from all others and from the box."""
+    corners = 0.5 * side * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    for _ in range(TRIES):
+        angle = rng.uniform(0.0, np.pi)
+        turn = np.array([(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))])
+        points = low + size * rng.random(2) + corners @ turn
+        if (points < low + gap).any() or (points > low + size - gap).any():
+            continue
+        made = shapely.Polygon(points)
+        if not placed or shapely.distance(made, placed).min() >= max(gap, 1e-9):
+            return made
+    return None
+
+
+def place_box(
+    rng: np.random.Generator,
+    low: np.ndarray,
+    size: np.ndarray,
+    side: np.ndarray,
+    gap: float,
+    placed: list[tuple[np.ndarray, np.ndarray]],
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """The corners of a box at a random place, `gap` from all others and from the box around."""
+    room = size - side - 2.0 * gap
+    if (room < 0.0).any():
+        return None
+    lows = low + gap + room * rng.random((TRIES, size.size))
+    if not placed:
+        return lows[0], lows[0] + side
+    others_low, others_high = (np.array(corners) for corners in zip(*placed, strict=True))
+    between = np.maximum(others_low - (lows[:, None] + side), lows[:, None] - others_high)
+    apart = np.linalg.norm(np.maximum(between, 0.0), axis=2)
+    good = np.flatnonzero((apart >= max(gap, 1e-9)).all(axis=1))
+    return (lows[good[0]], lows[good[0]] + side) if good.size else None
+
+
+BLOCKS = Kind("blocks", "Random blocks", BlockParameters, make_blocks, (2, 3))

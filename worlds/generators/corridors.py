@@ -1,0 +1,54 @@
+"""Corridors: parallel walls across the box, each with gaps at random places."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worlds.generators.kind import Kind, Made, Parameters, count, length
+from worlds.obstacles import Obstacle, Wall
+from worlds.refusal import Refusal
+
+
+class CorridorParameters(Parameters):
+    """Corridors."""
+
+    walls: int = count(4, "number of walls across the box", most=1000)
+    gaps: int = count(2, "gaps in each wall", most=1000)
+    width: float = length(3.0, "width of a gap")
+    thickness: float = length(0.5, "thickness of the walls")
+
+
+def make_corridors(
+    rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: CorridorParameters
+) -> Made:
+    """Draw walls along y at even distances along x, and their gaps.
+
+    Between two gaps, and between a gap and the box, there is a piece of wall at least as long as
+    the wall is thick. Raises Refusal if walls or gaps do not fit.
+    """
+    between = size[0] / (p.walls + 1)
+    if between <= p.thickness:
+        raise Refusal(
+            f"walls = {p.walls} with thickness = {p.thickness:g} m do not fit in {size[0]:g} m: "
+            f"one stands every {between:g} m"
+        )
+    spare = size[1] - p.gaps * p.width - (p.gaps + 1) * p.thickness
+    if spare < 0.0:
+        raise Refusal(
+            f"gaps = {p.gaps} of width = {p.width:g} m do not fit in a wall {size[1]:g} m long"
+        )
+    made: list[Obstacle] = []
+    for k in range(1, p.walls + 1):
+        x = float(low[0] + k * between)
+        begins = np.sort(rng.uniform(0.0, spare, p.gaps))
+        begins += p.thickness + np.arange(p.gaps) * (p.width + p.thickness)
+        starts = low[1] + np.concatenate([[0.0], begins + p.width])
+        ends = low[1] + np.concatenate([begins, [size[1]]])
+        made += [
+            Wall(start=(x, start), end=(x, end), thickness=p.thickness)
+            for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
+        ]
+    return Made(made)
+
+
+CORRIDORS = Kind("corridors", "Parallel walls with gaps", CorridorParameters, make_corridors)

@@ -1,0 +1,73 @@
+"""Random discs, in space spheres: radii from a range, a least gap between any two."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worlds.generators.kind import Kind, Made, Parameters, box_text, count, length
+from worlds.obstacles import obstacle
+from worlds.refusal import Refusal
+
+TRIES = 5_000
+"""Places tried for each disc."""
+
+
+class DiscParameters(Parameters):
+    """Random discs."""
+
+    count: int = count(20, "number of discs")
+    radius_low: float = length(0.5, "least radius")
+    radius_high: float = length(2.0, "largest radius")
+    gap: float = length(2.0, "least gap between two discs, and between a disc and the box", least=0)
+
+
+def make_discs(
+    rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: DiscParameters
+) -> Made:
+    """Draw the radii, evenly in their range, and then a free place for each, the largest first.
+
+    Raises Refusal if one finds no place in TRIES tries.
+    """
+    if p.radius_low > p.radius_high:
+        raise Refusal(f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m")
+    radii = np.sort(rng.uniform(p.radius_low, p.radius_high, p.count))[::-1]
+    centres = np.empty((p.count, size.size))
+    for k, radius in enumerate(radii):
+        room = size - 2.0 * (radius + p.gap)
+        drawn = low + radius + p.gap + np.maximum(room, 0.0) * rng.random((TRIES, size.size))
+        place = None if (room < 0.0).any() else free(drawn, radius + p.gap, centres[:k], radii[:k])
+        if place is None:
+            raise Refusal(
+                f"count = {p.count} discs of radius {p.radius_low:g} to {p.radius_high:g} m with "
+                f"gap = {p.gap:g} m do not fit in {box_text(size)}: {k} found a place, "
+                f"the next one did not in {TRIES} tries"
+            )
+        centres[k] = place
+    shape = "sphere" if size.size == 3 else "disc"
+    return Made(
+        [
+            obstacle({"shape": shape, "centre": centre, "radius": radius})
+            for centre, radius in zip(centres.tolist(), radii.tolist(), strict=True)
+        ]
+    )
+
+
+def free(
+    drawn: np.ndarray, clearance: float, centres: np.ndarray, radii: np.ndarray
+) -> np.ndarray | None:
+    """The first of the drawn places (T, dim) that is `clearance` away from all discs, if any.
+
+    Places are looked at in growing parts, as one of the first is nearly always free.
+    """
+    begin, part = 0, 16
+    while begin < len(drawn):
+        places = drawn[begin : begin + part]
+        apart = np.linalg.norm(places[:, None] - centres[None], axis=2) - radii
+        good = np.flatnonzero((apart >= clearance).all(axis=1))
+        if good.size:
+            return places[good[0]]
+        begin, part = begin + part, 2 * part
+    return None
+
+
+DISCS = Kind("discs", "Random discs", DiscParameters, make_discs, (2, 3))

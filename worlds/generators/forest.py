@@ -1,0 +1,65 @@
+"""A forest: trunks of a given density, spread evenly as trees are, a least gap between any two."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field
+from scipy.stats import qmc
+
+from worlds.generators.kind import Kind, Made, Parameters, box_text, length
+from worlds.obstacles import Disc
+from worlds.refusal import Refusal
+
+FILLED = 0.7
+"""Points times squared distance per area that a Poisson disc sampling reaches, about."""
+EVEN = 0.8
+"""Distance of trunks as a share of the largest that their density allows."""
+
+
+class ForestParameters(Parameters):
+    """A forest."""
+
+    density: float = Field(0.03, description="trunks per m²", gt=0.0, le=100.0)
+    radius_low: float = length(0.2, "least radius of a trunk")
+    radius_high: float = length(0.6, "largest radius of a trunk")
+    gap: float = length(1.5, "least gap between two trunks, and between a trunk and the box",
+                        least=0)  # fmt: skip
+
+
+def make_forest(
+    rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: ForestParameters
+) -> Made:
+    """Draw trunks by Poisson disc sampling (Bridson 2007), and leave as many as the density says.
+
+    Raises Refusal if so many do not find a place.
+    """
+    if p.radius_low > p.radius_high:
+        raise Refusal(f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m")
+    wanted = max(1, round(p.density * size.prod()))
+    edge = p.gap + p.radius_high
+    room = size - 2.0 * edge
+    least = p.gap + 2.0 * p.radius_high
+    distance = max(least, EVEN * np.sqrt(FILLED * room.clip(0.0).prod() / wanted))
+    places = np.empty((0, 2))
+    if (room > 0.0).all():
+        drawn = qmc.PoissonDisk(
+            2, radius=distance, rng=rng, l_bounds=low + edge, u_bounds=low + edge + room
+        )
+        places = drawn.fill_space()
+    if len(places) < wanted:
+        raise Refusal(
+            f"density = {p.density:g} per m² with gap = {p.gap:g} m and radii up to "
+            f"{p.radius_high:g} m does not fit in {box_text(size)}: {len(places)} of {wanted} "
+            "trunks found a place"
+        )
+    chosen = places[rng.permutation(len(places))[:wanted]]
+    radii = rng.uniform(p.radius_low, p.radius_high, wanted)
+    return Made(
+        [
+            Disc(centre=tuple(centre), radius=radius)
+            for centre, radius in zip(chosen.tolist(), radii.tolist(), strict=True)
+        ]
+    )
+
+
+FOREST = Kind("forest", "A forest of trunks", ForestParameters, make_forest)

@@ -1,0 +1,206 @@
+"""DXF: closed polylines, circles, ellipses, hatches and solids of the model space.
+
+Blocks (INSERT) are opened. Open lines and arcs are walls when a thickness is asked for, and are
+refused without. Texts, dimensions and points are left out, with a note. Read by ezdxf.
+
+Source: Autodesk, DXF reference, release 2018.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from worlds.readers.contents import Contents, Item
+from worlds.readers.outlines import STEP, along, nested
+from worlds.readers.shapes import Point, Shape, area, at, circle, line
+from worlds.refusal import Refusal
+
+DRAWN = ("LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "HATCH", "SOLID", "TRACE", "LINE", "ARC")
+LEFT_OUT = ("TEXT", "MTEXT", "ATTRIB", "ATTDEF", "DIMENSION", "ARC_DIMENSION", "LEADER",
+            "MULTILEADER", "MLEADER", "TOLERANCE", "VIEWPORT", "POINT", "IMAGE")  # fmt: skip
+"""What bounds no area and is no line either."""
+METRES = {
+    **{1: 0.0254, 2: 0.3048, 3: 1609.344, 4: 0.001, 5: 0.01, 6: 1.0, 7: 1000.0, 8: 2.54e-8},
+    **{9: 2.54e-5, 10: 0.9144, 13: 1e-6, 14: 0.1, 15: 10.0, 16: 100.0, 21: 1200.0 / 3937.0},
+}
+"""Metres per unit, by the code of $INSUNITS: inch, foot, mile, mm, cm, m, km, and so on."""
+MOST = 100_000
+"""Most entities, those of blocks counted as often as they are inserted."""
+CHORDS = 32
+"""Chords of each Bezier curve of a hatch's boundary, which is at most a quarter of a turn."""
+BLOCKS_LAYER = "0"
+"""What a block has on this layer stands on the layer of the INSERT."""
+
+
+def read_dxf(path: Path) -> Contents:
+    """The entities of a DXF file. Raises Refusal."""
+    import ezdxf
+
+    items: list[Item] = []
+    skipped = Counter[tuple[str, str]]()
+    with naming_damage(f"{path} is not DXF, or damaged"):
+        try:
+            document = ezdxf.readfile(path)
+        except OSError as error:
+            reason = error.strerror or "it is not DXF"
+            raise Refusal(f"{str(path)!r} cannot be read: {reason}") from None
+        for entity, layer, where in entities(document.modelspace()):
+            kind = entity.dxftype()
+            if len(items) >= MOST:
+                raise Refusal(f"{path} draws more than {MOST} entities, too many to read")
+            if kind in LEFT_OUT:
+                skipped[kind, layer] += 1
+            else:
+                origin = f"{path}, layer {layer!r}, {kind} {where}"
+                items.append(Item(layer, partial(shapes, entity, origin)))
+        layers = [one.dxf.name for one in document.layers] + [item.layer for item in items]
+        unit = METRES.get(document.units)
+    notes = [f"{n} {kind} on layer {layer!r} left out" for (kind, layer), n in skipped.items()]
+    return Contents(tuple(items), tuple(dict.fromkeys(layers)), unit, tuple(notes))
+
+
+@contextmanager
+def naming_damage(what: str) -> Iterator[None]:
+    """Refuse what ezdxf stumbles over, by name: it reads files before it checks them."""
+    from ezdxf import DXFError
+
+    try:
+        yield
+    except Refusal:
+        raise
+    except (DXFError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise Refusal(f"{what}: {' '.join(str(error).split())}") from None
+
+
+def entities(
+    drawn: Any, within: str = "", layer: str = "", blocks: tuple[str, ...] = ()
+) -> Iterator[tuple[Any, str, str]]:
+    """Each entity with its layer and where it is; blocks are opened, to any depth.
+
+    A block that is missing, in another file, within itself or inserted more than MOST times stays
+    an INSERT, which is not read.
+    """
+    for entity in drawn:
+        own = entity.dxf.layer if entity.dxf.is_supported("layer") else BLOCKS_LAYER
+        own = layer if layer and own == BLOCKS_LAYER else own
+        where = within or f"handle {entity.dxf.handle}"
+        if entity.dxftype() == "INSERT" and opens(entity, blocks):
+            name = entity.dxf.name
+            block = within or f"in block {name!r}, inserted by {where}"
+            for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from entities(single.virtual_entities(), block, own, (*blocks, name))
+        else:
+            yield entity, own, where
+
+
+def opens(insert: Any, blocks: tuple[str, ...]) -> bool:
+    """Whether the block of an INSERT is in this file and not one of those around it."""
+    block = insert.block()
+    here = block is not None and not block.block.is_xref
+    return here and insert.dxf.name not in blocks and insert.mcount <= MOST
+
+
+def shapes(entity: Any, origin: str) -> list[Shape]:
+    """The shapes of an entity. Raises Refusal."""
+    if entity.dxftype() not in DRAWN:
+        raise Refusal(f"{origin}: this kind is not read (read are: {', '.join(DRAWN)})")
+    with naming_damage(f"{origin}: it is damaged"):
+        demand_flat(entity, origin)
+        return drawn(entity, origin)
+
+
+def drawn(entity: Any, origin: str) -> list[Shape]:
+    """The shapes of an entity of a kind that is read. Raises Refusal."""
+    kind, name = entity.dxftype(), ""  # the reader names it for its layer
+    if kind == "HATCH":
+        return [area(name, rings, origin) for rings in hatch_rings(entity, origin)]
+    if kind in ("SOLID", "TRACE"):
+        return [area(name, [[(p.x, p.y) for p in entity.wcs_vertices(close=True)]], origin)]
+    if kind == "CIRCLE":
+        centre = entity.ocs().to_wcs(entity.dxf.center)
+        return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin)]
+    points, closed = curve(entity, kind, origin)
+    if closed or (len(points) > 3 and points[0] == points[-1]):
+        return [area(name, [points], origin)]
+    return [line(name, points, origin)]
+
+
+def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
+    """The points of a line, an arc or a polyline, and whether it is closed. Raises Refusal."""
+    if kind == "LINE":
+        return [(p.x, p.y) for p in (entity.dxf.start, entity.dxf.end)], False
+    if kind in ("ARC", "ELLIPSE"):
+        return turned(entity, kind)
+    if kind == "LWPOLYLINE":
+        closed = entity.closed
+        vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
+    else:
+        if entity.is_polygon_mesh or entity.is_poly_face_mesh:
+            raise Refusal(f"{origin}: a mesh is not an outline in the plane")
+        closed = entity.is_closed
+        vertices = [(v.dxf.location.x, v.dxf.location.y, v.dxf.bulge) for v in entity.vertices]
+    points = along(vertices, closed)
+    if kind == "POLYLINE" and entity.is_3d_polyline:
+        return points, closed
+    ocs = entity.ocs()
+    made = [ocs.to_wcs((x, y, 0.0)) for x, y in points]
+    return [(p.x, p.y) for p in made], closed
+
+
+def turned(entity: Any, kind: str) -> tuple[list[Point], bool]:
+    """Points of an arc or an ellipse, at most STEP apart, and whether it is a full turn."""
+    dxf = entity.dxf
+    start, end = (
+        (math.radians(dxf.start_angle), math.radians(dxf.end_angle))
+        if kind == "ARC"
+        else (dxf.start_param, dxf.end_param)
+    )
+    turn = (end - start) % (2.0 * math.pi)
+    closed = kind == "ELLIPSE" and math.isclose(turn % (2.0 * math.pi), 0.0, abs_tol=1e-9)
+    turn = 2.0 * math.pi if closed else turn
+    pieces = max(1, math.ceil(turn / STEP - 1e-9))
+    at_angles = [start + turn * k / pieces for k in range(pieces + 1)]
+    if kind == "ARC":
+        made = entity.vertices([math.degrees(one) for one in at_angles])
+    else:
+        made = entity.vertices(at_angles)
+    points = [(p.x, p.y) for p in made]
+    return ([*points[:-1], points[0]] if closed else points), closed
+
+
+def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
+    """The outlines of a hatch, each with its holes. Raises Refusal."""
+    from ezdxf import path as paths
+
+    rings = []
+    for boundary in hatch.paths:
+        if hasattr(boundary, "vertices"):
+            ocs = hatch.ocs()
+            ring = [
+                (p.x, p.y)
+                for x, y in along(boundary.vertices, True)
+                for p in [ocs.to_wcs((x, y, 0))]
+            ]
+        else:
+            (outline, *more) = paths.from_hatch_boundary_path(boundary, hatch.ocs()).sub_paths()
+            if more:
+                raise Refusal(f"{origin}: a boundary of several pieces is not closed")
+            ring = [(p.x, p.y) for p in outline.approximate(CHORDS)]
+        area("", [ring], origin)
+        rings.append(ring)
+    if not rings:
+        raise Refusal(f"{origin}: it has no boundary")
+    return nested(rings)
+
+
+def demand_flat(entity: Any, origin: str) -> None:
+    """Refuse what does not lie in a plane parallel to the floor. Raises Refusal."""
+    extrusion = entity.dxf.get("extrusion")
+    if extrusion is not None and (abs(extrusion.x) > 1e-9 or abs(extrusion.y) > 1e-9):
+        raise Refusal(f"{origin}: it lies in a tilted plane, extruded along {at(tuple(extrusion))}")

@@ -1,0 +1,152 @@
+"""GeoJSON: polygons, lines with a thickness and points with a radius as features.
+
+Coordinates are lengths in a plane. The property `kind` or `layer` names a feature's layer, `name`
+or `id` the feature; `bottom` and `top` are the heights between which it stands.
+
+Source: RFC 7946, except that its longitudes and latitudes are not lengths.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from worlds.readers.contents import OBSTACLE, Contents, Item, layers_of, text_of
+from worlds.readers.shapes import Point, Shape, Span, area, at, circle, line
+from worlds.refusal import Refusal, unknown
+
+GEOMETRIES = ("Polygon", "MultiPolygon", "LineString", "MultiLineString", "Point", "MultiPoint",
+              "GeometryCollection")  # fmt: skip
+DEGREES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")
+"""Coordinate systems whose coordinates are angles."""
+
+
+def read_geojson(path: Path) -> Contents:
+    """The features of a GeoJSON file. Raises Refusal."""
+    text = text_of(path)
+    try:
+        given = json.loads(text)
+    except RecursionError:
+        raise Refusal(f"{path} is not GeoJSON: it is nested too deep") from None
+    except json.JSONDecodeError as error:
+        raise Refusal(f"{path} is not JSON: {error}") from None
+    if not isinstance(given, dict):
+        raise Refusal(f"{path} is not GeoJSON: it holds no object with a type")
+    demand_lengths(given, path)
+    items = [item(feature, k, path) for k, feature in enumerate(features(given, path), start=1)]
+    return Contents(tuple(items), layers_of(items), None)
+
+
+def features(given: dict[str, Any], path: Path) -> list[dict[str, Any]]:
+    """The features of a collection, of one feature, or of a bare geometry. Raises Refusal."""
+    kind = given.get("type")
+    if kind == "FeatureCollection":
+        found = given.get("features")
+        if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+            raise Refusal(f"{path}: 'features' is not a list of features")
+        return found
+    if kind == "Feature":
+        return [given]
+    if kind in GEOMETRIES:
+        return [{"type": "Feature", "properties": {}, "geometry": given}]
+    raise unknown("GeoJSON type", kind, ("FeatureCollection", "Feature", *GEOMETRIES), str(path))
+
+
+def item(feature: dict[str, Any], number: int, path: Path) -> Item:
+    """One feature. Raises Refusal if it is none."""
+    if feature.get("type") != "Feature":
+        raise Refusal(f"{path}, feature {number}: its type is {feature.get('type')!r}, not Feature")
+    properties = feature.get("properties") or {}
+    if not isinstance(properties, dict):
+        raise Refusal(f"{path}, feature {number}: 'properties' is not an object")
+    name = str(first(properties.get("name"), properties.get("id"), feature.get("id"), ""))
+    layer = str(first(properties.get("kind"), properties.get("layer"), OBSTACLE))
+    origin = f"{path}, feature {number}" + (f" {name!r}" if name else "")
+    return Item(layer, partial(shapes, feature.get("geometry"), properties, name, origin))
+
+
+def shapes(geometry: Any, properties: dict[str, Any], name: str, origin: str) -> list[Shape]:
+    """The shapes of a geometry. Raises Refusal."""
+    if not isinstance(geometry, dict):
+        raise Refusal(f"{origin}: it has no geometry")
+    kind, given = geometry.get("type"), geometry.get("coordinates")
+    span = (number(properties, "bottom", origin), number(properties, "top", origin))
+    if kind not in GEOMETRIES:
+        raise unknown("geometry", kind, GEOMETRIES, origin)
+    if kind == "GeometryCollection":
+        parts = geometry.get("geometries")
+        if not isinstance(parts, list):
+            raise Refusal(f"{origin}: 'geometries' is not a list")
+        return [shape for part in parts for shape in shapes(part, properties, name, origin)]
+    several = given if kind.startswith("Multi") else [given]
+    if not isinstance(several, list) or not several:
+        raise Refusal(f"{origin}: its {kind} has no coordinates")
+    return [
+        one(kind.removeprefix("Multi"), part, properties, name, origin, span) for part in several
+    ]
+
+
+def one(
+    kind: str, given: Any, properties: dict[str, Any], name: str, origin: str, span: Span
+) -> Shape:
+    """One simple geometry. Raises Refusal."""
+    if kind == "Polygon":
+        if not isinstance(given, list) or not given:
+            raise Refusal(f"{origin}: its Polygon has no outline")
+        return area(name, [points(ring, origin) for ring in given], origin, span)
+    if kind == "LineString":
+        return line(name, points(given, origin), origin, number(properties, "thickness", origin),
+                    span)  # fmt: skip
+    (centre,) = points([given], origin)
+    radius = number(properties, "radius", origin)
+    if radius is None:
+        raise Refusal(f"{origin}: a Point at {at(centre)} bounds no area: give it a radius")
+    return circle(name, centre, radius, origin, span)
+
+
+def points(given: Any, origin: str) -> list[Point]:
+    """Positions as pairs of numbers. Raises Refusal."""
+    if not isinstance(given, list):
+        raise Refusal(f"{origin}: {given!r} is not a list of positions")
+    made = []
+    for k, position in enumerate(given, start=1):
+        if not (
+            isinstance(position, list)
+            and len(position) in (2, 3)
+            and all(isinstance(x, int | float) and not isinstance(x, bool) for x in position)
+        ):
+            raise Refusal(f"{origin}: point {k} is {position!r}, not a pair of numbers")
+        if len(position) == 3 and position[2] != 0:
+            raise Refusal(
+                f"{origin}: point {k} is {at(position)}: a height is given by the properties "
+                "'bottom' and 'top'"
+            )
+        made.append((float(position[0]), float(position[1])))
+    return made
+
+
+def number(properties: dict[str, Any], key: str, origin: str) -> float | None:
+    """A property that is a number, or None without it. Raises Refusal."""
+    value = properties.get(key)
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise Refusal(f"{origin}: {key} = {value!r} is not a number")
+    return None if value is None else float(value)
+
+
+def demand_lengths(given: dict[str, Any], path: Path) -> None:
+    """Refuse a file that says that its coordinates are degrees. Raises Refusal."""
+    crs = given.get("crs")
+    properties = crs.get("properties") if isinstance(crs, dict) else None
+    named = str(properties.get("name", "")) if isinstance(properties, dict) else ""
+    if named.upper().replace(" ", "").endswith(DEGREES):
+        raise Refusal(
+            f"{path}: its coordinates are degrees ({named}), not lengths: "
+            "project it to a plane first"
+        )
+
+
+def first(*values: Any) -> Any:
+    """The first value that is given."""
+    return next(value for value in values if value is not None)
