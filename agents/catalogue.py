@@ -8,10 +8,19 @@ from __future__ import annotations
 
 from importlib.metadata import entry_points
 
-from agents.bodies import constant_speed, navigator
+from agents.bodies import constant_speed, double_integrator, drone, navigator, steered
 from agents.declare import Rule
 from agents.model import Model
-from agents.rules import hwvem, ivem, vicsek, wvem
+from agents.rules import (
+    boundary_points,
+    hwvem,
+    ivem,
+    olfati_saber,
+    reynolds,
+    vasarhelyi,
+    vicsek,
+    wvem,
+)
 from worlds.refusal import unknown
 
 CONSTANT = constant_speed.BODY
@@ -27,6 +36,11 @@ BUILT_IN = [
     navigator.model(ivem.IVEM_A),
     navigator.model(wvem.WVEM),
     navigator.model(hwvem.HWVEM),
+    Model(olfati_saber.RULE, double_integrator.BODY, world="wu2023-independent", agents=30),
+    Model(boundary_points.RULE, double_integrator.BODY, world="wu2023-multi", agents=30),
+    Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80),
+    Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30),
+    drone.tenth(vasarhelyi.VASARHELYI),
 ]
 
 

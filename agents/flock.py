@@ -92,8 +92,7 @@ class Flock(Motion, mesa.Model):
         self.world = self._find_world(world, dim, size, agents + informed)
         if informed > 0 and not self.model.rule.led:
             raise Refusal(
-                f"informed = {informed} is not allowed: {model} has no information agents, all of "
-                "its agents know the goal"
+                f"informed = {informed} is not allowed: {model} has no information agents"
             )
         super().__init__(rng=seed)
         self.seed = seed

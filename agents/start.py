@@ -132,7 +132,7 @@ def mission_start(world: World, n: int, informed: int, rng: np.random.Generator)
     position[informed:] = position[informed:][along_space(position[informed:] - low, size)]
     speed = np.zeros(n)
     heading = random_headings(rng, n, world.dim)
-    if region.speed_low is not None:
+    if region.speed_low is not None and region.speed_high is not None:
         velocity = rng.uniform(region.speed_low, region.speed_high, (n, world.dim))
         speed = np.linalg.norm(velocity, axis=1)
         moves = speed > 0.0

@@ -23,6 +23,7 @@ from worlds.compiled import entry
 
 KEEPING = threading.Lock()
 
+
 def cache_base() -> Path:
     """Folder of all compiled kernels; the environment variable FLOCKSCOPE_CACHE moves it."""
     return Path(os.environ.get("FLOCKSCOPE_CACHE") or platformdirs.user_cache_dir("flockscope"))
@@ -72,8 +73,6 @@ def reached(python: types.FunctionType) -> list:
     modules = [value for value in values if isinstance(value, types.ModuleType)]
     inside = [vars(m)[n] for m in modules for n in names if n in vars(m)]
     return values + inside + [cell.cell_contents for cell in python.__closure__ or ()]
-
-
 
 
 def new_digest():

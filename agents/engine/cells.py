@@ -189,7 +189,7 @@ def fill_slots(slots, position, heading, memory, low, high):
         if dim == 3:
             slots.z[slot] = position[i, 2]
             slots.uz[slot] = heading[i, 2]
-        for k in range(memory.shape[0]):
+        for k in range(slots.signal.shape[0]):
             slots.signal[k, slot] = memory[k, i]
 
 

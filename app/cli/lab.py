@@ -13,22 +13,33 @@ from agents.catalogue import model as find_model
 from agents.declare import checked
 from app.cli.settings import assignment
 from app.cli.stopping import Stopping
-from app.viewer.start import Start
+from app.viewer.start import at_home
+from worlds.layout import layout_names
 
 NOISE = 0.3
-"""Noise that keeps the picture alive, rad, for models that have any and unless told otherwise."""
+"""Noise that keeps the picture alive, rad, for models that would have none, unless told otherwise."""
 
 
 def lab(
     model: Annotated[str, typer.Argument(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
-    agents: Annotated[int, typer.Option(min=1, help="Number of agents.")] = 100,
+    agents: Annotated[
+        int | None, typer.Option(min=1, help="Number of agents; by default the model's own.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the run.")] = 1,
-    dim: Annotated[int, typer.Option(min=2, max=3, help="2 or 3 dimensions.")] = 2,
-    world: Annotated[str, typer.Option(help="wrap, wrap-plain or open.")] = "wrap",
+    dim: Annotated[
+        int | None,
+        typer.Option(min=2, max=3, help="2 or 3 dimensions; by default the world's own."),
+    ] = None,
+    world: Annotated[
+        str | None,
+        typer.Option(
+            help=f"{', '.join(layout_names())}, or a TOML file; by default the model's own."
+        ),
+    ] = None,
     set: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
-    speed: Annotated[float, typer.Option(min=0.1, help="Ticks per second at first.")] = 15.0,
+    speed: Annotated[float | None, typer.Option(min=0.1, help="Ticks per second at first.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on.")] = 8080,
     host: Annotated[
@@ -41,8 +52,8 @@ def lab(
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
     from app.viewer.laboratory import Laboratory
 
-    start = Start(
-        model=find_model(model).name,
+    start = at_home(
+        find_model(model).name,
         agents=agents,
         seed=seed,
         dim=dim,
@@ -57,8 +68,9 @@ def lab(
 def parameters(model: str, settings: list[str]) -> dict[str, Any]:
     """The parameters that `--set` gives, and a little noise. Raises Refusal."""
     declared = MODELS[model].parameters
+    noise = declared.model_fields.get("eta")
     given = dict(assignment(setting) for setting in settings)
-    lively = {"eta": NOISE} if "eta" in declared.model_fields else {}
+    lively = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}
     made = checked(declared, lively | given, "--set").model_dump()
     return {name: made[name] for name in lively | given}
 

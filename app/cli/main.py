@@ -25,6 +25,9 @@ COMMANDS = {
     "lab": Entry("app.cli.lab", "lab", "Open the laboratory in the browser (the default)."),
     "run": Entry("app.cli.run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry("app.cli.paper", "paper", "Repeat a table or a figure of a paper."),
+    "world": Entry(
+        "app.cli.world", "world", "Worlds: list, draw, check, read from drawings, make."
+    ),
     "list": Entry("app.cli.listing", "listing", "Models, parameters, worlds, observables, papers."),
     "recover": Entry("app.cli.recover", "recover", "Save the recording of a run that was killed."),
 }
@@ -57,9 +60,12 @@ def load(name: str) -> Any:
     """Import a command."""
     entry = COMMANDS[name]
     function = getattr(import_module(entry.module), entry.function)
-    single = typer.Typer(add_completion=False)
-    single.command(name)(told(function))
-    command = get_command(single)
+    if isinstance(function, typer.Typer):  # a command that has commands of its own
+        command = get_command(function)
+    else:
+        single = typer.Typer(add_completion=False)
+        single.command(name)(told(function))
+        command = get_command(single)
     command.name = name
     return command
 

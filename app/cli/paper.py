@@ -26,7 +26,10 @@ def paper(
     runs: Annotated[int | None, typer.Option(help="Runs per row.  [default: the paper's]")] = None,
     agents: Annotated[str, typer.Option(help="Only these sizes of flock: 100,200.")] = "",
     models: Annotated[str, typer.Option(help="Only these models: vem,hwvem.")] = "",
-    seed: Annotated[int, typer.Option(help="Seed of the first run of each row.")] = 1,
+    seed: Annotated[
+        int,
+        typer.Option(help="Seed of the first run of each row."),
+    ] = 1,
     out: Annotated[
         Path | None, typer.Option(help="Folder for runs and pictures.  [default: results/NAME]")
     ] = None,
@@ -39,19 +42,19 @@ def paper(
 
     Finished runs are kept in FOLDER/runs.csv: what is there is not run again.
     """
-    at_least("--runs", runs, 2)
     at_least("--seed", seed, 0)
     at_least("--workers", workers, 1)
     from app.experiments.experiment import read_experiment
 
     whole = read_experiment(name)
+    at_least("--runs", runs, min(2, whole.runs))
     experiment = whole.narrowed(names(models), whole_numbers("--agents", agents))
     folder = out or Path("results") / name
     begun = time.monotonic()
     done = carried_out(experiment, folder, runs or experiment.runs, seed, workers, quiet)
     seconds = time.monotonic() - begun
     files = {"runs": folder / "runs.csv", "summary": folder / "summary.csv"}
-    report(experiment, done, files, seconds, pictures, json_asked, quiet)
+    report(experiment, done, seed, files, seconds, pictures, json_asked, quiet)
 
 
 def carried_out(
@@ -87,6 +90,7 @@ def carried_out(
 def report(
     experiment: Experiment,
     done: Done,
+    seed: int,
     files: dict[str, Path],
     seconds: float,
     pictures: bool,
@@ -94,16 +98,17 @@ def report(
     quiet: bool,
 ) -> None:
     """Write the files and print the outcome."""
+    from app.experiments.claims import claims
     from app.experiments.report import as_value, show, write_summary
-    from app.experiments.verdict import claims, verdicts
+    from app.experiments.verdict import verdicts
 
-    made = verdicts(done.measured)
-    said = claims(made)
+    made = verdicts(experiment, done.measured)
+    said = claims(made, experiment.said)
     write_summary(files["summary"], made)
     if pictures:
         from app.experiments.pictures.draw import draw
 
-        files |= draw(experiment, made, files["summary"].parent)
+        files |= draw(experiment, made, files["summary"].parent, seed)
     if json_asked:
         value: dict[str, Any] = as_value(experiment, made, said)
         value["seconds"] = round(seconds, 3)

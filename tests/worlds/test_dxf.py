@@ -207,3 +207,11 @@ def test_a_file_that_is_no_dxf_is_named(tmp_path):
     path.write_bytes(b"\x00\xff" * 40)
     with pytest.raises(Refusal, match=r"plan\.dxf.* is not (a )?DXF"):
         read_geometry(path)
+
+
+def test_a_damaged_entity_is_named(drawing):
+    drawing.space.add_ellipse((0, 0), (3.25, 0), 0.5)
+    drawing.document.saveas(drawing.path)
+    drawing.path.write_text(drawing.path.read_text().replace("3.25", "0.0"))
+    with pytest.raises(Refusal, match=r"ELLIPSE handle \w+: it is damaged: .*null vector"):
+        read_geometry(drawing.path)

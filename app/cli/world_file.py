@@ -1,0 +1,62 @@
+"""Worlds that the commands are given, and layouts that they write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.settings import names, numbers
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from worlds.world import World
+
+SIDE = 10.0
+"""Side of the box of a layout that leaves it open, m."""
+
+
+def given_world(name: str, dim: int | None = None, size: str | None = None) -> World:
+    """The world of a built-in name or a layout file, sound or not. Raises Refusal.
+
+    Without `size` it is the layout's own, else SIDE.
+    """
+    from worlds.layout import read_layout
+    from worlds.world import world_from_layout
+
+    return world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
+
+
+def sides(text: str | None) -> float | tuple[float, ...] | None:
+    """One side for all axes, or one per axis. Raises Refusal."""
+    if text is None:
+        return None
+    made = numbers("--size", text)
+    return made[0] if len(made) == 1 else tuple(made)
+
+
+def edges_asked(text: str) -> str | tuple[str, ...]:
+    """One word for all sides, or one per axis."""
+    made = names(text)
+    return made[0] if len(made) == 1 else tuple(made)
+
+
+def demand_new(option: str, path: Path, overwrite: bool) -> None:
+    """Refuse to replace a file unless asked. Raises Refusal."""
+    if path.exists() and not overwrite:
+        raise Refusal(f"{option} {str(path)!r} exists already: name another, or --overwrite")
+
+
+def write_layout(made: World, path: Path) -> None:
+    """Write the layout of a world, which must be sound. Raises Refusal."""
+    from worlds.checks import demand_sound
+
+    demand_sound(made)
+    try:
+        path.write_text(made.to_toml(), encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"--out {str(path)!r} cannot be written: {error.strerror}") from None
+
+
+def size_text(made: World) -> str:
+    """The sides of the box."""
+    return " x ".join(f"{side:g}" for side in made.size) + " m"

@@ -1,0 +1,42 @@
+"""`flockscope world list`: the built-in worlds."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from app.cli.outcome import as_json
+
+
+def list_worlds(
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List the built-in worlds."""
+    rows = worlds()
+    if json_asked:
+        typer.echo(as_json(rows))
+        return
+    from app.cli.listing import show
+
+    show({"worlds": [{name: row[name] for name in ("name", "title")} for row in rows]})
+
+
+def worlds() -> list[dict[str, Any]]:
+    """Name, title, sides and number of obstacles of each; sides are null where they are open."""
+    from worlds.layout import layout_names, read_layout
+
+    found = []
+    for name in layout_names():
+        layout = read_layout(name)
+        found.append(
+            {
+                "name": name,
+                "title": layout.get("title", ""),
+                "size": layout.get("size"),
+                "edges": layout.get("edges", "wrap"),
+                "obstacles": len(layout.get("obstacle", [])),
+                "mission": sorted(layout.get("mission", {})),
+            }
+        )
+    return found

@@ -1,0 +1,1 @@
+"""Worlds as people see them: pictures and words."""

@@ -1,0 +1,38 @@
+"""What a world holds, in numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import shapely
+
+from app.worlds.shadow import shadow
+from worlds.boundary import boundary_points
+from worlds.outlines import outlines
+from worlds.world import World
+
+
+def contents(world: World) -> dict[str, Any]:
+    """Obstacles, edges of their united outlines, boundary points (in the plane), free share.
+
+    `free` is the share of the box that is not solid on the plan, in [0, 1].
+    """
+    solid = shadow(world)
+    corner = np.array(world.low[:2])
+    floor = shapely.box(*corner, *(corner + world.size[:2]))
+    rings = shapely.get_rings(shapely.get_parts(solid))
+    return {
+        "size": list(world.size),
+        "edges": list(world.edges),
+        "obstacles": len(world.obstacles),
+        "outline_edges": int(sum(shapely.get_num_points(rings) - 1)),
+        "boundary_points": len(points(world)) if world.dim == 2 else 0,
+        "free": 1.0 - floor.intersection(solid).area / math.prod(world.size[:2]),
+    }
+
+
+def points(world: World) -> np.ndarray:
+    """The boundary points of a world in the plane, (M, 2), m."""
+    return boundary_points(world, list(outlines(world, 0.0).values()), 0.0)

@@ -1,0 +1,268 @@
+"""`flockscope world`: lists, pictures, checks, drawings read, worlds made."""
+
+import json
+import runpy
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from cli.calling import call, refusal
+from worlds.layout import layout_names
+from worlds.world import world
+
+DOCS = Path(__file__).parents[2] / "docs"
+HALL = {
+    "type": "FeatureCollection",
+    "features": [
+        {
+            "type": "Feature",
+            "properties": {"kind": "walkable"},
+            "geometry": {
+                "type": "Polygon",
+                "coordinates": [[[0, 0], [20, 0], [20, 8], [9, 8], [9, 12], [0, 12], [0, 0]]],
+            },
+        },
+        {
+            "type": "Feature",
+            "properties": {"kind": "pillar", "name": "pillar", "radius": 0.75},
+            "geometry": {"type": "Point", "coordinates": [5, 4]},
+        },
+    ],
+}
+
+
+@pytest.fixture
+def hall(tmp_path):
+    path = tmp_path / "hall.geojson"
+    path.write_text(json.dumps(HALL))
+    return path
+
+
+def made(*args):
+    result = call("world", *args)
+    assert result.exit_code == 0, result.stderr
+    return result
+
+
+def test_list_names_the_built_in_worlds():
+    rows = json.loads(made("list", "--json").stdout)
+    assert [row["name"] for row in rows] == layout_names()
+    wrap = next(row for row in rows if row["name"] == "wrap")
+    assert (wrap["size"], wrap["edges"], wrap["obstacles"], wrap["mission"]) == (
+        None,
+        "wrap",
+        0,
+        [],
+    )
+    shown = made("list").stdout
+    assert all(row["name"] in shown for row in rows)
+
+
+@pytest.mark.parametrize("name", layout_names())
+def test_every_built_in_world_is_sound_and_can_be_drawn(tmp_path, name):
+    assert json.loads(made("check", name, "--json").stdout)["sound"] is True
+    picture = tmp_path / f"{name}.png"
+    assert made("show", name, "--out", picture).stdout == f"written: {picture}\n"
+    with Image.open(picture) as image:
+        assert min(image.size) > 300
+        assert len(image.convert("RGB").getcolors(1 << 24)) > 10
+
+
+def test_import_makes_a_layout_that_is_read_as_it_was_drawn(hall, tmp_path):
+    layout = tmp_path / "hall.toml"
+    result = made("import", hall, "--out", layout, "--json")
+    assert json.loads(result.stdout) == {
+        "layout": str(layout), "obstacles": 2, "size": [20.0, 12.0], "low": [0.0, 0.0], "notes": []
+    }  # fmt: skip
+    found = world(str(layout))
+    assert found.edges == ("solid", "solid")
+    assert [one.name for one in found.obstacles] == ["pillar", "outside 1"]
+    assert found.obstacles[0].radius == 0.75
+    assert found.source == "hall.geojson"
+    holds = json.loads(made("check", layout, "--json").stdout)["holds"]
+    assert holds["obstacles"] == 2
+    assert holds["outline_edges"] == 128 + 4
+    assert holds["free"] == pytest.approx(1.0 - (44 + 3.1416 * 0.75**2) / 240, abs=1e-4)
+    (line,) = made("check", layout).stdout.splitlines()
+    assert line.startswith(f"{layout} is sound: 20 x 12 m, 2 obstacles, 132 outline edges, ")
+
+
+def test_import_takes_its_options(hall, tmp_path):
+    layout = tmp_path / "hall.toml"
+    args = ("import", hall, "--out", layout, "--scale", 2, "--walkable", "pillar")
+    made(*args, "--obstacles", "walkable", "--edges", "open,solid")
+    found = world(str(layout))
+    assert found.size == (3.0, 3.0)
+    assert found.low == (8.5, 6.5)
+    assert found.edges == ("open", "solid")
+    drawn = tmp_path / "drawn.wkt"
+    drawn.write_text("# a room\nwall: LINESTRING (2 2, 6 2)\n")
+    options = ("--thickness", 1, "--margin", 1, "--to-origin", "--edges", "wrap", "--overwrite")
+    made("import", drawn, "--out", layout, *options)
+    found = world(str(layout))
+    assert (found.low, found.size, found.edges) == ((0.0, 0.0), (6.0, 3.0), ("wrap", "wrap"))
+    assert (found.obstacles[0].start, found.obstacles[0].end) == ((1.0, 1.5), (5.0, 1.5))
+
+
+def test_what_is_left_out_of_a_drawing_is_told(tmp_path):
+    import ezdxf
+
+    document = ezdxf.new(units=6)
+    document.modelspace().add_circle((0, 0), 1)
+    document.modelspace().add_text("Hall")
+    document.saveas(tmp_path / "hall.dxf")
+    args = ("import", tmp_path / "hall.dxf", "--out", tmp_path / "hall.toml", "--overwrite")
+    assert made(*args).stderr.endswith("hall.dxf: 1 TEXT on layer '0' left out\n")
+    assert made(*args, "--quiet").stderr == ""
+    assert json.loads(made(*args, "--json").stdout)["notes"] == ["1 TEXT on layer '0' left out"]
+
+
+@pytest.mark.parametrize("kind", ["discs", "blocks", "forest", "corridors", "maze"])
+def test_make_repeats_itself_and_is_sound(tmp_path, kind):
+    one, again, other = (tmp_path / f"{k}.toml" for k in range(3))
+    value = json.loads(made("make", kind, "--seed", 7, "--out", one, "--json").stdout)
+    assert value["size"] == [60.0, 40.0]
+    assert value["obstacles"] == len(world(str(one)).obstacles) > 0
+    made("make", kind, "--seed", 7, "--out", again)
+    made("make", kind, "--seed", 8, "--out", other)
+    assert one.read_text() == again.read_text() != other.read_text()
+    assert f"generator {kind}: seed 7" in world(str(one)).source
+
+
+def test_make_takes_its_options(tmp_path):
+    path = tmp_path / "balls.toml"
+    args = ("make", "discs", "--size", "30,20,10", "--edges", "open,solid,solid", "--out", path)
+    line = made(*args, "--set", "count=5", "--set", "gap=0.5").stdout
+    assert line == f"written: {path}, 5 obstacles in 30 x 20 x 10 m\n"
+    found = world(str(path))
+    assert (found.dim, found.edges) == (3, ("open", "solid", "solid"))
+
+
+def test_show_draws_points_space_and_svg(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made("make", "maze", "--out", "maze.toml", "--size", "20")
+    assert made("show", "maze.toml").stdout == "written: maze.png\n"
+    made("show", "maze.toml", "--points", "--out", "points.png")
+    assert (tmp_path / "maze.png").read_bytes() != (tmp_path / "points.png").read_bytes()
+    value = json.loads(made("show", "maze.toml", "--dim", 3, "--out", "up.svg", "--json").stdout)
+    assert value == {"picture": "up.svg"}
+    text = (tmp_path / "up.svg").read_text()
+    assert text.startswith("<?xml")
+    assert "top of a solid" in text
+    made("show", "maze.toml", "--dim", 3, "--out", "again.svg")
+    assert (tmp_path / "again.svg").read_text() == text
+
+
+def test_check_prints_every_problem_and_is_exit_code_2(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text(
+        'size = [10.0, 10.0]\nedges = "solid"\n'
+        '[[obstacle]]\nshape = "polygon"\nname = "bow"\n'
+        "points = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 3.0]]\n"
+        '[[obstacle]]\nshape = "sphere"\nname = "ball"\ncentre = [5.0, 5.0, 1.0]\nradius = 1.0\n'
+    )
+    result = call("world", "check", path)
+    assert result.exit_code == 2
+    first, second = result.stdout.splitlines()
+    assert first == "error: obstacle 'bow' crosses itself at (1.2, 1.2)"
+    assert second == "error: obstacle 'ball' has three dimensions, its world has 2"
+    result = call("world", "check", path, "--json")
+    assert result.exit_code == 2
+    value = json.loads(result.stdout)
+    assert (value["sound"], value["holds"]) == (False, None)
+    assert value["problems"][0]["place"] == [1.2, 1.2]
+    assert [one["severity"] for one in value["problems"]] == ["error", "error"]
+    assert "'bow' crosses itself" in refusal("world", "show", path, "--out", tmp_path / "bad.png")
+
+
+def test_a_warning_is_told_and_is_exit_code_0(tmp_path):
+    path = tmp_path / "through.toml"
+    path.write_text(
+        "size = [10.0, 10.0]\n"
+        '[[obstacle]]\nshape = "disc"\ncentre = [5.0, 5.0]\nradius = 1.0\n'
+        "[mission.path]\nwaypoints = [[1.0, 5.0], [9.0, 5.0]]\nswitch = 0.3\n"
+    )
+    warning, sound = made("check", path).stdout.splitlines()
+    assert warning.startswith("warning: mission.path from (1, 5) to (9, 5)")
+    assert "is sound" in sound
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["show", "wrp"], ["unknown world 'wrp'", "did you mean 'wrap'?"]),
+        (["show", "wrap", "--out", "a.pdf"], ["--out 'a.pdf'", ".png or .svg"]),
+        (["show", "wrap", "--out", "no/a.png"], ["'no/a.png' cannot be written: No such file"]),
+        (["show", "wrap", "--size", "wide"], ["--size 'wide'"]),
+        (["show", "wrap", "--dim", "3", "--points"], ["--points is not allowed in space"]),
+        (["check", "no.toml"], ["'no.toml' cannot be read: No such file"]),
+        (["import", "no.dxf", "--out", "x.toml"], ["'no.dxf' cannot be read: No such file"]),
+        (["import", "hall.geojson", "--out", "no/x.toml"], ["--out 'no/x.toml' cannot be written"]),
+        (["import", "hall.geojson", "--out", "x.toml", "--obstacles", "piller"],
+         ["unknown layer 'piller'", "'pillar'", "hall.geojson"]),
+        (["import", "hall.geojson", "--out", "x.toml", "--edges", "sold"],
+         ["unknown edge 'sold'", "'solid'"]),
+        (["import", "hall.geojson", "--out", "x.toml", "--edges", ""], ["edges = []", "2"]),
+        (["make", "mase", "--out", "x.toml"], ["unknown kind of world 'mase'", "'maze'"]),
+        (["make", "maze", "--out", "x.toml", "--seed", "-1"], ["--seed -1", ">= 0"]),
+        (["make", "maze", "--out", "x.toml", "--size", "x"], ["--size 'x'", "number"]),
+        (["make", "maze", "--out", "x.toml", "--set", "cel=1"],
+         ["unknown parameter of maze 'cel'", "'cell'", "--set"]),
+        (["make", "maze", "--out", "x.toml", "--set", "cell"], ["--set cell", "NAME=VALUE"]),
+        (["make", "discs", "--out", "x.toml", "--set", "count=900"], ["count = 900", "do not fit"]),
+        (["make", "maze", "--out", "x.toml", "--dim", "3"], ["dim = 3", "2-D"]),
+        (["make", "maze", "--out", "x.toml", "--edges", "wrap,solid,solid"], ["names 3 axes"]),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_is_refused_in_one_line(hall, monkeypatch, args, words):
+    monkeypatch.chdir(hall.parent)
+    line = refusal("world", *args)
+    for word in words:
+        assert word in line
+    assert [path.name for path in hall.parent.iterdir()] == ["hall.geojson"]
+
+
+def test_no_file_is_replaced_unless_asked(hall, tmp_path):
+    for args, name in (
+        (("show", "wrap"), "a.png"),
+        (("import", hall), "a.toml"),
+        (("make", "maze"), "b.toml"),
+    ):
+        path = tmp_path / name
+        path.write_text("mine")
+        assert "exists already" in refusal("world", *args, "--out", path)
+        assert path.read_text() == "mine"
+        made(*args, "--out", path, "--overwrite")
+        assert path.stat().st_size > 100
+
+
+@pytest.mark.parametrize("command", ["list", "show", "check", "import", "make"])
+def test_every_command_has_help(command):
+    shown = made(command, "--help").stdout
+    assert f"Usage: flockscope world {command}" in shown
+    assert command in made("--help").stdout
+
+
+def test_the_page_of_worlds_has_the_tables_and_pictures_that_are_declared():
+    script = runpy.run_path(str(DOCS / "make_worlds.py"))
+    text = (DOCS / "worlds.md").read_text(encoding="utf-8")
+    assert script["page"](text) == text, "run `uv run python docs/make_worlds.py`"
+    for line in text.splitlines():
+        for piece in line.split("](pictures/")[1:]:
+            assert (DOCS / "pictures" / piece.partition(")")[0]).is_file()
+
+
+def test_the_examples_of_the_page_do_what_it_says(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code = runpy.run_path(str(DOCS / "make_worlds.py"))["code"]
+    text = (DOCS / "worlds.md").read_text(encoding="utf-8")
+    Path("yard.toml").write_text(code(text, "toml"))
+    assert f"    {made('check', 'yard.toml').stdout}" in text
+    Path("hall.geojson").write_text(code(text, "json"))
+    Path("hall.wkt").write_text(code(text, "wkt"))
+    exec(code(text, "python"))
+    assert len(world("hall.toml").obstacles) == 3
+    made("import", "hall.wkt", "--out", "again.toml")
+    names = [one.name for one in world("again.toml").obstacles]
+    assert names == ["kiosk", "obstacle", "outside 1"]
