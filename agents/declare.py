@@ -213,6 +213,8 @@ class Body:
     """Whether its last signal is 1.0 for agents whose heading counts and 0.0 for others."""
     sees_obstacles: bool = False
     """Whether it keeps clear of obstacles and solid edges, whatever the rule wants."""
+    sight: str = ""
+    """Name of the parameter that is how far it notices obstacles; by default the rule's `reach`."""
     forces: tuple[str, ...] = ()
     """The terms that its velocity is the sum of."""
     explain: Callable | None = None

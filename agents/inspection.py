@@ -106,6 +106,25 @@ def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
     return found
 
 
+def warm(flock: Flock) -> None:
+    """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
+    rule, body = flock.model.rule, flock.model.body
+    if not len(flock.ids) or not (rule.weigh or rule.explain or body.explain):
+        return
+    ground, p = flock.engine.ground, flock.law.parameters
+    ground = ground._replace(goal=ground.goal.copy())
+    columns = len(flock.model.columns)
+    rows, apart = np.empty(0, int), np.empty((0, flock.world.dim))
+    me = as_me(flock, 0, np.zeros(columns))
+    near = as_near(flock, 0, rows, apart, np.zeros((columns, 1)), NO_POINTS)
+    set_goal(ground, 0.0)
+    if rule.sees_points:
+        points_within(ground, me.x, me.y, 0.0, np.zeros(ground.most_points, np.int32))
+    if rule.weigh is not None:
+        rule.weigh(me, near, p, np.empty(0))
+    forces_on(flock, me, near)
+
+
 def inspect(flock: Flock, row: int) -> Inspection:
     """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come."""
     world, rule = flock.world, flock.model.rule

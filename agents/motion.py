@@ -85,7 +85,7 @@ class Motion:
             np.pad(self.world.wraps.astype(np.int64), (0, missing)),
             np.pad(self.world.images.astype(np.int64), (0, missing)),
         )
-        place = Place(space, survey(self.world, self.reach))
+        place = Place(space, survey(self.world, self.sight))
         if self.activation == "synchronous":
             return Synchronous(self.loop, self.arrays, place, self.seed, self.threads)
         shuffled = self.activation == "random"
@@ -112,6 +112,11 @@ class Motion:
         return float(getattr(self.parameters, self.model.rule.reach))
 
     @property
+    def sight(self) -> float:
+        """The largest distance at which agents notice obstacles, length."""
+        return float(getattr(self.parameters, self.model.body.sight or self.model.rule.reach))
+
+    @property
     def is_compiled(self) -> bool:
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
         return is_compiled(self.engine.module)
@@ -134,7 +139,7 @@ class Motion:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
         self.law = self._make_law()
-        if self._engine is not None and self.reach > self._engine.ground.reach:
+        if self._engine is not None and self.sight > self._engine.ground.reach:
             self._engine = None
 
     def change_world(self, world: World) -> None:

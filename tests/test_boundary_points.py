@@ -287,8 +287,8 @@ def test_it_is_defined_in_the_plane_only():
         GoalScene(np.ones((1, 3)), np.zeros((1, 3)), (), goal).flock("boundary-points")
 
 
-def test_nobody_is_informed_because_everybody_is():
-    with pytest.raises(Refusal, match="all of its agents know the goal"):
+def test_there_are_no_information_agents_because_everybody_knows_the_goal():
+    with pytest.raises(Refusal, match="boundary-points has no information agents"):
         Flock("boundary-points", agents=5, informed=1, world="open", size=9.0)
 
 

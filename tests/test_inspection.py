@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from agents.inspection import warm
 
 LINEAR = ["vem", "vem-a", "wvem", "hwvem"]
 
@@ -54,3 +55,53 @@ def test_every_tick_can_be_inspected(seed):
     flock = Flock("hwvem", agents=20, size=2.0, rng=seed)
     flock.run(seed)
     assert flock.inspect(3).id == 4
+
+
+@pytest.mark.parametrize("model", ["olfati-saber", "boundary-points"])
+def test_the_forces_on_the_inspected_are_what_moves_it(model):
+    flock = Flock(model, world="wu2023-multi", agents=12, rng=2)
+    flock.run(150)
+    for _ in range(40):
+        seen = [flock.inspect(row) for row in range(12)]
+        before = flock.speed[:, None] * flock.heading
+        flock.run(1)
+        for one in seen:
+            want = before[one.row] + flock.dt * sum(one.forces.values())
+            speed = np.linalg.norm(want)
+            moved = want * min(1.0, flock.parameters.p_max / speed)
+            now = flock.speed[one.row] * flock.heading[one.row]
+            assert np.allclose(now, moved, rtol=1e-9, atol=1e-9)
+
+
+def test_the_inspected_perceives_the_boundary_points_within_reach():
+    flock = Flock("boundary-points", world="wu2023-multi", agents=6, rng=2)
+    flock.position[0] = (34.0, 31.0)
+    ground = flock.engine.ground
+    points = np.column_stack([ground.point_x, ground.point_y])
+    near = points[np.linalg.norm(points - flock.position[0], axis=1) <= flock.reach]
+    found = flock.inspect(0).points
+    assert len(near) > 5
+    assert sorted(map(tuple, found)) == sorted(map(tuple, near))
+    assert len(Flock("hwvem-nav", agents=3, rng=1).inspect(1).points) == 0
+
+
+def test_the_terms_of_a_body_are_its_velocity():
+    flock = Flock("hwvem-nav", agents=30, rng=3)
+    flock.run(5)
+    seen = flock.inspect(7).forces
+    assert list(seen) == ["alignment", "repulsion", "attraction"]
+    assert np.linalg.norm(seen["alignment"]) == pytest.approx(flock.parameters.v0)
+
+
+def test_an_information_agent_has_no_forces():
+    flock = Flock("hwvem-nav", agents=5, rng=3)
+    assert flock.inspect(0).forces == {}
+
+
+def test_warming_leaves_the_flock_as_it_is():
+    flock, twin = (Flock("boundary-points", agents=8, rng=2) for _ in range(2))
+    flock.run(100)
+    warm(flock)
+    flock.run(50)
+    twin.run(150)
+    assert np.array_equal(flock.position, twin.position)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -12,8 +11,6 @@ import shapely
 if TYPE_CHECKING:
     from worlds.world import World
 
-SHARP = np.cos(np.radians(20.0))
-"""Cosine of the least turn at a corner, which is a boundary point itself."""
 HIDDEN = 1e-9
 """A point deeper than this in what is solid is no surface, length."""
 
@@ -21,7 +18,9 @@ HIDDEN = 1e-9
 def boundary_points(world: World, united: list[shapely.Geometry], margin: float) -> np.ndarray:
     """Points along the united outlines and the solid edges of the box, (M, 2), length.
 
-    Neighbours along an outline are at most `world.boundary_spacing` apart; corners are among them.
+    Each ring is divided evenly, into steps of at most `world.boundary_spacing` along it; its
+    corners are not among the points. With corners among them counterclockwise flocks of Wu et al.
+    2023 leave agents behind at sharp ones.
     Points that lie in a solid or beyond a solid edge are left out. Solid edges go on by `margin`
     (length) across a wrapping edge.
     """
@@ -31,7 +30,7 @@ def boundary_points(world: World, united: list[shapely.Geometry], margin: float)
         for part in shapely.get_parts(shapely.orient_polygons(outline))
         for ring in (part.exterior, *part.interiors)
     ]
-    found = [along_ring(ring, world.boundary_spacing) for ring in rings]
+    found = [along_line(ring, world.boundary_spacing) for ring in rings]
     found += box_lines(world, margin)
     low = np.array(world.low)
     high = low + world.size
@@ -56,7 +55,7 @@ def box_lines(world: World, margin: float) -> list[np.ndarray]:
     (x, y), (u, v) = world.low, np.array(world.low) + world.size
     if world.edges == ("solid", "solid"):
         ring = np.array([(x, y), (u, y), (u, v), (x, v), (x, y)])
-        return [along_ring(ring, world.boundary_spacing)]
+        return [along_line(ring, world.boundary_spacing)]
     found = []
     for axis, edge in enumerate(world.edges):
         start, end = np.array([x, y]), np.array([u, v])
@@ -68,21 +67,6 @@ def box_lines(world: World, margin: float) -> list[np.ndarray]:
             line = np.array([start, end])
             found.append(np.concatenate([along_line(line, world.boundary_spacing), line[1:]]))
     return found
-
-
-def along_ring(ring: np.ndarray, spacing: float) -> np.ndarray:
-    """Points on a closed ring (n + 1, 2): its corners, and between them evenly, (m, 2)."""
-    way = np.diff(ring, axis=0)
-    along = way / np.hypot(*way.T)[:, None]
-    sharp = (along * np.roll(along, 1, axis=0)).sum(axis=1) < SHARP
-    corners = np.flatnonzero(sharp)
-    if not len(corners):
-        corners = np.array([0])
-    turned = np.roll(ring[:-1], -corners[0], axis=0)
-    stops = np.append(corners - corners[0], len(turned))
-    turned = np.concatenate([turned, turned[:1]])
-    pieces = [along_line(turned[a : b + 1], spacing) for a, b in itertools.pairwise(stops)]
-    return np.concatenate(pieces)
 
 
 def along_line(line: np.ndarray, spacing: float) -> np.ndarray:

@@ -16,7 +16,7 @@ from worlds.world import World
 
 SMOOTH = np.cos(np.radians(20.0))
 """Cosine of the least turn at a corner; where an outline turns less it is part of a curve."""
-CHUNK = 8
+CHUNK = 4
 """Most edges of one outline that are listed together."""
 
 

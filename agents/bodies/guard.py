@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from worlds.ground import nearest_surface
 
+import math
+
 from worlds.compiled import compiled
 
 LEAST = 0.01
@@ -28,6 +30,8 @@ def guarded(ground, at, me, vx, vy, vz, reach):
     allowed = 0.0 if at.distance <= 0.5 * reach else 0.5 * at.distance
     vx, vy, vz = without_inward(at, vx, vy, vz, allowed)
     least = min(at.distance, LEAST * reach)
+    if at.distance - math.sqrt(vx * vx + vy * vy + vz * vz) >= least:
+        return vx, vy, vz
     then = nearest_surface(ground, me.x + vx, me.y + vy, me.z + vz)
     if then.distance < least:
         vx, vy, vz = without_inward(then, vx, vy, vz, 0.0)

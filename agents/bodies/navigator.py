@@ -206,6 +206,7 @@ BODY = Body(
     signals=("heard",),
     deafens=True,
     sees_obstacles=True,
+    sight="r_avoid",
     forces=("alignment", "repulsion", "attraction"),
     explain=explain,
 )

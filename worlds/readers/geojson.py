@@ -27,7 +27,7 @@ def read_geojson(path: Path) -> Contents:
     """The features of a GeoJSON file. Raises Refusal."""
     text = text_of(path)
     try:
-        given = json.loads(text)
+        given = json.loads(text, parse_int=whole)
     except RecursionError:
         raise Refusal(f"{path} is not GeoJSON: it is nested too deep") from None
     except json.JSONDecodeError as error:
@@ -104,6 +104,11 @@ def one(
     if radius is None:
         raise Refusal(f"{origin}: a Point at {at(centre)} bounds no area: give it a radius")
     return circle(name, centre, radius, origin, span)
+
+
+def whole(digits: str) -> float:
+    """A number written without a point; one too long for a float is infinite, and refused later."""
+    return int(digits) if len(digits) < 300 else float(digits)
 
 
 def points(given: Any, origin: str) -> list[Point]:

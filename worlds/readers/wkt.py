@@ -47,7 +47,7 @@ def shapes(text: str, name: str, origin: str) -> list[Shape]:
     if max(accumulate(steps), default=0) > DEEPEST:
         raise Refusal(f"{origin}: it is nested too deep")
     try:
-        with np.errstate(invalid="ignore"):  # a NaN is refused below, with its place
+        with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are refused below
             made = shapely.from_wkt(text)
     except (shapely.errors.GEOSException, NotImplementedError) as error:
         reason = str(error).removeprefix("ParseException: ").rstrip(".")

@@ -1,0 +1,99 @@
+"""Large flocks among many obstacles: what the obstacles cost, and how many ticks a second are left.
+
+    uv run python benchmarks/crowds.py
+
+Each figure is the median of several rounds in which all contestants take turns.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import statistics
+import time
+
+import numpy as np
+
+from agents import Flock
+from worlds.generators import generate
+from worlds.mission import Goal, Mission
+from worlds.obstacles import Disc
+from worlds.world import World
+
+ROUNDS = 7
+
+
+def clearing(side: float, discs: int, radius: float) -> World:
+    """An open square with a regular grove of discs, each of 128 edges."""
+    rows = math.isqrt(discs - 1) + 1
+    gap = side / rows
+    centres = [((k % rows + 0.5) * gap, (k // rows + 0.5) * gap) for k in range(discs)]
+    grove = tuple(Disc(centre=centre, radius=radius) for centre in centres)
+    return World("grove", (side, side), ("open", "open"), obstacles=grove)
+
+
+def scattered(world: World, agents: int) -> dict[str, np.ndarray]:
+    """A start spread evenly over the free part of a world."""
+    made = Flock("vem", agents=agents, world=world, rng=1)
+    return {"position": made.position.copy(), "heading": made.heading.copy()}
+
+
+def tick_times(flocks: dict[str, Flock], ticks: int) -> dict[str, float]:
+    """Median seconds of a tick of each flock."""
+    for flock in flocks.values():
+        flock.run(2)
+    seconds: dict[str, list[float]] = {name: [] for name in flocks}
+    for _ in range(ROUNDS):
+        for name, flock in flocks.items():
+            begun = time.perf_counter()
+            flock.run(ticks)
+            seconds[name].append((time.perf_counter() - begun) / ticks)
+    return {name: statistics.median(taken) for name, taken in seconds.items()}
+
+
+def price_of_obstacles() -> None:
+    """1 000 navigating UAVs, among 10 000 edges and in the open plane."""
+    world = clearing(side=40.0, discs=80, radius=1.0)
+    start = scattered(world, 1000)
+    empty = dataclasses.replace(world, name="plain", obstacles=())
+    times = tick_times(
+        {
+            "among 10 240 edges": Flock("hwvem-nav", start=start, world=world, rng=1),
+            "in the open plane": Flock("hwvem-nav", start=start, world=empty, rng=1),
+        },
+        40,
+    )
+    for name, seconds in times.items():
+        print(f"1 000 agents of hwvem-nav {name}: {1e6 * seconds:.0f} us a tick")
+    among, free = times.values()
+    print(f"what the obstacles add: {among / free - 1.0:+.0%} (target: at most +50 %)\n")
+
+
+def large_crowd() -> None:
+    """10 000 boundary-point agents among 1 000 obstacles."""
+    made = generate(
+        "discs", 1, (1200.0, 1200.0), edges="open", count=1000, radius_low=2.0, radius_high=5.0
+    )
+    mission = Mission(goal=Goal(route=((1250.0, 600.0),)))
+    world = dataclasses.replace(made, mission=mission)
+    start = scattered(world, 10_000)
+    flocks = {
+        f"n_sub = {n_sub}": Flock("boundary-points", start=start, world=world, rng=1, n_sub=n_sub)
+        for n_sub in (1, 5)
+    }
+    for name, seconds in tick_times(flocks, 10).items():
+        n_sub = int(name[-1])
+        print(
+            f"10 000 agents of boundary-points among 1 000 obstacles, {name}: "
+            f"{1.0 / seconds:.1f} ticks/s, {1.0 / (n_sub * seconds):.1f} steps of 0.1 s a second"
+        )
+
+
+def main() -> None:
+    """Run both and print them."""
+    price_of_obstacles()
+    large_crowd()
+
+
+if __name__ == "__main__":
+    main()
