@@ -43,12 +43,13 @@ class Flock(Motion, mesa.Model):
         the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
-    dim: 2 or 3, by default the layout's own, or 2. world: a layout by name (`worlds.world.layout_names()`), a TOML file or a `World`;
-        None for the one that the model is at home in.
+    dim: 2 or 3, by default the layout's own, or 2.
+    world: a layout by name (see `worlds.world.layout_names`), a TOML file or a `World`; None for
+        the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
-    start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`; then
-        `agents` is not used.
+    start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
+        `agents` is then not used.
     rng: the run's seed, an integer >= 0; None draws one.
     threads: used from 10 000 agents on; the numbers do not depend on it.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.

@@ -8,8 +8,6 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from worlds.route import along_route
-from worlds.survey import survey
 
 from agents.declare import Parameters, as_floats, checked
 from agents.engine.cells import Space
@@ -19,6 +17,8 @@ from agents.engine.runner import Arrays, InTurn, Law, Place, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from worlds.refusal import Refusal, unknown
+from worlds.route import along_route
+from worlds.survey import survey
 from worlds.world import World
 
 NOISE = "eta"
@@ -231,7 +231,7 @@ class Motion:
         return self._memory
 
     def signal(self, name: str) -> np.ndarray:
-        """One row of `signals` by name, a copy (N,). A layer of N + 1 is unknown. Raises Refusal."""
+        """One row of `signals` by name, a copy (N,); a layer of N + 1 is unknown. Or Refusal."""
         names = self.model.columns
         if name not in names:
             raise unknown("signal", name, names)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
-from worlds.mission import Start as Region
 
 from worlds.clearance import clearance
+from worlds.mission import Start as Region
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
 
@@ -156,8 +156,9 @@ def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
 def given_start(world: World, arrays: Mapping[str, Any]) -> Start:
     """A start from arrays: `position` and `heading` (N, dim), `speed` and `informed` (N,) or none.
 
-    Headings are brought to length 1; speeds are >= 0, and 0 if none are given. Raises Refusal naming the array, the row and the value where
-    something is no finite number, has no direction, or does not fit.
+    Headings are brought to length 1; speeds are >= 0, and 0 if none are given. Raises Refusal
+    naming the array, the row and the value where something is no finite number, has no direction,
+    or does not fit.
     """
     for name in arrays:
         if name not in ("position", "heading", "speed", "informed"):

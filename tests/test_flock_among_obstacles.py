@@ -123,7 +123,7 @@ def test_a_saved_mission_goes_on_to_the_bit(tmp_path):
     assert flock.arrays.leg[0] == again.arrays.leg[0] > 0
 
 
-def test_a_changed_world_is_part_of_the_run(tmp_path):
+def test_a_changed_world_is_part_of_the_run():
     flock = Flock("hwvem-nav", agents=9, rng=3)
     wall = Wall(start=(6.0, 5.0), end=(6.0, 7.0), thickness=0.3)
     more = dataclasses.replace(

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from worlds.ground import nearest_surface
-
 import math
 
 from worlds.compiled import compiled
+from worlds.ground import nearest_surface
 
 LEAST = 0.01
 """Share of the range that an agent must keep to the next surface; else it stays where it is."""

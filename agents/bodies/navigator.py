@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 
-from worlds.ground import nearest_surface
-
 from agents.bodies.guard import guarded
 from agents.declare import Body, Parameters, Rule, parameter
 from agents.engine.block import Moved, Wish
 from agents.model import Model
 from worlds.compiled import compiled
+from worlds.ground import nearest_surface
 
 HEARD, AVOIDS = 1.0, 0.0
 """The body's signal o_i (19): whether its heading counts for its neighbours."""
@@ -163,7 +162,7 @@ def spring(me, near, p):
 
 @compiled
 def explain(me, near, ground, p, out):
-    """The terms of (25), length/tick: alignment along the present heading, repulsion, attraction."""
+    """The terms of (25), length/tick: along the present heading, repulsion, attraction."""
     rx, ry, rz, ax, ay, az = spring(me, near, p)
     c = p.c_align * p.v0
     out[0, 0], out[0, 1], out[0, 2] = c * me.ux, c * me.uy, c * me.uz

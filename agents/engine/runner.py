@@ -8,12 +8,12 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from worlds.ground import Ground
 
 from agents.engine import phases
 from agents.engine.cells import Grid, Slots, Space
 from agents.engine.team import Team
 from agents.observables.consistency import NOTHING, Watch, is_consistent
+from worlds.ground import Ground
 
 UNTRACED = np.empty((0, 0, 0))
 """In place of a trace: positions are not kept."""

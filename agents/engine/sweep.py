@@ -14,8 +14,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from worlds.ground import points_within, set_goal
-
 from agents.engine.block import Me, Near, Wish
 from agents.engine.bounce import bounced
 from agents.engine.cells import (
@@ -33,6 +31,7 @@ from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.observables.consistency import is_consistent
 from worlds.compiled import compiled, entry
+from worlds.ground import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (

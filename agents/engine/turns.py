@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from worlds.ground import set_goal
-
 from agents.engine.block import Me
 from agents.engine.cells import (
     around,
@@ -24,6 +22,7 @@ from agents.engine.cells import (
 )
 from agents.engine.noise import tick_key
 from worlds.compiled import compiled, entry
+from worlds.ground import set_goal
 
 if TYPE_CHECKING:
     from agents.engine.sweep import (

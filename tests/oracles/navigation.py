@@ -129,7 +129,11 @@ def step(model, state, heard, outline, p, turn):
     """
     f = p.family
     touch = contact(state.position, f.r, (1.0, 1.0), "open")
-    position, heading, hears = state.position.copy(), state.heading.copy(), np.ones(len(heard), bool)
+    position, heading, hears = (
+        state.position.copy(),
+        state.heading.copy(),
+        np.ones(len(heard), bool),
+    )
     for i in range(len(heard)):
         x = state.position[i]
         if state.informed[i]:
