@@ -13,7 +13,6 @@ import numpy as np
 
 from agents import catalogue
 from agents.declare import checked
-from agents.engine.runner import Arrays
 from agents.inspection import Inspection, inspect
 from agents.member import Member
 from agents.motion import Motion, whole
@@ -22,6 +21,7 @@ from agents.observables.groups import group_labels
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 from agents.record import Recorder, read_state
+from agents.rows import begun, joined, without
 from agents.space import FlockSpace
 from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
@@ -130,19 +130,8 @@ class Flock(Motion, mesa.Model):
 
     def _lay_out(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""
-        n = len(begin.position)
-        self._use(
-            Arrays(
-                np.ascontiguousarray(begin.position),
-                np.ascontiguousarray(begin.heading),
-                begin.speed.copy(),
-                begin.informed.astype(np.bool_),
-                np.arange(1, n + 1),
-                np.zeros(n, np.int32),
-                np.tile(self.model.beginning[:, None], n),
-            )
-        )
-        self.next_id = n + 1
+        self._use(begun(begin, self.model, 1))
+        self.next_id = len(begin.position) + 1
 
     def step(self) -> None:
         """One tick, and collect the observables; what members have done in this tick stands."""
@@ -213,38 +202,17 @@ class Flock(Motion, mesa.Model):
         new = given_start(
             self.world, {"position": [position], "heading": [heading], "informed": [informed]}
         )
-        n = len(self.ids)
-        self._use(
-            Arrays(
-                np.concatenate([self.position, new.position]),
-                np.concatenate([self.heading, new.heading]),
-                np.append(self.speed, 0.0),
-                np.append(self.informed, new.informed),
-                np.append(self.ids, self.next_id),
-                np.append(self.arrays.leg, np.int32(0)),
-                np.hstack([self._memory, self.model.beginning[:, None]]),
-            )
-        )
+        self._use(joined(self.arrays, begun(new, self.model, self.next_id)))
         self.next_id += 1
         members.append(member)
-        return n
+        return len(self.ids) - 1
 
     def drop(self, member: Member) -> None:
         """Take an agent's row out; the rows behind it move up, identities stay."""
         members = self.members
         self._end_tick()
         row = member.row
-        self._use(
-            Arrays(
-                np.delete(self.position, row, axis=0),
-                np.delete(self.heading, row, axis=0),
-                np.delete(self.speed, row),
-                np.delete(self.informed, row),
-                np.delete(self.ids, row),
-                np.delete(self.arrays.leg, row),
-                np.delete(self._memory, row, axis=1),
-            )
-        )
+        self._use(without(self.arrays, row))
         del members[row]
         for later in members[row:]:
             later.row -= 1

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from agents.declare import Parameters, as_floats, checked
+from agents.engine.arrays import Arrays, Law, Place
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.runner import Arrays, InTurn, Law, Place, Synchronous
+from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from worlds.refusal import Refusal, unknown

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.engine.runner import Arrays
+from agents.engine.arrays import Arrays
 from agents.spec import Spec
 from worlds.refusal import Refusal
 

@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections import deque
 from contextlib import suppress
 from itertools import pairwise
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from agents.engine import phases
-from agents.engine.cells import Grid, Slots, Space
+from agents.engine.arrays import (
+    Arrays,
+    Desk,
+    Law,
+    Place,
+    empty_desk,
+    empty_grid,
+    empty_slots,
+)
 from agents.engine.team import Team
 from agents.observables.consistency import NOTHING, Watch, is_consistent
-from worlds.ground import Ground
 
 UNTRACED = np.empty((0, 0, 0))
 """In place of a trace: positions are not kept."""
@@ -21,101 +27,6 @@ SPLIT_FROM = 10_000
 """Agents below which one thread is faster than several."""
 CHUNKS = 4
 """Shares of a sweep per thread: whoever is done early takes one of another thread's."""
-
-
-class Arrays(NamedTuple):
-    """The flock: one row per agent."""
-
-    position: np.ndarray
-    heading: np.ndarray
-    speed: np.ndarray
-    informed: np.ndarray
-    ids: np.ndarray
-    leg: np.ndarray
-    """The waypoint of the mission's path that an information agent heads for, int32."""
-    memory: np.ndarray
-    """Signals of the rule, signals of the body, what the rule keeps to itself; shape (K, N)."""
-
-
-def empty_slots(n: int, dim: int, signals: int) -> Slots:
-    """Room for a sorted copy of n agents."""
-    n3 = n if dim == 3 else 0
-    return Slots(
-        np.zeros(n, np.int32),
-        np.zeros(n, np.int32),
-        np.empty(n),
-        np.empty(n),
-        np.empty(n3),
-        np.empty(n),
-        np.empty(n),
-        np.empty(n3),
-        np.empty((signals, n)),
-        np.zeros(n if signals else 0, np.int32),
-    )
-
-
-class Law(NamedTuple):
-    """What every agent goes by in a tick."""
-
-    parameters: Any
-    """The rule's and the body's parameters as floats: the loop's `P`."""
-    noise: int
-    """Kind of noise: `agents.engine.noise.ANGULAR` or `VECTORIAL`."""
-    reach: float
-    """The largest distance at which agents notice each other, length."""
-    lasts: float
-    """How much time a tick stands for."""
-
-
-class Desk(NamedTuple):
-    """One thread's working space."""
-
-    block: np.ndarray
-    """A neighbourhood block: positions, headings, positions of nearest images; (9, room)."""
-    signals: np.ndarray
-    """The block's signals, (K, room)."""
-    mine: np.ndarray
-    """One agent's signals as it reads them, (K,), and as it writes them."""
-    out: np.ndarray
-    own: np.ndarray
-    """What one agent keeps to itself."""
-    found: np.ndarray
-    """Boundary points around one agent: indices, int32."""
-    points: np.ndarray
-    """Their coordinates and a spare row, (3, room)."""
-
-
-def empty_desk(room: int, signals: int, private: int, points: int) -> Desk:
-    """A desk for blocks of up to `room` agents, with up to `points` boundary points around one."""
-    return Desk(
-        np.zeros((9, room)),
-        np.zeros((signals, room)),
-        np.zeros(signals),
-        np.zeros(signals),
-        np.zeros(private),
-        np.zeros(points, np.int32),
-        np.zeros((3, points)),
-    )
-
-
-def empty_grid(n: int, parts: int) -> Grid:
-    """Room for as many cells as are worth having for n agents."""
-    room = max(64, n) + 1
-    return Grid(
-        np.zeros(3),
-        np.zeros(3),
-        np.zeros(3),
-        np.ones(3, np.int64),
-        np.zeros(room, np.int32),
-        np.zeros((parts, room), np.int32),
-    )
-
-
-class Place(NamedTuple):
-    """The world as compiled code sees it: its edges, and what stands in it."""
-
-    space: Space
-    ground: Ground
 
 
 class NotANumber(ArithmeticError):

@@ -123,7 +123,7 @@ def held_back(outline, surface, x, v, p):
 
 
 def step(model, state, heard, outline, p, turn):
-    """All agents at once: (position, heading, heard, layer) at k + 1, the informed ones straight on.
+    """All agents at once: (position, heading, heard, layer) at k + 1; the informed go straight.
 
     `outline` is the shapely area of all obstacles, `turn` (N,) the noise in rad.
     """
