@@ -38,8 +38,8 @@ class Model:
     def __post_init__(self):
         if self.rule.wish != self.body.takes:
             raise TypeError(
-                f"rule {self.rule.name} wishes a {self.rule.wish}, but the body {self.body.name} "
-                f"takes a {self.body.takes}"
+                f"rule {self.rule.name} wishes {self.rule.wish}, but the body {self.body.name} "
+                f"takes {self.body.takes}"
             )
 
     @property

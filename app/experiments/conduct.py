@@ -9,6 +9,7 @@ from pathlib import Path
 from app.experiments.costs import Costs, guess
 from app.experiments.experiment import Cell, Experiment
 from app.experiments.kernels import compile_loop
+from app.experiments.kinds.settings import Number
 from app.experiments.pool import run_all
 from app.experiments.store import Key, Store, key_of
 from app.experiments.trial import Result, Trial, fingerprint, flock_of
@@ -20,10 +21,11 @@ At = Callable[[float, float, str], object]
 
 @dataclass(frozen=True)
 class Measured:
-    """A cell with its runs' convergence times, by seed; None for those given up."""
+    """A cell with what its runs have given, each in the order of the seeds."""
 
     cell: Cell
-    times: list[int | None]
+    values: dict[str, list[Number | None]]
+    """By measure; None for a run that has none."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,17 @@ class Plan:
             [seed for seed in self.seeds if self.key(k, seed) not in store.results]
             for k in range(len(cells))
         ]
-        hold = experiment.settings.hold
-        self.costs = Costs([guess(cell, hold, signals(cell)) for cell in cells], self.left)
+        self.costs = Costs([self.guess(cell) for cell in cells], self.left)
+
+    def guess(self, cell: Cell) -> float:
+        """Seconds that a run of a cell may take."""
+        from agents.catalogue import model
+
+        settings = self.experiment.settings
+        published = cell.published(settings.measures[0].name)
+        dt = flock_of(cell, settings, 0).dt
+        ticks = settings.ticks(published.mean if published else None, dt)
+        return guess(ticks, cell.agents, len(model(cell.model).columns))
 
     @property
     def left(self) -> list[int]:
@@ -79,11 +90,14 @@ class Plan:
     @property
     def measured(self) -> list[Measured]:
         """All cells with their runs."""
-        results = self.store.results
-        return [
-            Measured(cell, [results[self.key(k, seed)].convergence_time for seed in self.seeds])
-            for k, cell in enumerate(self.experiment.cells)
-        ]
+        return [self.measured_of(k) for k in range(len(self.experiment.cells))]
+
+    def measured_of(self, cell: int) -> Measured:
+        """A cell (by its number) with its runs."""
+        results = [self.store.results[self.key(cell, seed)].measures for seed in self.seeds]
+        names = [one.name for one in self.experiment.settings.measures]
+        values = {name: [one[name] for one in results] for name in names}
+        return Measured(self.experiment.cells[cell], values)
 
 
 def checked_fingerprint(cell: Cell, experiment: Experiment) -> str:
@@ -96,17 +110,12 @@ def checked_fingerprint(cell: Cell, experiment: Experiment) -> str:
         ) from None
 
 
-def signals(cell: Cell) -> int:
-    """Signals of the cell's rule."""
-    from agents.catalogue import model
-
-    return len(model(cell.model).rule.signals)
-
-
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
     """Compile the loop of every model before the threads start: numba compiles one at a time."""
     for cell in {cell.model: cell for cell in experiment.cells}.values():
-        compile_loop(flock_of(cell, experiment.settings, 0), tell)
+        flock = flock_of(cell, experiment.settings, 0)
+        compile_loop(flock, tell)
+        experiment.settings.compile(flock)
 
 
 def conduct(
@@ -124,7 +133,7 @@ def conduct(
     `at` hears of the share that is done, the seconds left and the runs done. Raises Refusal;
     after KeyboardInterrupt the finished runs are in the store.
     """
-    with Store(folder / "runs.csv") as store:
+    with Store(folder / "runs.csv", experiment.settings.measures) as store:
         plan = Plan(experiment, runs, seed, store)
         trials = plan.trials
         taken = runs * len(experiment.cells) - len(trials)

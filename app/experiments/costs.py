@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from app.experiments.experiment import Cell
-
 PER_AGENT_TICK = 1e-7
 """Seconds per agent and tick to begin with."""
 PER_SIGNAL = 3.0
 """How many times dearer a tick is for each signal of the rule."""
-UNKNOWN_TICKS = 30.0
-"""Ticks to convergence where nothing is published."""
 
 
-def guess(cell: Cell, hold: int, signals: int) -> float:
-    """Seconds that a run of a cell may take."""
-    published = cell.published.mean if cell.published else None
-    ticks = (published or UNKNOWN_TICKS) + hold
-    return ticks * (cell.agents + 1) * PER_AGENT_TICK * (1.0 + PER_SIGNAL * signals)
+def guess(ticks: float, agents: int, signals: int) -> float:
+    """Seconds that a run of so many ticks may take; `signals` of the rule."""
+    return ticks * (agents + 1) * PER_AGENT_TICK * (1.0 + PER_SIGNAL * signals)
 
 
 class Costs:

@@ -1,77 +1,22 @@
-"""An experiment: a table or a figure of a paper, read from its TOML file."""
+"""An experiment: a table or a figure of a paper, as sets of runs to make."""
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ValidationError
 
+from app.experiments.file import File, Published, Row, Said, Sweep
 from app.experiments.folder import experiments_folder
+from app.experiments.kinds import KINDS, Settings
+from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
+from app.experiments.strict import Value
 from worlds.refusal import Refusal, unknown
-
-Value = bool | float | str
-
-
-class Strict(BaseModel):
-    """A table of the file; keys that it does not have are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Settings(Strict):
-    """What all rows share: the world, when a flock counts as consistent, parameters."""
-
-    world: str
-    desired: float = Field(gt=0.0, lt=1.0)
-    hold: int = Field(ge=1)
-    limit: int = Field(ge=1)
-    parameters: dict[str, Value] = Field(default_factory=dict)
-
-
-class Row(Strict):
-    """One row of a table, with the published mean and quartiles."""
-
-    model: str
-    agents: int = Field(ge=1)
-    parameters: dict[str, Value] = Field(default_factory=dict)
-    mean: float | None = None
-    quartiles: tuple[float, float, float] | None = None
-    not_reproduced: str = ""
-    """Why this row does not come out; empty where it does."""
-    remark: str = ""
-    """What else is known of it."""
-
-
-class Sweep(Strict):
-    """One parameter over several values, for several sizes of flock."""
-
-    model: str
-    agents: list[int] = Field(min_length=1)
-    parameter: str
-    values: list[Value] = Field(min_length=1)
-    fixed: dict[str, Value] = Field(default_factory=dict)
-    trend: Literal["rises", "falls"] | None = None
-    """What the paper says the time does along the values."""
-    flat_from: float | None = None
-    """The value from which on, the paper says, it hardly changes."""
-
-
-class File(Strict):
-    """A whole file."""
-
-    title: str
-    source: str
-    picture: Literal["models", "sweeps", "pairs"]
-    runs: int = Field(ge=2)
-    settings: Settings
-    sizes: dict[str, float]
-    notes: dict[str, str] = Field(default_factory=dict)
-    rows: list[Row] = Field(default_factory=list)
-    sweeps: list[Sweep] = Field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -80,15 +25,26 @@ class Cell:
 
     model: str
     agents: int
-    size: float
+    """N as the paper counts it."""
+    size: float | None
+    """Side of the box; None for the world's own."""
     parameters: dict[str, Value] = field(hash=False)
-    published: Row | None = field(default=None, hash=False)
+    row: Row | None = field(default=None, hash=False)
     sweep: Sweep | None = field(default=None, hash=False)
+
+    @property
+    def label(self) -> str:
+        """Its name in a table."""
+        return (self.row.label if self.row else "") or self.model
 
     @property
     def value(self) -> Value | None:
         """The value of the swept parameter."""
         return self.parameters[self.sweep.parameter] if self.sweep else None
+
+    def published(self, measure: str) -> Published | None:
+        """What the paper prints of a measure."""
+        return self.row.published.get(measure) if self.row else None
 
 
 @dataclass(frozen=True)
@@ -101,13 +57,23 @@ class Experiment:
     picture: str
     runs: int
     settings: Settings
+    measures: list[Measure]
+    """Those to report, the main one first."""
+    not_reproduced: dict[str, str]
+    not_compared: dict[str, str]
     notes: dict[str, str]
     cells: list[Cell]
+    said: list[Said]
+    """What the paper claims."""
 
     def narrowed(self, models: list[str], agents: list[int]) -> Experiment:
-        """Only some models and sizes; empty lists keep all. Raises Refusal for unknown ones."""
+        """Only some models (or labels) and sizes; empty lists keep all.
+
+        Raises Refusal for unknown ones.
+        """
+        named = {name for cell in self.cells for name in (cell.model, cell.label)}
         for kind, asked, known in (
-            ("model", models, {cell.model for cell in self.cells}),
+            ("model", models, named),
             ("agents", agents, {cell.agents for cell in self.cells}),
         ):
             for one in asked:
@@ -117,7 +83,8 @@ class Experiment:
         kept = [
             cell
             for cell in self.cells
-            if (not models or cell.model in models) and (not agents or cell.agents in agents)
+            if (not models or cell.model in models or cell.label in models)
+            and (not agents or cell.agents in agents)
         ]
         return replace(self, cells=kept)
 
@@ -138,19 +105,25 @@ def read_file(path: Path) -> Experiment:
     """The experiment of a TOML file. Raises Refusal naming file and line."""
     try:
         text = path.read_text(encoding="utf-8")
-        file = File(**tomllib.loads(text))
+        values = tomllib.loads(text)
     except OSError as error:
         raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise Refusal(f"{path} is not TOML: {error}") from None
+    kind = values.get("kind", "convergence")
+    if kind not in KINDS:
+        raise unknown("kind of experiment", str(kind), KINDS, place(path, text, "kind"))
+    try:
+        of_kind: Any = File.__class_getitem__(KINDS[kind])
+        file: File = of_kind(**values)
     except ValidationError as error:
         first = error.errors()[0]
         keys = [str(part) for part in first["loc"] if not isinstance(part, int)]
         where = place(path, text, keys[-1], ".".join(keys[:-1]))
         raise Refusal(f"{'.'.join(keys)}: {first['msg']} ({where})") from None
-    for n in [row.agents for row in file.rows] + [n for one in file.sweeps for n in one.agents]:
-        if str(n) not in file.sizes:
-            raise Refusal(f"agents = {n} has no side in [sizes] ({path})")
+    check_sizes(file, path)
+    check_measures(file, path)
+    main = file.settings.measures[0].name
     return Experiment(
         path.stem,
         file.title,
@@ -158,21 +131,46 @@ def read_file(path: Path) -> Experiment:
         file.picture,
         file.runs,
         file.settings,
+        [file.settings.measure(name) for name in file.report or [main]],
+        file.not_reproduced,
+        file.not_compared,
         file.notes,
         cells_of(file),
+        list(file.claims),
     )
+
+
+def check_sizes(file: File, path: Path) -> None:
+    """Refuse a file that gives sizes, but not for all rows."""
+    if file.sizes or file.settings.kind == "convergence":
+        for n in [row.agents for row in file.rows] + [n for one in file.sweeps for n in one.agents]:
+            if str(n) not in file.sizes:
+                raise Refusal(f"agents = {n} has no side in [sizes] ({path})")
+
+
+def check_measures(file: File, path: Path) -> None:
+    """Refuse a file that names a measure which its kind of runs does not have."""
+    known = [one.name for one in file.settings.measures]
+    named: list[Iterable[str]] = [file.report, file.not_reproduced, file.not_compared]
+    named += [row.published for row in file.rows]
+    named.append(claim.measure for claim in file.claims)
+    for names in named:
+        for name in names:
+            if name not in known:
+                raise unknown("measure", name, known, str(path))
 
 
 def cells_of(file: File) -> list[Cell]:
     """The rows and the sweeps' points, in the order of the file."""
     shared = file.settings.parameters
     cells = [
-        Cell(row.model, row.agents, file.sizes[str(row.agents)], shared | row.parameters, row)
+        Cell(row.model, row.agents, file.sizes.get(str(row.agents)), shared | row.parameters, row)
         for row in file.rows
     ]
     for sweep in file.sweeps:
         for n in sweep.agents:
             for value in sweep.values:
                 given: dict[str, Any] = shared | sweep.fixed | {sweep.parameter: value}
-                cells.append(Cell(sweep.model, n, file.sizes[str(n)], given, sweep=sweep))
+                size = file.sizes.get(str(n))
+                cells.append(Cell(sweep.model, n, size, given, sweep=sweep))
     return cells

@@ -15,6 +15,6 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
 
     if tell and not flock.is_compiled:
         tell(f"compiling {flock.model.name} (only its first start takes these seconds) ...")
-    dim = flock.world.dim
-    twin = Flock(flock.model.name, agents=1, size=1.0, dim=dim, activation=flock.activation, rng=0)
+    name, world = flock.model.name, flock.world
+    twin = Flock(name, agents=1, world=world, activation=flock.activation, rng=0)
     twin.run(1)

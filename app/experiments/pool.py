@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 
-from app.experiments.experiment import Settings
+from app.experiments.kinds import Settings
 from app.experiments.trial import Result, Stopped, Trial, run_trial
 
 

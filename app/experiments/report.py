@@ -1,21 +1,22 @@
-"""The outcome of an experiment: a table for people, JSON, a CSV file of the summary."""
+"""The outcome of an experiment: for people, as JSON, as a CSV file of the summary."""
 
 from __future__ import annotations
 
 import csv
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.experiments.claims import Claim
 from app.experiments.experiment import Experiment
-from app.experiments.statistics import NOTE
-from app.experiments.verdict import Claim, Verdict, name
+from app.experiments.statistics import INTERVAL_NOTE, NOTE
+from app.experiments.tables import STYLES, table_of
+from app.experiments.verdict import Verdict, of
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
+CLAIM_STYLES = {"holds": "green", "does not hold": "bold red", "not reproduced": "yellow"}
 
 
 def as_value(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> dict[str, Any]:
@@ -24,15 +25,16 @@ def as_value(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> 
         "name": experiment.name,
         "title": experiment.title,
         "source": experiment.source,
+        "kind": experiment.settings.kind,
         "settings": experiment.settings.model_dump(),
-        "notes": {**experiment.notes, "z": NOTE},
+        "notes": {**experiment.notes, "z": NOTE, "interval": INTERVAL_NOTE},
         "rows": [one.as_row() for one in made],
-        "claims": [{"text": one.text, "holds": one.holds} for one in said],
+        "claims": [{"text": one.text, "holds": one.holds, "why": one.why} for one in said],
     }
 
 
 def write_summary(path: Path, made: list[Verdict]) -> None:
-    """Write the summary as CSV, one line per row. Raises Refusal."""
+    """Write the summary as CSV, one line per row and measure. Raises Refusal."""
     rows = [one.as_row() for one in made]
     try:
         with open(path, "w", newline="", encoding="utf-8") as file:
@@ -45,94 +47,59 @@ def write_summary(path: Path, made: list[Verdict]) -> None:
 
 def show(console: Console, experiment: Experiment, made: list[Verdict], said: list[Claim]) -> None:
     """Print the outcome for people."""
-    console.print(f"[bold]{experiment.title}[/] ({experiment.source})")
-    published = any(one.measured.cell.published for one in made)
-    console.print(published_table(made) if published else sweep_table(made))
-    console.print(f"{len(made[0].measured.times)} runs in each row", highlight=False)
-    for one in made:
-        if one.summary.given_up:
-            cell = one.measured.cell
-            limit = experiment.settings.limit
-            text = f"{cell.model}, N = {cell.agents}: {count(one)} within {limit} ticks"
-            console.print(f"[bold red]not consistent[/]  {text}; left out above", highlight=False)
+
+    def tell(text: str) -> None:
+        console.print(text, highlight=False)
+
+    tell(f"[bold]{experiment.title}[/] ({experiment.source})")
+    console.print(table_of(made))
+    runs = len(made[0].values)
+    tell(f"{runs} runs in each row" if runs > 1 else "one run")
+    for line in absences(experiment, made):
+        tell(line)
     for claim in said:
-        mark = "[green]holds[/]" if claim.holds else "[bold red]does not hold[/]"
-        console.print(f"  {mark}  {claim.text}", highlight=False)
+        why = f": {claim.why}" if claim.word == "not reproduced" else ""
+        tell(f"  [{CLAIM_STYLES[claim.word]}]{claim.word}[/]  {claim.text}{why}")
+    for kind, known in (
+        ("not reproduced", experiment.not_reproduced),
+        ("not compared", experiment.not_compared),
+    ):
+        for measure, why in known.items():
+            tell(f"[yellow]{kind}[/]  {experiment.settings.measure(measure).symbol}: {why}")
     for one in made:
-        row = one.measured.cell.published
-        if row and row.not_reproduced:
-            text = f"{row.model}, N = {row.agents}: {row.not_reproduced}"
-            console.print(f"[yellow]not reproduced[/]  {text}", highlight=False)
-        if row and row.remark:
-            console.print(f"{row.model}, N = {row.agents}: {row.remark}", highlight=False)
-    notes = [*experiment.notes.values(), *([NOTE] if published else [])]
-    for note in notes:
-        console.print(f"[dim]note: {note}[/]", highlight=False)
+        cell = one.cell
+        if one.published and one.published.not_reproduced:
+            style = STYLES["not reproduced"]
+            why = one.published.not_reproduced
+            tell(f"[{style}]not reproduced[/]  {cell.label}, N = {cell.agents}: {why}")
+        if cell.row and cell.row.remark and one.measure == experiment.measures[0]:
+            tell(f"{cell.label}, N = {cell.agents}: {cell.row.remark}")
+    for note in notes(experiment, made):
+        tell(f"[dim]note: {note}[/]")
 
 
-def published_table(made: list[Verdict]) -> Any:
-    """Two lines per row: measured, and below it published."""
-    table = empty_table("N", "model", "mean", "s", "25 %", "50 %", "75 %", "z", "")
-    for k, one in enumerate(made):
-        cell, s, row = one.measured.cell, one.summary, one.measured.cell.published
-        style = STYLES.get(one.word, "")
-        table.add_row(
-            str(cell.agents),
-            cell.model,
-            number(s.mean),
-            number(s.sd),
-            *(number(q) for q in s.quartiles),
-            "" if one.z is None else f"{one.z:+.2f}",
-            f"[{style}]{one.word}[/]" if style else one.word,
-        )
-        if row:
-            quartiles = row.quartiles or (None, None, None)
-            table.add_row(
-                "", "", number(row.mean), "", *(number(q) for q in quartiles), "", "published",
-                style="dim",
-            )  # fmt: skip
-        if k + 1 < len(made) and made[k + 1].measured.cell.agents != cell.agents:
-            table.add_section()
-    return table
+def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
+    """A line for each measure that some runs, but not all of a row, do not have."""
+    lines = []
+    for measure in experiment.measures:
+        rows = [one for one in of(made, measure.name) if one.summary.absent]
+        rows = [one for one in rows if one.summary.runs or one.published]
+        if rows:
+            cells = ", ".join(
+                f"{one.cell.label} N = {one.cell.agents} ({one.summary.absent})" for one in rows
+            )
+            lines.append(
+                f"[bold red]{measure.absent}[/]  {measure.symbol}: {cells} of "
+                f"{len(rows[0].values)} runs each; left out above"
+            )
+    return lines
 
 
-def sweep_table(made: list[Verdict]) -> Any:
-    """What was measured for each value of the swept parameters."""
-    table = empty_table("N", "model", "parameter", "mean", "s", "25 %", "50 %", "75 %")
-    for k, one in enumerate(made):
-        cell, s = one.measured.cell, one.summary
-        table.add_row(
-            str(cell.agents),
-            cell.model,
-            f"{cell.sweep.parameter} = {name(cell.value)}" if cell.sweep else "",
-            number(s.mean),
-            number(s.sd),
-            *(number(q) for q in s.quartiles),
-        )
-        if k + 1 < len(made) and made[k + 1].measured.cell.agents != cell.agents:
-            table.add_section()
-    return table
-
-
-def empty_table(*columns: str) -> Any:
-    """A table with numbers to the right."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    words = ("model", "parameter", "")
-    for column in columns:
-        table.add_column(column, justify="left" if column in words else "right", no_wrap=True)
-    return table
-
-
-def count(one: Verdict) -> str:
-    """How many runs were given up."""
-    return f"{one.summary.given_up} of {len(one.measured.times)} runs"
-
-
-def number(value: float | None) -> str:
-    """A number with as many digits as are of use."""
-    if value is None or math.isnan(value):
-        return ""
-    return f"{value:.2f}" if value < 100 else f"{value:.1f}"
+def notes(experiment: Experiment, made: list[Verdict]) -> list[str]:
+    """What has to be known to read the numbers."""
+    found = list(experiment.notes.values())
+    if any(one.z is not None for one in made):
+        found.append(NOTE)
+    if any(one.published for one in made) and len(experiment.measures) > 1:
+        found.append(INTERVAL_NOTE)
+    return found

@@ -9,25 +9,32 @@ from dataclasses import dataclass
 import numpy as np
 
 PUBLISHED_RUNS = 100
-"""Runs behind each published mean (Liu et al. 2021, section 3.1)."""
+"""Runs behind each published mean (Liu et al. 2021, sections 3.1 and 3.2)."""
+RESAMPLES = 2000
+"""Resamples of a bootstrap."""
 NOTE = (
     "z = (measured mean - published mean) / sqrt(s^2/n + s^2/100): the paper gives no spread, "
     "so s is the measured standard deviation for both samples"
 )
+INTERVAL_NOTE = f"95 % interval of the mean: bootstrap, percentiles of {RESAMPLES} resampled means"
 
 
 @dataclass(frozen=True)
 class Summary:
-    """k_con over the runs of a cell."""
+    """A measure over the runs of a cell."""
 
     runs: int
-    """Runs that have converged."""
-    given_up: int
-    """Runs that have not converged within the limit; they count in no number here."""
+    """Runs that have a value."""
+    absent: int
+    """Runs without one, such as those given up; they count in no number here."""
     mean: float
     sd: float
     """Standard deviation, n - 1; NaN below two runs."""
     quartiles: tuple[float, float, float]
+    interval: tuple[float, float]
+    """95 % confidence interval of the mean, by bootstrap."""
+    least: float
+    most: float
 
     @property
     def median(self) -> float:
@@ -40,18 +47,42 @@ class Summary:
         return self.sd / math.sqrt(self.runs) if self.runs else math.nan
 
 
-def summary(times: Sequence[int | None]) -> Summary:
-    """Summary of convergence times; None stands for a run that was given up.
+def summary(values: Sequence[float | None]) -> Summary:
+    """Summary of a measure's values; None stands for a run that has none.
 
     >>> summary([1, 2, 3, 4, None]).quartiles
     (1.75, 2.5, 3.25)
     """
-    came = np.array([k for k in times if k is not None], float)
-    if came.size == 0:
-        return Summary(0, len(times), math.nan, math.nan, (math.nan,) * 3)
-    low, middle, high = (float(q) for q in np.percentile(came, (25, 50, 75)))
-    sd = float(came.std(ddof=1)) if came.size > 1 else math.nan
-    return Summary(came.size, len(times) - came.size, float(came.mean()), sd, (low, middle, high))
+    there = np.array([k for k in values if k is not None], float)
+    absent = len(values) - there.size
+    nan = math.nan
+    if there.size == 0:
+        return Summary(0, absent, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
+    low, middle, high = (float(q) for q in np.percentile(there, (25, 50, 75)))
+    sd = float(there.std(ddof=1)) if there.size > 1 else nan
+    return Summary(
+        there.size,
+        absent,
+        float(there.mean()),
+        sd,
+        (low, middle, high),
+        interval_of_mean(there),
+        float(there.min()),
+        float(there.max()),
+    )
+
+
+def interval_of_mean(values: np.ndarray) -> tuple[float, float]:
+    """95 % confidence interval of the mean: 2.5 and 97.5 % of the means of resamples, (R,) -> 2.
+
+    The resamples are drawn with a fixed seed: the same values give the same interval. NaN below two
+    values.
+    """
+    if values.size < 2:
+        return math.nan, math.nan
+    rows = np.random.default_rng(0).integers(0, values.size, (RESAMPLES, values.size))
+    low, high = np.percentile(values[rows].mean(axis=1), (2.5, 97.5))
+    return float(low), float(high)
 
 
 def z_score(measured: Summary, published_mean: float) -> float:

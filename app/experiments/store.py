@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import NamedTuple, TextIO
 
 from app.experiments.experiment import Cell
+from app.experiments.kinds.settings import Measure
 from app.experiments.trial import Result
 from worlds.refusal import Refusal
 
-COLUMNS = ("model", "agents", "parameters", "seed", "fingerprint", "k_con", "seconds")
+KEYS = ("model", "agents", "parameters", "seed", "fingerprint")
+"""The first columns of a store; those of the measures follow, then the seconds."""
 
 
 class Key(NamedTuple):
@@ -33,12 +35,15 @@ def key_of(cell: Cell, seed: int, fingerprint: str) -> Key:
 class Store:
     """A context manager over `runs.csv`; lines are on the disk as soon as they are added.
 
-    A last line without its end, as a kill leaves it, is cut off. Raises Refusal if the file is not
-    such a store or cannot be written.
+    Its columns are the key of a run, the measures of the experiment's kind and the seconds. A last
+    line without its end, as a kill leaves it, is cut off. Raises Refusal if the file is not such a
+    store or cannot be written.
     """
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, measures: tuple[Measure, ...]):
         self.path = path
+        self.measures = measures
+        self.columns = (*KEYS, *(one.name for one in measures), "seconds")
         self.results: dict[Key, Result] = {}
         self.file: TextIO | None = None
 
@@ -49,7 +54,7 @@ class Store:
             self.read()
             self.file = open(self.path, "a", buffering=1, newline="", encoding="utf-8")
             if self.path.stat().st_size == 0:
-                csv.writer(self.file, lineterminator="\n").writerow(COLUMNS)
+                csv.writer(self.file, lineterminator="\n").writerow(self.columns)
         except OSError as error:
             raise self.refused(error) from None
         return self
@@ -78,7 +83,7 @@ class Store:
             with open(self.path, newline="", encoding="utf-8") as file:
                 lines = csv.reader(file)
                 header = next(lines, None)
-                if header is not None and tuple(header) != COLUMNS:
+                if header is not None and tuple(header) != self.columns:
                     raise Refusal(f"{str(self.path)!r} is not a store of runs: move it away")
                 for number, line in enumerate(lines, 2):
                     self.take(number, line)
@@ -88,19 +93,21 @@ class Store:
     def take(self, number: int, line: list[str]) -> None:
         """Take one line. Raises Refusal naming it if it is no run."""
         try:
-            model, agents, parameters, seed, fingerprint, k, seconds = line
+            model, agents, parameters, seed, fingerprint, *texts, seconds = line
             key = Key(model, int(agents), parameters, int(seed), fingerprint)
-            self.results[key] = Result(int(k) if k else None, float(seconds))
+            pairs = zip(self.measures, texts, strict=True)
+            measures = {one.name: one.read(text) for one, text in pairs}
+            self.results[key] = Result(measures, float(seconds))
         except ValueError:
             raise Refusal(f"line {number} of {str(self.path)!r} is not a run: remove it") from None
 
     def add(self, key: Key, result: Result) -> None:
         """Keep a result. Raises Refusal if it cannot be written."""
         assert self.file is not None
-        k = "" if result.convergence_time is None else result.convergence_time
+        values = [result.measures[one.name] for one in self.measures]
         try:
             writer = csv.writer(self.file, lineterminator="\n")
-            writer.writerow([*key, k, f"{result.seconds:.6f}"])
+            writer.writerow([*key, *values, f"{result.seconds:.6f}"])
         except OSError as error:
             raise self.refused(error) from None
         self.results[key] = result

@@ -1,4 +1,4 @@
-"""One run of an experiment: a flock until it is consistent."""
+"""One run of an experiment: a flock from its start to what the experiment waits for."""
 
 from __future__ import annotations
 
@@ -6,12 +6,20 @@ import hashlib
 import json
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
+import numpy as np
+
 from agents import Flock
+from agents.catalogue import model
+from agents.engine.cache import fingerprint as feed
 from agents.spec import versions
-from app.experiments.experiment import Cell, Settings
+from app.experiments.experiment import Cell
+from app.experiments.kinds import Settings
+from app.experiments.kinds.settings import Number
+from worlds.world import World, world
 
 
 @dataclass(frozen=True)
@@ -26,8 +34,8 @@ class Trial:
 class Result:
     """What a run has given."""
 
-    convergence_time: int | None
-    """k_con; None if the run was given up."""
+    measures: dict[str, Number | None]
+    """By name; None where the run has none, such as k_con of a run that was given up."""
     seconds: float
 
 
@@ -38,18 +46,22 @@ class Stopped(Exception):
 def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
     """The flock of a cell at tick 0. Raises Refusal."""
     parameters: dict[str, Any] = dict(cell.parameters)
-    return Flock(
-        cell.model,
-        agents=cell.agents,
-        size=cell.size,
-        world=settings.world,
-        rng=seed,
-        **parameters,
-    )
+    informed = model(cell.model).informed if settings.n_counts_informed else 0
+    agents = cell.agents - informed
+    bare = cell.row is not None and not cell.row.obstacles
+    world = world_of(settings.world, bare) if cell.size is None else settings.world
+    return Flock(cell.model, agents=agents, size=cell.size, world=world, rng=seed, **parameters)
+
+
+@cache
+def world_of(name: str, bare: bool) -> World:
+    """The world of a layout in the layout's own size; `bare` without its obstacles."""
+    found = world(name)
+    return replace(found, obstacles=()) if bare else found
 
 
 def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> Result:
-    """Run a flock until it is consistent or given up. Raises Stopped."""
+    """Run a flock to the end. Raises Stopped."""
     begun = time.perf_counter()
     flock = flock_of(trial.cell, settings, trial.seed)
 
@@ -57,20 +69,25 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> Result
         if stop.is_set():
             raise Stopped
 
-    k = flock.run_until_consistent(settings.limit, settings.desired, settings.hold, between=go_on)
-    return Result(k, time.perf_counter() - begun)
+    measures = settings.run(flock, go_on)
+    return Result(measures, time.perf_counter() - begun)
 
 
 def fingerprint(cell: Cell, settings: Settings) -> str:
     """A hash of what a cell's numbers depend on beside model, agents, parameters and seed.
 
-    The world and the criterion, the versions, the compiled loop with all that it reaches, and how
-    a flock starts.
+    The world and the criterion, the versions, the compiled loop with all that it reaches, what
+    measures it, and how a flock starts.
     """
     flock = flock_of(cell, settings, 0)
     shared = settings.model_dump(exclude={"parameters"}) | {"size": cell.size}
     digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())
     digest.update(flock.loop.cache_folder.name.encode())
+    seen: set[int] = set()
+    for kernel in settings.measured_by:
+        feed(kernel, digest, seen)
+    for array in flock.engine.ground:
+        digest.update(np.asarray(array).tobytes())
     digest.update(flock.position.tobytes())
     digest.update(flock.heading.tobytes())
     return digest.hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""Measured beside published: one verdict per row, and what a figure claims."""
+"""Measured beside published: one verdict per row and measure."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.experiments.conduct import Measured
-from app.experiments.experiment import Sweep
-from app.experiments.statistics import Summary, difference, summary, z_score
+from app.experiments.experiment import Cell, Experiment
+from app.experiments.file import Published, Sweep
+from app.experiments.kinds.settings import Measure, Number
+from app.experiments.statistics import Summary, summary, z_score
 
 LARGE = 3.0
 """|z| from which on a row counts as different."""
@@ -16,100 +18,88 @@ LARGE = 3.0
 
 @dataclass(frozen=True)
 class Verdict:
-    """One row: what was measured, what was published, how far they are apart."""
+    """One measure of one row: what was measured, what was published, how far they are apart."""
 
-    measured: Measured
+    cell: Cell
+    measure: Measure
+    values: list[Number | None]
+    """By seed; None for a run that has none."""
     summary: Summary
+    published: Published | None
     z: float | None
+    """None where nothing is published or nothing is to be compared."""
+    why: str = ""
+    """Why it is not compared or does not come out."""
 
     @property
     def word(self) -> str:
         """In a word: agrees, differs, `not reproduced` where that is known, or nothing."""
-        published = self.measured.cell.published
-        if published is None or self.z is None or math.isnan(self.z):
+        if self.published is None or self.z is None or math.isnan(self.z):
             return ""
-        if published.not_reproduced:
+        if self.why:
             return "not reproduced"
         return "agrees" if abs(self.z) < LARGE else "differs"
 
     def as_row(self) -> dict[str, Any]:
-        """As a flat row for JSON and CSV."""
-        cell, s = self.measured.cell, self.summary
-        row: dict[str, Any] = {"model": cell.model, "agents": cell.agents, "size": cell.size}
+        """As a flat row for JSON and CSV; the same keys for all rows of an experiment."""
+        cell, s = self.cell, self.summary
+        row: dict[str, Any] = {"model": cell.model, "label": cell.label, "agents": cell.agents}
+        row |= {"size": cell.size}
         if cell.sweep:
             row |= {"parameter": cell.sweep.parameter, "value": cell.value}
-        row |= {"runs": s.runs, "given_up": s.given_up, "mean": s.mean, "sd": s.sd}
+        row |= {"measure": self.measure.name, "unit": self.measure.unit}
+        row |= {"runs": s.runs, "absent": s.absent, "mean": s.mean, "sd": s.sd}
         row |= dict(zip(("q25", "median", "q75"), s.quartiles, strict=True))
-        published = cell.published
-        if published:
+        row |= dict(zip(("low95", "high95"), s.interval, strict=True))
+        row |= {"least": s.least, "most": s.most}
+        if cell.row:
+            published = self.published or Published()
             q = published.quartiles or (None, None, None)
             row |= {"published_mean": published.mean, "z": self.z}
             row |= dict(zip(("published_q25", "published_median", "published_q75"), q, strict=True))
-            row |= {"verdict": self.word, "why": published.not_reproduced or published.remark}
+            row |= {"verdict": self.word, "why": self.why or cell.row.remark}
         return row
 
 
-@dataclass(frozen=True)
-class Claim:
-    """What a figure says about a sweep at one size, and what was measured."""
-
-    text: str
-    holds: bool | None
-    """None for a number without a published one."""
+def verdicts(experiment: Experiment, measured: list[Measured]) -> list[Verdict]:
+    """A verdict for each row and each measure that the experiment reports, row by row."""
+    return [
+        verdict(experiment, one, measure) for one in measured for measure in experiment.measures
+    ]
 
 
-def verdicts(measured: list[Measured]) -> list[Verdict]:
-    """A verdict for each row."""
-    made = []
-    for one in measured:
-        s = summary(one.times)
-        published = one.cell.published
-        z = z_score(s, published.mean) if published and published.mean is not None else None
-        made.append(Verdict(one, s, z))
-    return made
+def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
+    """The verdict of a measure of a row."""
+    values = one.values[measure.name]
+    s = summary(values)
+    published = one.cell.published(measure.name)
+    spared = experiment.not_compared.get(measure.name, "")
+    why = spared or experiment.not_reproduced.get(measure.name, "")
+    z = None
+    if published and published.mean is not None and not spared:
+        z = z_score(s, published.mean)
+        why = published.not_reproduced or why
+    return Verdict(one.cell, measure, values, s, published, z, why)
+
+
+def of(made: list[Verdict], measure: str) -> list[Verdict]:
+    """The verdicts on one measure."""
+    return [one for one in made if one.measure.name == measure]
+
+
+def main_ones(made: list[Verdict]) -> list[Verdict]:
+    """The verdicts on the measure that the experiment reports first."""
+    return of(made, made[0].measure.name) if made else []
 
 
 def sweeps_of(made: list[Verdict]) -> list[tuple[Sweep, int, list[Verdict]]]:
     """The verdicts by sweep and size of flock, in order of the values."""
     found: dict[tuple[int, int], tuple[Sweep, int, list[Verdict]]] = {}
     for one in made:
-        cell = one.measured.cell
-        if cell.sweep:
-            key = (id(cell.sweep), cell.agents)
-            found.setdefault(key, (cell.sweep, cell.agents, []))[2].append(one)
+        if one.cell.sweep:
+            key = (id(one.cell.sweep), one.cell.agents)
+            found.setdefault(key, (one.cell.sweep, one.cell.agents, []))[2].append(one)
     return list(found.values())
-
-
-def claims(made: list[Verdict]) -> list[Claim]:
-    """Whether the sweeps do what the paper says."""
-    said = []
-    for sweep, agents, points in sweeps_of(made):
-        ends = f"from {name(sweep.values[0])} to {name(sweep.values[-1])}"
-        label = f"N = {agents}, {sweep.parameter} {ends}"
-        if sweep.trend and len(points) > 1:
-            said.append(trend_claim(label, sweep, points))
-        if sweep.flat_from is not None:
-            later = [p for p in points if float(p.measured.cell.value or 0) >= sweep.flat_from]
-            if len(later) > 1:
-                change = later[-1].summary.mean / later[0].summary.mean - 1.0
-                said.append(
-                    Claim(
-                        f"N = {agents}, {sweep.parameter} from {sweep.flat_from:g} on: the mean "
-                        f"changes by {change:+.1%}; published: hardly",
-                        abs(change) < 0.05,
-                    )
-                )
-    return said
-
-
-def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:
-    """Whether the mean rises or falls from the first to the last value as published."""
-    change, error = difference(points[0].summary, points[-1].summary)
-    sign = 1.0 if sweep.trend == "rises" else -1.0
-    text = (
-        f"{label}: the mean changes by {change:+.2f} +- {error:.2f} ticks; published: {sweep.trend}"
-    )
-    return Claim(text, sign * change > LARGE * error)
 
 
 def name(value: object) -> str:

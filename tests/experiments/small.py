@@ -24,15 +24,15 @@ eta = 0.0
 [[rows]]
 model = "vem"
 agents = 12
-mean = 5.0
-quartiles = [4.0, 5.0, 6.0]
+published.k_con.mean = 5.0
+published.k_con.quartiles = [4.0, 5.0, 6.0]
 
 [[rows]]
 model = "hwvem"
 agents = 20
 parameters = { p2 = 7.0 }
-mean = 5.0
-not_reproduced = "because"
+published.k_con.mean = 5.0
+published.k_con.not_reproduced = "because"
 """
 
 

@@ -3,7 +3,6 @@
 import pytest
 
 from app.experiments.costs import Costs, guess
-from app.experiments.experiment import Cell, Row
 
 
 def test_before_any_run_the_guesses_count():
@@ -30,8 +29,5 @@ def test_nothing_to_do_is_done():
 
 
 def test_long_runs_of_large_flocks_are_guessed_longest():
-    def cell(n, mean):
-        return Cell("vem", n, 1.0, {}, Row(model="vem", agents=n, mean=mean))
-
-    slow, quick = guess(cell(500, 4000.0), 60, 2), guess(cell(100, 80.0), 60, 0)
+    slow, quick = guess(4060.0, 500, 2), guess(140.0, 100, 0)
     assert slow > 100 * quick

@@ -16,11 +16,11 @@ def test_the_papers_files_are_found():
 
 def test_table_1_has_18_rows_as_printed():
     table = read_experiment("liu2021-table1")
-    printed = {(cell.model, cell.agents): cell.published.mean for cell in table.cells}
+    printed = {(cell.model, cell.agents): cell.published("k_con").mean for cell in table.cells}
     assert len(printed) == 18
     assert printed["vem-a", 500] == 4097.30
     assert printed["hwvem", 100] == 12.23
-    marked = {(c.model, c.agents) for c in table.cells if c.published.not_reproduced}
+    marked = {(c.model, c.agents) for c in table.cells if c.published("k_con").not_reproduced}
     assert marked == {("ivem", 500), ("ivem-a", 500)}
     for cell in table.cells:
         assert (cell.agents + 1) / cell.size**2 == pytest.approx(4.102, rel=1e-3)
@@ -51,10 +51,13 @@ def test_narrowing(tmp_path):
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [
-        ("runs = 4", "runs = 1", ["runs", "greater than or equal to 2", "line 5"]),
+        ("runs = 4", "runs = 0", ["runs", "greater than or equal to 1", "line 5"]),
         ("hold = 5", "hold = 0", ["settings.hold", "line 10"]),
         ("desired = 0.9984", "desired = nan", ["settings.desired", "line 9"]),
-        ("mean = 5.0\nquartiles", "maen = 5.0\nquartiles", ["rows.maen", "line 23"]),
+        ("k_con.mean", "k_con.maen", ["rows.published.k_con.maen", "not permitted"]),
+        ("published.k_con", "published.k_kon", ["unknown measure 'k_kon'", "'k_con'"]),
+        ('title = "Small"', 'kind = "misson"', ["unknown kind of experiment", "line 2"]),
+        ("agents = 12", "agents = 0", ["rows.agents", "line 22"]),
         ("12 = 1.7", "", ["agents = 12 has no side in [sizes]"]),
         ('title = "Small"', "title =", ["is not TOML", "line 2"]),
     ],

@@ -57,4 +57,4 @@ def test_a_run_that_is_given_up_has_no_time(tmp_path):
     text = TEXT.replace("eta = 0.0", "eta = 6.0").replace("limit = 400", "limit = 50")
     experiment = small(tmp_path, text)
     result = run_trial(Trial(experiment.cells[0], 1), experiment.settings, threading.Event())
-    assert result.convergence_time is None
+    assert result.measures == {"k_con": None}

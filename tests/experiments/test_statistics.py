@@ -1,19 +1,23 @@
 """Means, quartiles, z-scores, verdicts: exact cases."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from app.experiments.claims import claims
 from app.experiments.conduct import Measured
-from app.experiments.experiment import Cell, Row, Sweep
-from app.experiments.statistics import difference, summary, z_score
-from app.experiments.verdict import claims, verdicts
+from app.experiments.experiment import Cell
+from app.experiments.file import Row, Sweep
+from app.experiments.statistics import difference, interval_of_mean, summary, z_score
+from app.experiments.verdict import verdicts
+from experiments.small import small
 
 
 def test_summary_of_known_numbers():
     s = summary([2, 4, 4, 4, 5, 5, 7, 9])
-    assert (s.runs, s.given_up, s.mean, s.median) == (8, 0, 5.0, 4.5)
+    assert (s.runs, s.absent, s.mean, s.median) == (8, 0, 5.0, 4.5)
     assert s.sd == pytest.approx(math.sqrt(32 / 7))
     assert s.quartiles == (4.0, 4.5, 5.5)
     assert s.standard_error == pytest.approx(math.sqrt(32 / 7 / 8))
@@ -21,7 +25,7 @@ def test_summary_of_known_numbers():
 
 def test_runs_that_were_given_up_are_counted_and_left_out():
     s = summary([10, None, 20, None])
-    assert (s.runs, s.given_up, s.mean) == (2, 2, 15.0)
+    assert (s.runs, s.absent, s.mean) == (2, 2, 15.0)
 
 
 @pytest.mark.parametrize("times", [[], [None, None], [3]])
@@ -52,30 +56,53 @@ def test_difference_of_two_means():
     assert difference(a, b) == (10.0, pytest.approx(math.sqrt(2 / 3)))
 
 
+def test_the_interval_of_the_mean_holds_it_in_19_of_20_draws():
+    rng = np.random.default_rng(2)
+    draws = [interval_of_mean(rng.normal(50, 8, 100)) for _ in range(400)]
+    assert np.mean([low < 50.0 < high for low, high in draws]) == pytest.approx(0.95, abs=0.035)
+
+
+def test_the_interval_of_equal_values_is_their_value():
+    assert interval_of_mean(np.full(9, 100.0)) == (100.0, 100.0)
+    assert all(math.isnan(end) for end in interval_of_mean(np.array([3.0])))
+
+
 def cell(mean, why=""):
-    row = Row(model="vem", agents=5, mean=mean, not_reproduced=why)
+    row = Row(model="vem", agents=5, published={"k_con": {"mean": mean, "not_reproduced": why}})
     return Cell("vem", 5, 1.0, {}, row)
 
 
-def test_verdicts_in_a_word():
-    times = [40, 60] * 50
+def judged(tmp_path, cells, times):
+    """The verdicts on the cells of an experiment."""
+    measured = [Measured(c, {"k_con": t}) for c, t in zip(cells, times, strict=True)]
+    return verdicts(small(tmp_path), measured)
+
+
+def test_verdicts_in_a_word(tmp_path):
     cells = [cell(50.0), cell(60.0), cell(60.0, "why"), Cell("vem", 5, 1.0, {})]
-    words = [one.word for one in verdicts([Measured(c, times) for c in cells])]
+    words = [one.word for one in judged(tmp_path, cells, [[40, 60] * 50] * 4)]
     assert words == ["agrees", "differs", "not reproduced", ""]
 
 
-def test_claims_of_a_sweep():
+@pytest.mark.parametrize(
+    ("table", "word", "z"),
+    [("not_reproduced", "not reproduced", True), ("not_compared", "", False)],
+)
+def test_a_measure_may_be_set_aside_for_all_rows(tmp_path, table, word, z):
+    experiment = replace(small(tmp_path), **{table: {"k_con": "why"}})
+    [one] = verdicts(experiment, [Measured(cell(60.0), {"k_con": [40, 60] * 50})])
+    assert (one.word, one.why, one.z is not None) == (word, "why", z)
+
+
+def test_claims_of_a_sweep(tmp_path):
     sweep = Sweep(
         model="vem", agents=[5], parameter="p", values=[1.0, 2.0, 3.0], trend="falls", flat_from=2.0
     )
     cells = [Cell("vem", 5, 1.0, {"p": value}, sweep=sweep) for value in sweep.values]
 
     def holds(*means):
-        noise = (-1, 0, 1) * 5
-        measured = [
-            Measured(c, [mean + n for n in noise]) for c, mean in zip(cells, means, strict=True)
-        ]
-        return [one.holds for one in claims(verdicts(measured))]
+        times = [[mean + n for n in (-1, 0, 1) * 5] for mean in means]
+        return [one.holds for one in claims(judged(tmp_path, cells, times))]
 
     assert holds(100, 50, 49) == [True, True]
     assert holds(100, 50, 20) == [True, False]

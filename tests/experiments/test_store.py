@@ -6,11 +6,14 @@ import pytest
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import Cell
-from app.experiments.store import COLUMNS, Store, key_of
+from app.experiments.kinds import Convergence
+from app.experiments.store import Store, key_of
 from app.experiments.trial import Result, fingerprint
 from experiments.small import TEXT, small
 from worlds.refusal import Refusal
 
+MEASURES = Convergence.measures
+COLUMNS = ("model", "agents", "parameters", "seed", "fingerprint", "k_con", "seconds")
 CELL = Cell("vem", 12, 1.7, {"eta": 0.0, "r": 1.0})
 
 
@@ -20,6 +23,11 @@ def carry_out(experiment, folder, runs=4, seed=1, workers=2):
     )
 
 
+def times(done):
+    """k_con of each cell's runs."""
+    return [one.values["k_con"] for one in done.measured]
+
+
 def lines_of(folder):
     with open(folder / "runs.csv", newline="") as file:
         return list(csv.reader(file))
@@ -27,36 +35,36 @@ def lines_of(folder):
 
 def test_what_is_added_is_read_back(tmp_path):
     path = tmp_path / "deep" / "runs.csv"
-    with Store(path) as store:
-        store.add(key_of(CELL, 3, "abc"), Result(17, 0.25))
+    with Store(path, MEASURES) as store:
+        store.add(key_of(CELL, 3, "abc"), Result({"k_con": 17}, 0.25))
         assert path.read_text().endswith("abc,17,0.250000\n"), "each line is written at once"
-        store.add(key_of(CELL, 4, "abc"), Result(None, 0.5))
-    with Store(path) as store:
+        store.add(key_of(CELL, 4, "abc"), Result({"k_con": None}, 0.5))
+    with Store(path, MEASURES) as store:
         assert store.results == {
-            key_of(CELL, 3, "abc"): Result(17, 0.25),
-            key_of(CELL, 4, "abc"): Result(None, 0.5),
+            key_of(CELL, 3, "abc"): Result({"k_con": 17}, 0.25),
+            key_of(CELL, 4, "abc"): Result({"k_con": None}, 0.5),
         }
 
 
 @pytest.mark.parametrize("torn", ['vem,12,"{""et', "vem", "vem,12,{},5,abc,1"])
 def test_a_torn_last_line_is_cut_off(tmp_path, torn):
     path = tmp_path / "runs.csv"
-    with Store(path) as store:
-        store.add(key_of(CELL, 3, "abc"), Result(17, 0.25))
+    with Store(path, MEASURES) as store:
+        store.add(key_of(CELL, 3, "abc"), Result({"k_con": 17}, 0.25))
     whole = path.read_bytes()
     path.write_bytes(whole + torn.encode())
-    with Store(path) as store:
+    with Store(path, MEASURES) as store:
         assert list(store.results) == [key_of(CELL, 3, "abc")]
         assert path.read_bytes() == whole
-        store.add(key_of(CELL, 4, "abc"), Result(18, 0.25))
-    with Store(path) as store:
+        store.add(key_of(CELL, 4, "abc"), Result({"k_con": 18}, 0.25))
+    with Store(path, MEASURES) as store:
         assert len(store.results) == 2
 
 
 def test_a_torn_header_is_written_again(tmp_path):
     path = tmp_path / "runs.csv"
     path.write_text("model,agen")
-    with Store(path):
+    with Store(path, MEASURES):
         pass
     assert path.read_text() == ",".join(COLUMNS) + "\n"
 
@@ -65,7 +73,7 @@ def test_a_torn_header_is_written_again(tmp_path):
 def test_another_file_is_refused_and_left_alone(tmp_path, content):
     path = tmp_path / "runs.csv"
     path.write_bytes(content)
-    with pytest.raises(Refusal, match="is not a store of runs"), Store(path):
+    with pytest.raises(Refusal, match="is not a store of runs"), Store(path, MEASURES):
         pass
     assert path.read_bytes() == content
 
@@ -73,7 +81,7 @@ def test_another_file_is_refused_and_left_alone(tmp_path, content):
 def test_a_wrong_line_is_named(tmp_path):
     path = tmp_path / "runs.csv"
     path.write_text(",".join(COLUMNS) + "\nvem,12,{},x,abc,17,0.1\n")
-    with pytest.raises(Refusal, match=r"line 2 of .*runs.csv"), Store(path):
+    with pytest.raises(Refusal, match=r"line 2 of .*runs.csv"), Store(path, MEASURES):
         pass
 
 
@@ -85,10 +93,10 @@ def test_a_rerun_takes_what_is_there(tmp_path):
     again = carry_out(experiment, tmp_path)
     assert (again.made, again.taken) == (0, 8)
     assert lines_of(tmp_path) == stored
-    assert [m.times for m in again.measured] == [m.times for m in first.measured]
+    assert times(again) == times(first)
     more = carry_out(experiment, tmp_path, runs=6)
     assert (more.made, more.taken) == (4, 8)
-    assert [m.times[:4] for m in more.measured] == [m.times for m in first.measured]
+    assert [one[:4] for one in times(more)] == times(first)
 
 
 def test_only_what_a_kill_has_torn_is_run_again(tmp_path):
@@ -98,7 +106,7 @@ def test_only_what_a_kill_has_torn_is_run_again(tmp_path):
     path.write_bytes(path.read_bytes()[:-5])
     again = carry_out(experiment, tmp_path)
     assert (again.made, again.taken) == (1, 7)
-    assert [m.times for m in again.measured] == [m.times for m in whole.measured]
+    assert times(again) == times(whole)
 
 
 def test_the_number_of_workers_changes_no_number(tmp_path):

@@ -21,7 +21,7 @@ MINIMUM_IMAGE = 6.5
 def times(experiment, folder, runs=RUNS):
     """Summary of the runs of each cell."""
     done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
-    return [(one.cell, summary(one.times)) for one in done.measured]
+    return [(one.cell, summary(one.values["k_con"])) for one in done.measured]
 
 
 @pytest.fixture(scope="module")
@@ -34,14 +34,14 @@ def table(tmp_path_factory):
 @pytest.mark.parametrize("model", READING)
 def test_means_are_those_of_the_reading(table, model):
     s = table[model]
-    assert s.given_up == 0
+    assert s.absent == 0
     assert abs(s.mean - READING[model]) < 4.0 * s.standard_error
 
 
 def test_means_are_those_of_the_paper(table):
     for cell in read_experiment("liu2021-table1").narrowed(list(READING), [100]).cells:
         s = table[cell.model]
-        assert abs(s.mean - cell.published.mean) < 4.0 * s.sd * (1 / RUNS + 1 / 100) ** 0.5
+        assert abs(s.mean - cell.published("k_con").mean) < 4.0 * s.sd * (1 / RUNS + 1 / 100) ** 0.5
 
 
 def test_hierarchy_beats_weights_and_weights_beat_none(table):
@@ -54,7 +54,7 @@ def test_plain_distance_is_what_the_paper_has(tmp_path):
     across = replace(whole, settings=whole.settings.model_copy(update={"world": "wrap"}))
     [(_, s)] = times(across, tmp_path)
     assert abs(s.mean - MINIMUM_IMAGE) < 4.0 * s.standard_error
-    assert abs(s.mean - whole.cells[0].published.mean) > 20.0 * s.standard_error
+    assert abs(s.mean - whole.cells[0].published("k_con").mean) > 20.0 * s.standard_error
 
 
 def test_figure_5_trends(tmp_path):

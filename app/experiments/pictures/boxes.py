@@ -1,4 +1,4 @@
-"""Box plots of convergence times: the box from quartile to quartile, whiskers to 5 and 95 %."""
+"""Box plots: the box from quartile to quartile, whiskers to 5 and 95 %."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ def explain(figure: Any, signs: list[Any], words: str) -> None:
     )
 
 
-def came(times: Sequence[int | None]) -> np.ndarray:
-    """The runs that have converged."""
-    return np.array([k for k in times if k is not None], float)
+def came(values: Sequence[float | None]) -> np.ndarray:
+    """The runs that have a value."""
+    return np.array([k for k in values if k is not None], float)
 
 
-def box(axes: Any, x: float, times: Sequence[int | None], colour: str, width: float) -> None:
+def box(axes: Any, x: float, values: Sequence[float | None], colour: str, width: float) -> None:
     """Draw one box at x."""
-    values = came(times)
-    if values.size == 0:
+    there = came(values)
+    if there.size == 0:
         return
     line = {"color": colour, "linewidth": 1.2}
     axes.boxplot(
-        [values],
+        [there],
         positions=[x],
         widths=width,
         whis=WHISKERS,

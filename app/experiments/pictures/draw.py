@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from app.experiments.experiment import Experiment
+from app.experiments.pictures.distances import draw_distances
+from app.experiments.pictures.duel import draw_duel
+from app.experiments.pictures.energy import draw_energy
+from app.experiments.pictures.mission import draw_mission
 from app.experiments.pictures.models import draw_models
 from app.experiments.pictures.pairs import draw_pairs
+from app.experiments.pictures.snapshots import draw_snapshots
+from app.experiments.pictures.success import draw_success
 from app.experiments.pictures.sweeps import draw_sweeps
-from app.experiments.verdict import Verdict
+from app.experiments.pictures.trajectories import draw_trajectories
+from app.experiments.verdict import Verdict, main_ones
 from worlds.refusal import Refusal
 
-PICTURES = {"models": draw_models, "sweeps": draw_sweeps, "pairs": draw_pairs}
+OF_NUMBERS = {"models": draw_models, "sweeps": draw_sweeps, "pairs": draw_pairs}
+"""Pictures of one measure."""
+OF_MEASURES: dict[str, Callable[..., None]] = {"success": draw_success, "distances": draw_distances}
+"""Pictures of several measures."""
+OF_RUNS: dict[str, Callable[..., None]] = {
+    "mission": draw_mission,
+    "snapshots": draw_snapshots,
+    "duel": draw_duel,
+    "trajectories": draw_trajectories,
+    "energy": draw_energy,
+}
+"""Pictures of the run of one seed."""
 LOOK = {
     "font.size": 10,
     "axes.spines.top": False,
@@ -33,8 +52,13 @@ LOOK = {
 }
 
 
-def draw(experiment: Experiment, made: list[Verdict], folder: Path) -> dict[str, Path]:
-    """Draw the picture into the folder; returns the files by kind. Raises Refusal."""
+def draw(
+    experiment: Experiment, made: list[Verdict], folder: Path, seed: int = 1
+) -> dict[str, Path]:
+    """Draw the picture into the folder; returns the files by kind.
+
+    `seed` is that of the run which pictures of single runs show. Raises Refusal.
+    """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -42,7 +66,12 @@ def draw(experiment: Experiment, made: list[Verdict], folder: Path) -> dict[str,
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
         figure: Any = Figure(layout="constrained")
         FigureCanvasAgg(figure)
-        PICTURES[experiment.picture](figure, made)
+        if experiment.picture in OF_NUMBERS:
+            OF_NUMBERS[experiment.picture](figure, main_ones(made))
+        elif experiment.picture in OF_MEASURES:
+            OF_MEASURES[experiment.picture](figure, made)
+        else:
+            OF_RUNS[experiment.picture](figure, experiment, seed)
         figure.suptitle(f"{experiment.title}\n{experiment.source}", x=0.01, ha="left")
         files = {kind: folder / f"{experiment.name}.{kind}" for kind in ("png", "svg")}
         try:

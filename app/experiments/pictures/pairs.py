@@ -18,15 +18,15 @@ def draw_pairs(figure: Any, made: list[Verdict]) -> None:
 
     figure.set_size_inches(7.2, 5.0)
     axes = figure.subplots()
-    cells = [one.measured.cell for one in made]
+    cells = [one.cell for one in made]
     sizes = sorted({cell.agents for cell in cells})
     values = list(dict.fromkeys(cell.value for cell in cells))
     colour = dict(zip(values, COLOURS, strict=False))
     for one in made:
-        cell = one.measured.cell
+        cell = one.cell
         k = values.index(cell.value)
         x = sizes.index(cell.agents) + STEP * (k - (len(values) - 1) / 2)
-        box(axes, x, one.measured.times, colour[cell.value], 0.8 * STEP)
+        box(axes, x, one.values, colour[cell.value], 0.8 * STEP)
     axes.set_xticks(range(len(sizes)), [f"N = {n}" for n in sizes])
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.6, len(sizes) - 0.4)

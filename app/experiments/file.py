@@ -1,0 +1,122 @@
+"""An experiment's TOML file: rows and sweeps, what was published, what the paper claims."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from app.experiments.kinds import Settings
+from app.experiments.strict import Strict, Value
+
+Picture = Literal[
+    "models",
+    "sweeps",
+    "pairs",
+    "success",
+    "mission",
+    "snapshots",
+    "duel",
+    "trajectories",
+    "distances",
+    "energy",
+]
+
+
+class Published(Strict):
+    """What a paper prints of a measure."""
+
+    mean: float | None = None
+    quartiles: tuple[float, float, float] | None = None
+    not_reproduced: str = ""
+    """Why this does not come out; empty where it does."""
+
+
+class Row(Strict):
+    """One row of a table, with the published numbers by measure."""
+
+    model: str
+    agents: int = Field(ge=1)
+    label: str = ""
+    """Its name in the table; the model's where it has none of its own."""
+    parameters: dict[str, Value] = Field(default_factory=dict)
+    obstacles: bool = True
+    """Whether the world keeps its obstacles."""
+    published: dict[str, Published] = Field(default_factory=dict)
+    remark: str = ""
+    """What else is known of it."""
+
+
+class Sweep(Strict):
+    """One parameter over several values, for several sizes of flock."""
+
+    model: str
+    agents: list[int] = Field(min_length=1)
+    parameter: str
+    values: list[Value] = Field(min_length=1)
+    fixed: dict[str, Value] = Field(default_factory=dict)
+    trend: Literal["rises", "falls"] | None = None
+    """What the paper says the time does along the values."""
+    flat_from: float | None = None
+    """The value from which on, the paper says, it hardly changes."""
+
+
+class Order(Strict):
+    """The mean of a measure rises from row to row."""
+
+    says: Literal["order"]
+    measure: str
+    labels: list[str] = Field(min_length=2)
+    agents: list[int] = Field(min_length=1)
+    not_reproduced: str = ""
+
+
+class Every(Strict):
+    """A measure is within bounds in every run."""
+
+    says: Literal["every"]
+    measure: str
+    labels: list[str] = Field(default_factory=list)
+    """The rows that it is said of; empty: all."""
+    above: float | None = None
+    below: float | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+    not_reproduced: str = ""
+
+
+class Faster(Strict):
+    """One row is faster than another by more than a share, in every pair of runs of one seed."""
+
+    says: Literal["faster"]
+    measure: str
+    label: str
+    than: str
+    by: float = Field(gt=0.0, lt=1.0)
+    not_reproduced: str = ""
+
+
+Said = Annotated[Order | Every | Faster, Field(discriminator="says")]
+
+
+class File[Kind: Settings](Strict):
+    """A whole file."""
+
+    kind: str = "convergence"
+    title: str
+    source: str
+    picture: Picture
+    runs: int = Field(ge=1)
+    settings: Kind
+    report: list[str] = Field(default_factory=list)
+    """The measures to report, the main one first; empty: the first of the kind."""
+    sizes: dict[str, float] = Field(default_factory=dict)
+    """Side of the box by number of agents; empty: the world's own."""
+    not_reproduced: dict[str, str] = Field(default_factory=dict)
+    """Measures that do not come out in any row, and why."""
+    not_compared: dict[str, str] = Field(default_factory=dict)
+    """Measures whose published values are shown without a verdict, and why."""
+    notes: dict[str, str] = Field(default_factory=dict)
+    rows: list[Row] = Field(default_factory=list)
+    sweeps: list[Sweep] = Field(default_factory=list)
+    claims: list[Said] = Field(default_factory=list)

@@ -1,0 +1,8 @@
+"""The kinds of experiments."""
+
+from app.experiments.kinds.convergence import Convergence
+from app.experiments.kinds.energy import Energy
+from app.experiments.kinds.mission import Mission
+from app.experiments.kinds.settings import Settings
+
+KINDS: dict[str, type[Settings]] = {one.kind: one for one in (Convergence, Mission, Energy)}

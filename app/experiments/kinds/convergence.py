@@ -1,0 +1,38 @@
+"""Runs until a flock is consistent: Liu et al. 2021, section 3.1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from app.experiments.kinds.settings import Measure, Number, Settings
+
+if TYPE_CHECKING:
+    from agents import Flock
+
+UNKNOWN_TICKS = 30.0
+"""Ticks to convergence where nothing is published."""
+
+
+class Convergence(Settings):
+    """When a flock counts as consistent, and when a run is given up."""
+
+    kind: ClassVar[str] = "convergence"
+    measures: ClassVar[tuple[Measure, ...]] = (
+        Measure("k_con", "k_con", "Time to consistency", "ticks", "not consistent", whole=True),
+    )
+
+    desired: float = Field(gt=0.0, lt=1.0)
+    hold: int = Field(ge=1)
+    limit: int = Field(ge=1)
+
+    def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
+        """k_con (27); None if the run was given up."""
+        k = flock.run_until_consistent(self.limit, self.desired, self.hold, between=between)
+        return {"k_con": k}
+
+    def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
+        """The published time and the ticks for which it has to hold."""
+        return (published or UNKNOWN_TICKS) + self.hold

@@ -1,0 +1,82 @@
+"""Runs of a mission from its start to the end: Liu et al. 2021, section 3.2; Wu et al. 2023."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from agents.mission import fly
+from agents.observables.following import KERNELS
+from app.experiments.kinds.settings import Measure, Number, Settings
+
+if TYPE_CHECKING:
+    from agents import Flock
+    from agents.mission import Course
+
+
+FAR = math.inf
+
+
+class Mission(Settings):
+    """How long a mission may last, and when the flock counts as settled."""
+
+    kind: ClassVar[str] = "mission"
+    measures: ClassVar[tuple[Measure, ...]] = (
+        Measure("ticks", "ticks", "Ticks that the mission lasted", "ticks", whole=True),
+        Measure("arrived", "arrived", "Whether the path was flown to its end", "1", whole=True),
+        Measure("success", "P_s", "Agents that have followed all the time", "%"),
+        Measure("d_obs", "D_obs", "Least distance to an obstacle", "length", "never near one", FAR),
+        Measure(
+            "d_ind", "D_ind", "Least distance of two that follow", "length", "none follow", FAR
+        ),
+        Measure("d_pair", "d_pair", "Least distance of two agents", "length", "one agent", FAR),
+        Measure("d_least", "d_least", "Least distance to anything", "length", "never near", FAR),
+        Measure("settled", "settled", "Time until the centre stays at the goal", "s", "never", FAR),
+        Measure("through", "through", "Agents that came to the goal", "%", "no goal"),
+    )
+    measured_by: ClassVar[tuple[Callable, ...]] = KERNELS
+
+    limit: float = Field(gt=0.0)
+    """Time after which a run ends, in the body's unit: ticks or s."""
+    within: float = Field(2.0, gt=0.0)
+    """Distance of the flock's centre to the goal within which it is there, length."""
+    spacing: float | None = Field(None, gt=0.0)
+    """Distance that the agents of a flock at its goal keep, length."""
+
+    def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
+        """Fly the mission and measure it."""
+        ticks = round(self.limit / flock.dt)
+        return self.measured(fly(flock, ticks, every=ticks, between=between))
+
+    def measured(self, course: Course) -> dict[str, Number | None]:
+        """The measures of a course."""
+        goal = len(course.away) > 0
+        led = bool(course.informed.any())
+        near = min(course.least_pair, course.least_obstacle)
+        return {
+            "ticks": course.ticks,
+            "arrived": int(course.arrived),
+            "success": 100.0 * course.success if led else None,
+            "d_obs": finite(course.least_obstacle),
+            "d_ind": finite(course.least_pair_of_followers) if led else None,
+            "d_pair": finite(course.least_pair),
+            "d_least": finite(near),
+            "settled": course.settled(self.within) if goal else None,
+            "through": 100.0 * course.through(self.spacing) if goal and self.spacing else None,
+        }
+
+    def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
+        """All of them."""
+        return self.limit / dt
+
+    def compile(self, flock: Flock) -> None:
+        """Compile what measures a course."""
+        fly(flock, 1)
+
+
+def finite(value: float) -> float | None:
+    """A distance; None for that to nothing, which is infinite."""
+    return value if math.isfinite(value) else None

@@ -1,0 +1,76 @@
+"""What kind of runs an experiment makes: how one is run, and what is measured of it."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from app.experiments.strict import Strict, Value
+
+if TYPE_CHECKING:
+    from agents import Flock
+
+Number = int | float
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A number that is measured of each run."""
+
+    name: str
+    """Its column in the store."""
+    symbol: str
+    """At the head of a table."""
+    title: str
+    unit: str
+    absent: str = "not measured"
+    """What it means for a run to have none."""
+    without: float = math.nan
+    """What a run without it counts as in claims: a distance never measured is inf."""
+    whole: bool = False
+    """Whether it is a whole number."""
+
+    def read(self, text: str) -> Number | None:
+        """A value from the store. Raises ValueError."""
+        if not text:
+            return None
+        return int(text) if self.whole else float(text)
+
+
+class Settings(Strict):
+    """What all rows of an experiment share; each kind of experiment adds its own."""
+
+    kind: ClassVar[str]
+    measures: ClassVar[tuple[Measure, ...]]
+    """In the order of the store's columns."""
+    measured_by: ClassVar[tuple[Callable, ...]] = ()
+    """Compiled functions that the numbers depend on beside the flock's own loop."""
+
+    world: str
+    parameters: dict[str, Value] = Field(default_factory=dict)
+    n_counts_informed: bool = False
+    """Whether the paper counts the information agents in N."""
+
+    @abstractmethod
+    def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
+        """Run a flock at tick 0 to the end; its measures by name, None where there is none.
+
+        `between` is called now and then and may end the run by raising.
+        """
+
+    @abstractmethod
+    def ticks(self, published: float | None, dt: float) -> float:
+        """Ticks that a run may take, from the published time if there is one."""
+
+    def compile(self, flock: Flock) -> None:
+        """Compile what `run` calls beside the flock's own loop; the flock may be used up."""
+
+    @classmethod
+    def measure(cls, name: str) -> Measure:
+        """The measure of that name. Raises KeyError."""
+        return {one.name: one for one in cls.measures}[name]

@@ -1,0 +1,261 @@
+"""Experiments about missions: runs, store, verdicts, claims, pictures."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from agents.mission import fly
+from app.experiments.claims import claims
+from app.experiments.conduct import Measured, conduct
+from app.experiments.experiment import experiment_names, read_experiment, read_file
+from app.experiments.file import Every, Faster, Order
+from app.experiments.kinds import KINDS, Mission
+from app.experiments.pictures.draw import draw
+from app.experiments.report import as_value
+from app.experiments.tables import table_of
+from app.experiments.trial import fingerprint, flock_of
+from app.experiments.verdict import of, verdicts
+from worlds.refusal import Refusal
+
+TEXT = """
+kind = "mission"
+title = "Small mission"
+source = "these tests"
+picture = "success"
+runs = 2
+report = ["success", "d_obs", "d_ind"]
+
+[settings]
+world = "liu2021-mission"
+limit = 150
+n_counts_informed = true
+
+[settings.parameters]
+eta = 0.1
+
+[not_compared]
+d_ind = "because"
+
+[[rows]]
+label = "A"
+model = "vem-a-nav"
+agents = 4
+published.success = { mean = 50.0, quartiles = [25.0, 50.0, 75.0] }
+published.d_ind.mean = 0.2
+
+[[rows]]
+label = "H"
+model = "hwvem-nav"
+agents = 4
+parameters = { p1 = 0.0, p2 = 100.0 }
+"""
+
+
+def small(folder, text=TEXT):
+    """The small experiment, read from a file."""
+    path = folder / "small.toml"
+    path.write_text(text)
+    return read_file(path)
+
+
+def carry_out(experiment, folder, runs=2):
+    return conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """The small experiment carried out, and its folder."""
+    folder = tmp_path_factory.mktemp("mission")
+    experiment = small(folder)
+    return experiment, carry_out(experiment, folder), folder
+
+
+def test_its_numbers_are_those_of_the_flights(done):
+    experiment, made, _ = done
+    for one in made.measured:
+        for k, seed in enumerate((1, 2)):
+            course = fly(flock_of(one.cell, experiment.settings, seed), 150)
+            assert one.values["success"][k] == 100.0 * course.success
+            assert one.values["d_least"][k] == min(course.least_pair, course.least_obstacle)
+            assert one.values["ticks"][k] == course.ticks == 150
+            assert one.values["arrived"][k] == 0
+            assert one.values["settled"][k] is one.values["through"][k] is None
+
+
+def test_n_counts_the_information_agent(done):
+    experiment, made, _ = done
+    flock = flock_of(made.measured[0].cell, experiment.settings, 1)
+    assert (len(flock.ids), int(flock.informed.sum())) == (4, 1)
+    assert flock.world.size == (62.0, 18.0), "the layout's own box"
+
+
+def test_the_store_has_a_column_for_each_measure(done):
+    experiment, _, folder = done
+    with open(folder / "runs.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 4
+    assert list(rows[0])[5:] == [*(one.name for one in Mission.measures), "seconds"]
+    assert {row["model"] for row in rows} == {"vem-a-nav", "hwvem-nav"}
+    again = carry_out(experiment, folder)
+    assert (again.made, again.taken) == (0, 4)
+    assert again.measured == done[1].measured
+
+
+def test_a_store_of_another_kind_is_refused(tmp_path, done):
+    (tmp_path / "runs.csv").write_text("model,agents,parameters,seed,fingerprint,k_con,seconds\n")
+    with pytest.raises(Refusal, match="is not a store of runs"):
+        carry_out(done[0], tmp_path)
+
+
+def test_a_verdict_for_each_row_and_measure(done):
+    experiment, made, _ = done
+    found = verdicts(experiment, made.measured)
+    assert [(one.cell.label, one.measure.name) for one in found] == [
+        (label, measure) for label in "AH" for measure in ("success", "d_obs", "d_ind")
+    ]
+    assert found[0].z is not None
+    assert (found[2].z, found[2].word, found[2].why) == (None, "", "because")
+    rows = as_value(experiment, found, [])["rows"]
+    assert [row["published_mean"] for row in rows] == [50.0, None, 0.2, None, None, None]
+    assert table_of(found).row_count == 3, "a line for each row, one for what is published"
+
+
+def test_rows_may_be_chosen_by_label(done):
+    assert [cell.model for cell in done[0].narrowed(["H"], []).cells] == ["hwvem-nav"]
+
+
+def test_a_world_without_its_obstacles_is_another_run(tmp_path):
+    bare = small(tmp_path, TEXT.replace('label = "H"', 'label = "H"\nobstacles = false'))
+    cell, whole = bare.cells[1], small(tmp_path).cells[1]
+    assert flock_of(cell, bare.settings, 1).world.obstacles == ()
+    start = [flock_of(one, bare.settings, 1).position.tobytes() for one in (cell, whole)]
+    assert start[0] == start[1]
+    assert fingerprint(cell, bare.settings) != fingerprint(whole, bare.settings)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("limit = 150", "limit = 0", "settings.limit"),
+        ('report = ["success"', 'report = ["sucess"', "unknown measure 'sucess'"),
+        ('d_ind = "because"', 'dind = "because"', "unknown measure 'dind'"),
+        ("n_counts_informed = true", "hold = 5", "settings.hold"),
+    ],
+)
+def test_a_wrong_file_is_refused(tmp_path, before, after, words):
+    with pytest.raises(Refusal, match=words):
+        small(tmp_path, TEXT.replace(before, after, 1))
+
+
+def judged(experiment, values, said):
+    """Whether what is said holds of the made-up values of a measure, one list per row."""
+    measure = said.measure
+    measured = [
+        Measured(cell, {m.name: v if m.name == measure else [1.0] for m in Mission.measures})
+        for cell, v in zip(experiment.cells, values, strict=True)
+    ]
+    one = replace(experiment, measures=[Mission.measure(measure)])
+    return [claim.word for claim in claims(verdicts(one, measured), [said])]
+
+
+def test_an_order_holds_if_every_step_rises(done):
+    said = Order(says="order", measure="success", labels=["A", "H"], agents=[4, 50])
+    assert judged(done[0], [[10.0, 20.0], [20.0, 30.0]], said) == ["holds"]
+    assert judged(done[0], [[10.0, 30.0], [20.0, 20.0]], said) == ["does not hold"]
+    known = said.model_copy(update={"not_reproduced": "why"})
+    assert judged(done[0], [[10.0, 30.0], [20.0, 20.0]], known) == ["not reproduced"]
+    gone = said.model_copy(update={"labels": ["A", "B"]})
+    assert judged(done[0], [[10.0], [20.0]], gone) == []
+
+
+@pytest.mark.parametrize(
+    ("bounds", "words"),
+    [
+        ({"above": 0.0}, "does not hold"),
+        ({"at_least": 0.0}, "holds"),
+        ({"below": 2.0}, "does not hold"),
+        ({"at_most": 2.0}, "holds"),
+        ({"above": 0.0, "labels": ["H"]}, "holds"),
+    ],
+)
+def test_bounds_of_every_run(done, bounds, words):
+    said = Every(says="every", measure="d_obs", **bounds)
+    assert judged(done[0], [[0.0, 1.0], [1.0, 2.0]], said) == [words]
+
+
+@pytest.mark.parametrize(("measure", "word"), [("d_obs", "holds"), ("success", "does not hold")])
+def test_a_run_that_comes_near_nothing_is_infinitely_far(done, measure, word):
+    said = Every(says="every", measure=measure, above=0.0)
+    assert judged(done[0], [[None, 1.0], [1.0, 2.0]], said) == [word]
+
+
+@pytest.mark.parametrize(
+    ("quick", "slow", "word"),
+    [
+        ([10.0, 19.0], [100.0, 100.0], "holds"),
+        ([10.0, 20.0], [100.0, 100.0], "does not hold"),
+        ([10.0, 19.0], [100.0, None], "holds"),
+        ([10.0, None], [100.0, None], "does not hold"),
+    ],
+)
+def test_faster_in_every_pair(done, quick, slow, word):
+    said = Faster(says="faster", measure="settled", label="A", than="H", by=0.8)
+    assert judged(done[0], [quick, slow], said) == [word]
+
+
+SHORT = {
+    "liu2021-table2": ({}, [20]),
+    "liu2021-fig7": ({"limit": 120.0}, []),
+    "liu2021-fig8": ({"limit": 120.0}, []),
+    "wu2023-fig5": ({"limit": 2.0}, []),
+    "wu2023-fig7": ({"limit": 2.0}, []),
+    "wu2023-fig8": ({"limit": 2.0}, []),
+    "wu2023-fig9": ({"limit": 2.0}, [30]),
+    "wu2023-fig10": ({}, []),
+    "wu2023-theorem1": ({"limit": 2.0}, []),
+}
+
+
+def test_every_experiment_but_those_of_convergence_is_short_here():
+    kinds = {name: read_experiment(name).settings.kind for name in experiment_names()}
+    assert set(SHORT) == {name for name, kind in kinds.items() if kind != "convergence"}
+    assert set(kinds.values()) == set(KINDS)
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
+    settings, agents = SHORT[name]
+    whole = read_experiment(name).narrowed([], agents)
+    experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
+    rng = np.random.default_rng(4)
+    measured = [
+        Measured(cell, {one.name: list(rng.uniform(20, 80, 5)) for one in whole.settings.measures})
+        for cell in experiment.cells
+    ]
+    made = verdicts(experiment, measured)
+    files = draw(experiment, made, tmp_path, seed=2)
+    assert files["png"].read_bytes()[:4] == b"\x89PNG"
+    assert experiment.source in files["svg"].read_text()
+
+
+def test_table_2_has_15_rows_as_printed():
+    table = read_experiment("liu2021-table2")
+    printed = {(cell.label, cell.agents): cell.published("success").mean for cell in table.cells}
+    assert len(printed) == 15
+    assert printed["HWVEM-II", 50] == 88.38
+    assert printed["IVEM-A", 20] == 44.65
+    made = verdicts(
+        table,
+        [Measured(c, {m.name: [50.0, 60.0] for m in Mission.measures}) for c in table.cells],
+    )
+    assert {one.word for one in of(made, "d_obs")} == {"not reproduced"}
+    assert {one.word for one in of(made, "d_ind")} == {""}
+
+
+def test_paired_runs_start_alike():
+    duel = read_experiment("wu2023-fig5")
+    flocks = [flock_of(cell, duel.settings, 7) for cell in duel.cells]
+    assert flocks[0].position.tobytes() == flocks[1].position.tobytes()
+    assert flocks[0].speed.tobytes() == flocks[1].speed.tobytes()

@@ -1,0 +1,22 @@
+"""Experiments about missions in small, for the tests of the papers' claims."""
+
+from dataclasses import replace
+
+from app.experiments.conduct import conduct
+from app.experiments.experiment import read_experiment
+from app.experiments.verdict import verdicts
+
+
+def flown(name, folder, runs, agents=(), **settings):
+    """An experiment carried out with few runs, as (experiment, verdicts)."""
+    whole = read_experiment(name).narrowed([], list(agents))
+    experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
+    done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+    return experiment, verdicts(experiment, done.measured)
+
+
+def values(made, measure):
+    """The values of a measure by label and size."""
+    return {
+        (one.cell.label, one.cell.agents): one.values for one in made if one.measure.name == measure
+    }

@@ -1,0 +1,66 @@
+"""Models: rules and bodies that fit or do not, defaults, and how far obstacles are noticed."""
+
+import numpy as np
+import pytest
+
+from agents import Flock
+from agents.bodies import constant_speed, double_integrator
+from agents.catalogue import MODELS
+from agents.declare import declared
+from agents.model import Model
+from agents.rules import hwvem, olfati_saber
+from worlds.refusal import Refusal
+from worlds.world import world
+
+
+def test_a_body_that_cannot_take_what_the_rule_wishes_is_an_error():
+    words = "rule olfati-saber wishes acceleration, but the body constant-speed takes heading"
+    with pytest.raises(TypeError, match=words):
+        Model(olfati_saber.RULE, constant_speed.BODY)
+    with pytest.raises(TypeError, match="wishes heading, .* takes acceleration"):
+        Model(hwvem.HWVEM, double_integrator.BODY)
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
+def test_every_model_begins_in_the_world_that_it_is_at_home_in(model):
+    flock = Flock(model.name, agents=5, rng=1)
+    assert flock.world.name == model.world
+    assert flock.dt > 0.0
+    assert flock.signals().shape == (len(model.columns), len(flock.ids))
+    assert all(hasattr(flock.parameters, one.name) for one in declared(model.parameters))
+
+
+def test_a_model_may_have_defaults_of_its_own_within_the_ranges_of_its_rule():
+    plain = {one.name: one for one in declared(MODELS["hwvem"].parameters)}
+    on_mission = {one.name: one for one in declared(MODELS["hwvem-nav"].parameters)}
+    assert (plain["eta"].default, on_mission["eta"].default) == (0.0, 0.1)
+    assert plain["eta"].allowed == on_mission["eta"].allowed
+    assert Flock("hwvem-nav", rng=1).parameters.eta == 0.1
+    with pytest.raises(Refusal, match="eta = 9 rad is outside"):
+        Flock("hwvem-nav", rng=1, eta=9)
+
+
+def test_a_goal_follower_has_no_information_agents():
+    with pytest.raises(Refusal, match="informed = 2 is not allowed: olfati-saber has no informa"):
+        Flock("olfati-saber", agents=5, informed=2, rng=1)
+
+
+def test_obstacles_are_surveyed_again_when_they_are_noticed_from_further_away():
+    flock = Flock("hwvem-nav", agents=5, rng=1)
+    assert flock.engine.ground.reach == flock.sight == 0.5
+    flock.set(r_avoid=0.3)
+    assert flock.engine.ground.reach == 0.5
+    flock.set(r_avoid=1.5)
+    assert flock.engine.ground.reach == 1.5
+    fresh = Flock("hwvem-nav", agents=5, rng=1, r_avoid=1.5)
+    flock.run(50)
+    fresh.run(50)
+    assert np.array_equal(flock.position, fresh.position)
+
+
+def test_a_world_may_be_given_as_a_value():
+    yard = world("obstacles")
+    flock = Flock("reynolds", agents=5, world=yard, rng=1)
+    assert flock.world is yard
+    with pytest.raises(Refusal, match="dim = 3 is not allowed: boundary-points is defined in 2-D"):
+        Flock("boundary-points", agents=5, world="rooms-3d", rng=1)
