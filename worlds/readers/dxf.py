@@ -65,6 +65,10 @@ def read_dxf(path: Path) -> Contents:
     return Contents(tuple(items), tuple(dict.fromkeys(layers)), unit, tuple(notes))
 
 
+STUMBLES = (ArithmeticError, AttributeError, LookupError, StopIteration, TypeError, ValueError)
+"""What ezdxf raises, beside its own errors, over a file that is damaged."""
+
+
 @contextmanager
 def naming_damage(what: str) -> Iterator[None]:
     """Refuse what ezdxf stumbles over, by name: it reads files before it checks them."""
@@ -74,7 +78,7 @@ def naming_damage(what: str) -> Iterator[None]:
         yield
     except Refusal:
         raise
-    except (DXFError, ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+    except (DXFError, *STUMBLES) as error:
         raise Refusal(f"{what}: {' '.join(str(error).split())}") from None
 
 
