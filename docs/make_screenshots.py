@@ -1,8 +1,12 @@
-"""Takes the pictures of the laboratory: `python docs/make_screenshots.py` (needs Chromium)."""
+"""Takes the pictures of the laboratory: `python docs/make_screenshots.py` (needs Chromium).
+
+Names of pictures as arguments take these alone.
+"""
 
 from __future__ import annotations
 
 import shutil
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +15,7 @@ from typing import Any
 from playwright.sync_api import sync_playwright
 
 from app.viewer.laboratory import Laboratory
-from app.viewer.start import Start
+from app.viewer.start import Start, at_home
 
 HERE = Path(__file__).parent
 ARGUMENTS = [
@@ -23,13 +27,25 @@ ARGUMENTS = [
 ]
 
 
-def main() -> None:
-    """The plane, an agent from close, and space."""
+def main(only: tuple[str, ...] = ()) -> None:
+    """The plane, an agent from close, space; then missions. `only` these, or all."""
     plane = Start("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
-    take("laboratory.png", plane, 15.0, 45, in_layers)
-    take("laboratory-agent.png", plane, 15.0, 45, from_close)
     space = Start("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
-    take("laboratory-3d.png", space, 5.0, 6, in_space)
+    mission = at_home("hwvem-nav", seed=3)
+    yard = at_home("hwvem-nav", world="obstacles", agents=80, seed=3)
+    pocket = at_home("boundary-points", seed=3)
+    rooms = at_home("hwvem-nav", world="rooms-3d", agents=150, seed=3)
+    for name, *scene in (
+        ("laboratory.png", plane, 15.0, 45, in_layers),
+        ("laboratory-agent.png", plane, 15.0, 45, from_close),
+        ("laboratory-3d.png", space, 5.0, 6, in_space),
+        ("laboratory-mission.png", mission, 60.0, 245, on_a_mission),
+        ("laboratory-obstacles.png", yard, 60.0, 150, among_obstacles),
+        ("laboratory-forces.png", pocket, 100.0, 254, with_forces),
+        ("laboratory-rooms.png", rooms, 30.0, 110, through_rooms),
+    ):
+        if not only or name in only:
+            take(name, *scene)
 
 
 def in_layers(laboratory: Laboratory, _page: Any) -> None:
@@ -51,6 +67,36 @@ def in_space(_laboratory: Laboratory, page: Any) -> None:
     page.get_by_role("tab", name="Setup").click()
 
 
+def on_a_mission(laboratory: Laboratory, _page: Any) -> None:
+    """The first waypoint is done, and the passage lies behind."""
+    laboratory.view.trails.value = True
+    point(laboratory, "perspective")
+
+
+def among_obstacles(laboratory: Laboratory, page: Any) -> None:
+    """A walled yard at a slant; the Setup tab is open."""
+    laboratory.view.trails.value = True
+    page.get_by_role("tab", name="Setup").click()
+    point(laboratory, "perspective")
+
+
+def with_forces(laboratory: Laboratory, _page: Any) -> None:
+    """An agent at the mouth of the pocket is inspected."""
+    laboratory.select(7)
+    point(laboratory, "follow")
+
+
+def through_rooms(_laboratory: Laboratory, page: Any) -> None:
+    """A hall in space; the View tab is open."""
+    page.get_by_role("tab", name="View").click()
+
+
+def point(laboratory: Laboratory, camera: str) -> None:
+    """Point all cameras."""
+    for client in laboratory.server.get_clients().values():
+        laboratory.point(client, camera)
+
+
 def take(
     name: str, start: Start, speed: float, tick: int, arrange: Callable[[Laboratory, Any], None]
 ) -> None:
@@ -70,11 +116,16 @@ def take(
         laboratory.simulation.go()
         while laboratory.simulation.frame.tick < tick:
             time.sleep(0.01)
+        laboratory.simulation.pause()
         time.sleep(1.0)
+        while laboratory.selected is not None and laboratory.simulation.frame.inspected is None:
+            time.sleep(0.1)
+        arrange(laboratory, page)
+        time.sleep(2.0)
         page.screenshot(path=HERE / name)
         browser.close()
     laboratory.close()
 
 
 if __name__ == "__main__":
-    main()
+    main(tuple(sys.argv[1:]))

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.request import COMMON_AGENTS
 from worlds.refusal import unknown
 
 Rows = list[dict[str, Any]]
@@ -22,6 +23,13 @@ def models() -> Rows:
             "title": one.title,
             "dimensions": list(one.dimensions),
             "informed": one.informed,
+            "world": one.world,
+            "agents": one.agents or COMMON_AGENTS,
+            "wish": one.rule.wish,
+            "body": one.body.name,
+            "time_unit": one.body.unit,
+            "sees_obstacles": one.sees_obstacles,
+            "forces": list(one.rule.forces + one.body.forces),
             "summary": one.summary,
             "source": one.rule.source,
         }
@@ -87,10 +95,15 @@ KINDS = {
     "papers": papers,
 }
 ON_SCREEN = {
-    "models": ("name", "title", "dimensions", "summary"),
+    "models": ("name", "what it does"),
     "parameters": ("name", "default", "allowed", "models", "description"),
 }
 """Columns for people; JSON has all of them."""
+ARTICLES = {
+    "heading": "a heading",
+    "acceleration": "an acceleration",
+    "velocity": "a velocity",
+}
 
 
 def listing(
@@ -119,8 +132,18 @@ def show(made: dict[str, Rows]) -> None:
         table = Table(*columns, title=kind, title_justify="left", box=SIMPLE_HEAD)
         table.columns[0].no_wrap = True
         for row in rows:
-            table.add_row(*(cell(row[name]) for name in columns))
+            told = {**row, "what it does": in_words(row)} if kind == "models" else row
+            table.add_row(*(cell(told[name]) for name in columns))
         console.print(table)
+
+
+def in_words(model: dict[str, Any]) -> str:
+    """What a model is and does, and where it is at home."""
+    dimensions = ", ".join(f"{dim}-D" for dim in model["dimensions"])
+    return (
+        f"{model['title']} ({dimensions}; {model['agents']} agents in {model['world']}; wishes "
+        f"{ARTICLES[model['wish']]})\n[dim]{model['summary']}[/dim]"
+    )
 
 
 def cell(value: Any) -> str:

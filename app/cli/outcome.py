@@ -12,6 +12,19 @@ if TYPE_CHECKING:
     from agents import Flock
 
 
+def telling(flock: Flock) -> list[str]:
+    """The observables that tell how a flock does in its world."""
+    names = ["polarisation", "consistency"]
+    mission = flock.world.mission
+    if flock.world.is_solid:
+        names += ["nearest-neighbour", "obstacle-distance", "inside-obstacles"]
+    if mission is not None and (mission.goal is not None or mission.path is not None):
+        names += ["goal-distance"]
+    if mission is not None and mission.path is not None and flock.informed.any():
+        names += ["following"]
+    return names
+
+
 def plain(value: Any) -> Any:
     """A value as JSON has it: NumPy numbers as numbers, what is not finite as null."""
     if isinstance(value, dict):
@@ -35,6 +48,8 @@ def outcome(flock: Flock, observe: list[str], ticks: int, seconds: float) -> dic
     return {
         "spec": flock.spec.model_dump(mode="json"),
         "tick": flock.tick,
+        "time": flock.elapsed,
+        "time_unit": flock.model.body.unit,
         "ticks": ticks,
         "seconds": round(seconds, 6),
         "observables": {name: flock.observe(name) for name in observe},
@@ -53,8 +68,9 @@ def show(made: dict[str, Any], flock: Flock) -> None:
         + f" in {spec['world']} {size}, seed {spec['seed']}"
     )
     rate = made["ticks"] * len(flock.ids) / max(made["seconds"], 1e-9)
+    now = "" if made["time_unit"] == "ticks" else f" = {made['time']:g} {made['time_unit']}"
     typer.echo(
-        f"tick {made['tick']}, {made['ticks']} ticks in {made['seconds']:.3g} s"
+        f"tick {made['tick']}{now}; {made['ticks']} ticks took {made['seconds']:.3g} s"
         f" ({rate:.2g} agent-steps per second)"
     )
     for name, value in made["observables"].items():

@@ -13,11 +13,16 @@ from worlds.refusal import Refusal, unknown
 
 if TYPE_CHECKING:
     from agents import Flock
+    from worlds.world import World
 
 KEYS = ("model", "agents", "informed", "seed", "world", "size", "activation", "noise")
 """Keys of a spec that an option can override."""
 NAMES = ("model", "world", "activation", "noise")
 """Those whose values are names."""
+TABLES = ("layout", "parameters", "versions")
+"""Tables of a spec; `layout` is its world, where that is none of the built-in ones."""
+COMMON_AGENTS = 100
+"""Agents of a model that names no number."""
 
 
 @dataclass
@@ -28,6 +33,8 @@ class Request:
     parameters: dict[str, Any] = field(default_factory=dict)
     origins: dict[str, str] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
+    layout: dict[str, Any] | None = None
+    """The world that a spec carries with it."""
 
     def read_spec(self, path: Path) -> None:
         """Take the values of a spec file, whole or in part. Raises Refusal naming file and line."""
@@ -37,9 +44,8 @@ class Request:
         except tomllib.TOMLDecodeError as error:
             raise Refusal(f"{path} is not TOML: {error}") from None
         for key in given:
-            if key not in (*KEYS, "start", "parameters", "versions"):
-                known = (*KEYS, "parameters", "versions")
-                raise unknown("key", key, known, place(path, text, key))
+            if key not in (*KEYS, "start", *TABLES):
+                raise unknown("key", key, (*KEYS, *TABLES), place(path, text, key))
         if given.pop("start", "random") != "random":
             raise Refusal(
                 "start = 'given': a run from given arrays goes on only from its saved state, with "
@@ -50,6 +56,8 @@ class Request:
         for name in parameters:
             self.origins[name] = place(path, text, name, "parameters")
         self.parameters.update(parameters)
+        self.layout = given.pop("layout", None)
+        self.origins["layout"] = f"layout in {path}"
         for key, value in given.items():
             self.values[key] = value
             self.origins[key] = place(path, text, key)
@@ -60,6 +68,8 @@ class Request:
             if value is not None:
                 self.values[key] = value
                 self.origins[key] = f"--{key}" if key != "model" else "MODEL"
+        if options.get("world") is not None:
+            self.layout = None
 
     def take_settings(self, settings: list[str]) -> None:
         """Take `--set NAME=VALUE`; they win over all. Raises Refusal."""
@@ -83,10 +93,29 @@ class Request:
         if "seed" in given:
             given["rng"] = given.pop("seed")
         try:
-            self.check_parameters(find_model(given["model"]).parameters)
+            model = find_model(given["model"])
+            given.setdefault("agents", model.agents or COMMON_AGENTS)
+            self.check_parameters(model.parameters)
+            if self.layout is not None:
+                given["world"] = self.own_world(given.pop("dim", None), given.pop("size", None))
             return Flock(threads=threads, **given, **self.parameters)
         except Refusal as refusal:
             raise self.located(refusal) from None
+
+    def own_world(self, dim: int | None, size: Any) -> World:
+        """The world that the spec carries with it. Raises Refusal naming the spec."""
+        from worlds.checks import demand_sound
+        from worlds.world import world_from_layout
+
+        if not isinstance(self.layout, dict):
+            raise Refusal(f"layout = {self.layout!r} is not a table ({self.origins['layout']})")
+        name = self.values.get("world", "layout")
+        try:
+            made = world_from_layout(self.layout, name, dim, size)
+            demand_sound(made)
+        except Refusal as refusal:
+            raise Refusal(f"{refusal} ({self.origins['layout']})") from None
+        return made
 
     def check_parameters(self, model: Any) -> None:
         """Refuse a parameter with its origin. Raises Refusal."""
@@ -100,6 +129,8 @@ class Request:
         text = str(refusal)
         words = text.split()
         key = words[1] if words[0] == "unknown" else words[0]
+        if key == "dim" and key not in self.origins:
+            key = "world"
         origin = self.origins.get(key, "")
         return Refusal(f"{text} ({origin})") if origin and origin not in text else refusal
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from app.cli.keeping import run_ticks
-from app.cli.outcome import as_json, outcome, show
+from app.cli.outcome import as_json, outcome, show, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
@@ -21,12 +21,12 @@ from worlds.refusal import Refusal
 if TYPE_CHECKING:
     from agents import Flock
 
-OBSERVED = "polarisation,consistency"
-
 
 def run(
     model: Annotated[str | None, typer.Argument(help="A model, see `flockscope list`.")] = None,
-    agents: Annotated[int | None, typer.Option(help="Ordinary agents.  [default: 100]")] = None,
+    agents: Annotated[
+        int | None, typer.Option(help="Ordinary agents.  [default: the model's own, or 100]")
+    ] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -35,8 +35,13 @@ def run(
     size: Annotated[
         str | None, typer.Option(help="Side of the box, or one per axis: 7 or 7,5.")
     ] = None,
-    dim: Annotated[int | None, typer.Option(help="2 or 3 dimensions.")] = None,
-    world: Annotated[str | None, typer.Option(help="A built-in world or a TOML file.")] = None,
+    dim: Annotated[
+        int | None, typer.Option(help="2 or 3 dimensions.  [default: the world's own]")
+    ] = None,
+    world: Annotated[
+        str | None,
+        typer.Option(help="A built-in world or a TOML file.  [default: the model's own]"),
+    ] = None,
     informed: Annotated[int | None, typer.Option(help="Information agents.")] = None,
     activation: Annotated[
         str | None, typer.Option(help="synchronous, random or sequential.")
@@ -55,8 +60,12 @@ def run(
         bool, typer.Option("--overwrite", help="Let --record replace a file.")
     ] = False,
     observe: Annotated[
-        str, typer.Option(help="Observables with commas, or `all`, see `flockscope list`.")
-    ] = OBSERVED,
+        str | None,
+        typer.Option(
+            help="Observables with commas, or `all`, see `flockscope list`.  [default: what the "
+            "model and its world ask for]"
+        ),
+    ] = None,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
 ) -> None:
@@ -79,7 +88,7 @@ def run(
         "activation": activation,
         "noise": noise,
     }
-    observables = known_observables(observe)
+    asked = None if observe is None else known_observables(observe)
     given = settings or []
     if state:
         flock = loaded(state, spec, made_of, given, threads)
@@ -96,7 +105,7 @@ def run(
         flock.save(save)
     if not whole:
         stopped(flock, first + ticks, record, save, every)
-    made = outcome(flock, observables, ticks, seconds)
+    made = outcome(flock, telling(flock) if asked is None else asked, ticks, seconds)
     if json_asked:
         files = {"recording": record, "state": save}
         typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))

@@ -7,6 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.inspection import Inspection
+from worlds.world import World
+
+
+@dataclass(frozen=True)
+class Errand:
+    """How a mission stands at one tick."""
+
+    goal: np.ndarray | None = None
+    """Where the gamma agent is, (dim,), if there is one."""
+    done: int = 0
+    """Waypoints of the path that the information agents have left behind; the last agent counts."""
 
 
 @dataclass(frozen=True)
@@ -16,26 +27,31 @@ class Frame:
     run: int
     """Counts the set-ups; a new number means a new flock, not a moved one."""
     tick: int
-    dim: int
-    """2 or 3."""
-    size: np.ndarray
-    """Sides of the world's box, (dim,), length; for an open world the side it was set up with."""
-    wraps: np.ndarray
-    """Whether each axis wraps, (dim,) bool."""
+    world: World
+    """What does not move; the same object from frame to frame until something in it is changed."""
     reach: float
     """Interaction radius, length."""
     speed_scale: float
-    """Speed that counts as full colour, length/tick."""
+    """Speed that counts as full colour, length per unit of time."""
     position: np.ndarray
     """(N, dim)."""
     heading: np.ndarray
     """(N, dim), unit vectors."""
     speed: np.ndarray
-    """(N,), length/tick."""
+    """(N,), length per unit of time."""
     informed: np.ndarray
     """(N,) bool: information agents."""
     ids: np.ndarray
     """(N,) int: identity of each row."""
+    dt: float = 1.0
+    """Time that a tick stands for."""
+    unit: str = "ticks"
+    """Unit of time: ticks, or s."""
+    room: tuple[np.ndarray, np.ndarray] | None = None
+    """Corners (dim,) of the region in which the mission starts."""
+    errand: Errand = Errand()
+    points: np.ndarray | None = None
+    """Boundary points of what is solid, (M, 2), if asked for; one object while they stay."""
     layer: np.ndarray | None = None
     """(N,) int: 1 information agent, 2 in contact with one, ...; N + 1 unknown. If asked for."""
     group: np.ndarray | None = None
@@ -43,3 +59,32 @@ class Frame:
     links: np.ndarray | None = None
     """(M, 2) int: rows of neighbouring pairs, if asked for."""
     inspected: Inspection | None = None
+    title: str = ""
+    """What its model is called, if there is another flock beside it."""
+    beside: Frame | None = None
+    """The same of the flock beside it."""
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return self.world.dim
+
+    @property
+    def low(self) -> np.ndarray:
+        """Lower corner of the world's box, (dim,), length."""
+        return np.array(self.world.low, float)
+
+    @property
+    def size(self) -> np.ndarray:
+        """Sides of the world's box, (dim,), length; of an open world those it was set up with."""
+        return np.array(self.world.size, float)
+
+    @property
+    def wraps(self) -> np.ndarray:
+        """Whether each axis wraps, (dim,) bool."""
+        return np.array(self.world.wraps, bool)
+
+    @property
+    def pace_unit(self) -> str:
+        """Unit of speeds, in words."""
+        return "per tick" if self.unit == "ticks" else f"m/{self.unit}"

@@ -10,6 +10,7 @@ import numpy as np
 import viser
 
 from app.viewer.drawing import Drawing
+from app.viewer.editing.layout_file import LARGEST
 from app.viewer.frame import Frame
 from app.viewer.panels.downloads import Downloads
 from app.viewer.panels.guide import Guide
@@ -22,11 +23,13 @@ from app.viewer.panels.run import RunPanel
 from app.viewer.panels.setup import SetupPanel
 from app.viewer.panels.style import CSS
 from app.viewer.panels.view import ViewPanel
+from app.viewer.panels.world import WorldPanel
 from app.viewer.picture import Wanted
 from app.viewer.scene import COLOURINGS, Look, Scene
 from app.viewer.server import close_server, open_server
 from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.start import Start, lively_speed
+from app.viewer.uploads import accept_uploads
 from app.viewer.values import show
 
 SETTLING = 5.0
@@ -44,12 +47,14 @@ class Laboratory:
         start: Start | None = None,
         host: str = "127.0.0.1",
         port: int = 8080,
-        speed: float = 15.0,
+        speed: float | None = None,
         running: bool = True,
     ):
         self.server = open_server(host, port)
+        accept_uploads(self.server, LARGEST)
         self.host = host
-        self.simulation = Simulation(start or Start(), speed, running)
+        start = start or Start()
+        self.simulation = Simulation(start, speed or lively_speed(start), running)
         self.scene = Scene(self.server)
         self.selected: int | None = None
         self.wanted = Wanted()
@@ -84,13 +89,15 @@ class Laboratory:
         state = self.simulation.state
         run_place = gui.add_folder(None)
         tabs = gui.add_tab_group()
-        with tabs.add_tab("Rule", viser.Icon.ADJUSTMENTS):
+        with tabs.add_tab("Rule"):
             self.parameters = ParametersPanel(gui, self.simulation)
-        with tabs.add_tab("Setup", viser.Icon.TOOLS):
+        with tabs.add_tab("Setup"):
             self.setup = SetupPanel(gui, state.start)
-        with tabs.add_tab("View", viser.Icon.EYE):
+        with tabs.add_tab("World"):
+            self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
+        with tabs.add_tab("View"):
             self.view = ViewPanel(gui, Look(), self.point)
-        with tabs.add_tab("Save", viser.Icon.DOWNLOAD):
+        with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
@@ -110,7 +117,8 @@ class Laboratory:
     def listen(self) -> None:
         """Connect clicks, drags and keys."""
         self.server.on_client_connect(self.settle)
-        self.scene.on_agent_clicked(self.select)
+        self.scene.on_clicked(self.clicked)
+        self.scene.handles.on_dragged(self.world.dragged)
         self.scene.on_leader_dragged(self.steer)
         self.view.steer.on_update(self.steering_switched)
         add_hotkeys(
@@ -129,6 +137,10 @@ class Laboratory:
                 "C": lambda _: self.next_colour(),
                 "L": lambda _: self.switch_links(),
                 "H": self.show_guide,
+                "Z": lambda _: self.world.undo(),
+                "Y": lambda _: self.world.redo(),
+                "delete": lambda _: self.world.delete(),
+                "escape": lambda _: self.world.drop_tool(),
             },
         )
 
@@ -145,6 +157,16 @@ class Laboratory:
     async def steering_switched(self, _event: viser.GuiEvent) -> None:
         self.scene.show_leader_gizmo(self.view.steer.value)
 
+    def clicked(self, row: int | None, origin: np.ndarray, direction: np.ndarray) -> None:
+        """A click into the picture: for the tool of the World tab, or on an agent or obstacle."""
+        if self.world.clicked(origin, direction):
+            return
+        self.select(row)
+        if row is None:
+            self.world.select_at(origin, direction)
+        else:
+            self.world.select(0)
+
     def select(self, row: int | None) -> None:
         """Inspect an agent; None for none."""
         self.selected = row
@@ -160,7 +182,10 @@ class Laboratory:
 
     def point(self, client: viser.ClientHandle, camera: str) -> None:
         """Point one browser's camera."""
-        self.scene.camera(client, camera)
+        if camera == "follow" and self.selected is not None:
+            self.scene.follow(client, self.selected)
+        else:
+            self.scene.camera(client, camera)
 
     async def settle(self, client: viser.ClientHandle) -> None:
         """Point a new browser's camera again when its panels have taken their places."""
@@ -196,7 +221,11 @@ class Laboratory:
         if not np.isfinite(position).all() or not math.isfinite(length) or length < 1e-9:
             return
         far = 100.0 * float(frame.size.max())
-        inside = np.where(frame.wraps, position % frame.size, np.clip(position, -far, far))
+        inside = np.where(
+            frame.wraps,
+            position % frame.size,
+            np.clip(position, frame.low - far, frame.low + far),
+        )
         self.simulation.place(row, inside, heading / length)
 
     # What the drawing thread asks for.
@@ -208,11 +237,13 @@ class Laboratory:
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
         self.tell()
+        self.world.refresh()
         look = self.view.look()
         wanted = Wanted(
             layers=look.colour == "layer",
             groups=look.colour == "group",
             links=look.links,
+            points=look.points,
             row=self.selected,
         )
         if wanted != self.wanted:
@@ -223,6 +254,7 @@ class Laboratory:
         """Bring the panels up to date."""
         state, readings = self.simulation.state, self.simulation.readings
         self.run.refresh(state)
+        self.setup.catch_up(state.start)
         self.setup.refresh(state)
         self.parameters.refresh(state)
         if self.drawing.drawn is None or readings is None:
@@ -230,8 +262,10 @@ class Laboratory:
         frame, look = self.drawing.drawn
         legend = self.scene.legend(look, frame)
         self.monitors.refresh(state, frame, readings, self.browsers(), look.colour, legend)
-        self.plots.refresh(readings)
-        self.inspector.refresh(frame)
+        self.plots.refresh(readings, frame)
+        self.inspector.refresh(frame, self.selected)
+        if self.selected is not None and frame.inspected is None:
+            self.simulation.look_again()
 
     def browsers(self) -> int:
         """Number of browsers that watch."""

@@ -10,7 +10,7 @@ GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "eta": "η",
     "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π",
     "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ", "varphi": "φ", "chi": "χ", "psi": "ψ",
-    "omega": "ω", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ",
+    "omega": "ω", "varepsilon": "ε", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ",
 }  # fmt: skip
 LOWERED = str.maketrans("0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 
@@ -46,6 +46,7 @@ def equation_svg(latex: str, size: float = 14.0) -> list[str | None]:
 def in_mathtext(latex: str) -> str:
     """LaTeX in the part of it that matplotlib knows."""
     latex = re.sub(r"\\([lgn]e)(?![A-Za-z])", r"\\\1q", latex)
+    latex = latex.replace(r"\tfrac", r"\frac")
     latex = re.sub(r"\\[Bb]igg?([(\[])", r"\\left\1", latex)
     latex = re.sub(r"\\[Bb]igg?([)\]])", r"\\right\1", latex)
     return re.sub(r"\\begin\{cases\}(.*?)\\end\{cases\}", cases_in_a_row, latex, flags=re.S)

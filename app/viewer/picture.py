@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
-from agents.inspection import Inspection
+from agents.inspection import Inspection, warm
+from agents.start import start_box
+from app.viewer.aside import Aside
 from app.viewer.crowd import refuse_too_many_links
-from app.viewer.frame import Frame
+from app.viewer.frame import Errand, Frame
 from app.viewer.ration import Ration
 
 
@@ -21,8 +23,12 @@ class Wanted:
     layers: bool = False
     groups: bool = False
     links: bool = False
+    points: bool = False
+    """Boundary points of obstacles."""
     row: int | None = None
     """Row of the agent to inspect."""
+    beside: bool = False
+    """Whether that is an agent of the flock beside."""
 
 
 @dataclass
@@ -35,8 +41,13 @@ class Camera:
     layer: np.ndarray | None = None
     group: np.ndarray | None = None
     links: np.ndarray | None = None
+    points: np.ndarray | None = None
     inspected: Inspection | None = None
     fastest: float = 1e-12
+    surveyed: object | None = None
+    """The world whose boundary points are at hand."""
+    warm: bool = False
+    aside: Aside = field(default_factory=Aside)
     ration: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.15))
 
     def want(self, wanted: Wanted) -> None:
@@ -52,9 +63,7 @@ class Camera:
         return Frame(
             run=self.run,
             tick=flock.tick,
-            dim=flock.position.shape[1],
-            size=np.array(flock.world.size, float),
-            wraps=np.array(flock.world.wraps, bool),
+            world=flock.world,
             reach=float(flock.reach),
             speed_scale=self.fastest,
             position=flock.position.copy(),
@@ -62,6 +71,11 @@ class Camera:
             speed=speed,
             informed=flock.informed.copy(),
             ids=flock.ids.copy(),
+            dt=flock.dt,
+            unit=flock.model.body.unit,
+            room=room(flock),
+            errand=errand(flock),
+            points=self.points,
             layer=self.layer,
             group=self.group,
             links=self.links,
@@ -70,6 +84,7 @@ class Camera:
 
     def examine(self) -> None:
         """Find what takes a look at the whole flock, if it is wanted and due."""
+        self.survey()
         if not self.ration.due(time.perf_counter()):
             return
         wanted, flock = self.wanted, self.flock
@@ -81,9 +96,45 @@ class Camera:
             self.group = np.array(flock.group_labels()) if wanted.groups else None
             self.links = np.array(flock.links()) if wanted.links else None
 
+    def survey(self) -> None:
+        """Take the boundary points of a world that is new."""
+        if not self.wanted.points:
+            self.points = self.surveyed = None
+        elif self.surveyed is not self.flock.world:
+            self.surveyed = self.flock.world
+            ground = self.flock.engine.ground
+            self.points = np.column_stack([ground.point_x, ground.point_y])
+
     def inspect(self) -> None:
         """Look at the wanted agent and at whom it listens to."""
         row, self.inspected = self.wanted.row, None
-        if row is None or not 0 <= row < len(self.flock.ids):
+        if row is None or not 0 <= row < len(self.flock.ids) or not self.is_warm():
             return
         self.inspected = self.flock.inspect(row)
+
+    def is_warm(self) -> bool:
+        """Whether an agent can be inspected at once; what that takes is compiled aside."""
+        if not self.warm:
+            if self.aside.idle:
+                self.aside.begin(lambda: warm(self.flock))
+            self.warm = self.aside.finished() is not None
+        return self.warm
+
+
+def errand(flock: Flock) -> Errand:
+    """How the flock's mission stands."""
+    mission = flock.world.mission
+    if mission is None:
+        return Errand()
+    goal = None if mission.goal is None else np.array(flock.goal_at([flock.tick])[0], float)
+    legs = flock.arrays.leg[flock.informed] if mission.path is not None else np.empty(0)
+    return Errand(goal, int(legs.min()) if len(legs) else 0)
+
+
+def room(flock: Flock) -> tuple[np.ndarray, np.ndarray] | None:
+    """The corners of the region in which the flock's mission starts."""
+    mission = flock.world.mission
+    if mission is None or mission.start is None:
+        return None
+    low, size = start_box(mission.start, sum(flock.started_with))
+    return low, low + size

@@ -10,11 +10,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
+from agents.observables.following import spread_bound
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 from app.viewer.aside import Aside
 from app.viewer.crowd import refuse_too_many_links
+from app.viewer.extremes import Extremes
 from app.viewer.ration import Ration
 from worlds.world import World
 
@@ -22,6 +24,8 @@ ORDER = ("polarisation", "consistency")
 """Quick to measure: read many times a second."""
 STRUCTURE = ("mean-neighbours", "groups", "largest-group")
 """Needs the flock's graph: read a few times a second, less for a large flock."""
+GOAL_DISTANCE = "goal-distance"
+"""Of a mission: read as often as the order."""
 POINTS = 600
 """Points in a plot at most."""
 
@@ -115,9 +119,14 @@ class Readings:
     """Agents that no information reaches."""
     order: Course = field(default_factory=lambda: Course(*ORDER))
     structure: Course = field(default_factory=lambda: Course(*STRUCTURE))
+    errand: Course = field(default_factory=lambda: Course(GOAL_DISTANCE))
+    extremes: Extremes = field(init=False)
     quick: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.05))
     slow: Ration = field(default_factory=lambda: Ration(period=1 / 4, share=0.1))
     aside: Aside = field(default_factory=Aside)
+
+    def __post_init__(self) -> None:
+        self.extremes = Extremes(self.flock)
 
     def read(self, at_once: bool = False) -> None:
         """Read what is due; everything, and now, if `at_once`.
@@ -128,8 +137,8 @@ class Readings:
         if at_once or self.quick.due(now):
             with self.quick.measured():
                 seen = {name: float(self.flock.observe(name)) for name in ORDER}
-                self.values = self.values | seen
                 self.order.add(self.flock.tick, seen)
+                self.values = self.values | seen | self.mission()
         if at_once:
             self.aside.forget()
             self.take(self.study(still(self.flock)))
@@ -137,6 +146,17 @@ class Readings:
             self.take(done.result)
         elif self.aside.idle and self.slow.due(now):
             self.aside.begin(self.study(still(self.flock)))
+
+    def mission(self) -> dict[str, float]:
+        """How the mission stands; nothing in a world without one and without anything solid."""
+        found = self.extremes.values()
+        mission = self.flock.world.mission
+        if mission is not None and (mission.goal is not None or mission.path is not None):
+            found[GOAL_DISTANCE] = float(self.flock.observe(GOAL_DISTANCE))
+            self.errand.add(self.flock.tick, found)
+        if mission is not None and mission.goal is not None:
+            found["through"] = arrived(self.flock)
+        return found
 
     def study(self, flock: Still) -> Callable[[], Structure]:
         """The work of finding the graph, which counts against its ration."""
@@ -149,9 +169,19 @@ class Readings:
 
     def take(self, found: Callable[[], Structure]) -> None:
         """Take what was found; without it nothing old is shown."""
-        self.values = {k: v for k, v in self.values.items() if k in ORDER}
+        self.values = {k: v for k, v in self.values.items() if k not in (*STRUCTURE, "following")}
         self.layers, self.unknown = np.zeros(0, int), 0
         seen = found()
         self.values = self.values | seen.values
+        if len(seen.layers):
+            self.values["following"] = 1.0 - seen.unknown / (seen.unknown + seen.layers.sum())
         self.layers, self.unknown = seen.layers, seen.unknown
         self.structure.add(seen.tick, seen.values)
+
+
+def arrived(flock: Flock) -> float:
+    """Share of the agents that are no further from the goal than a flock around it needs."""
+    goal = flock.goal_at([flock.tick])[0]
+    spacing = float(getattr(flock.parameters, "d", flock.reach))
+    away = np.linalg.norm(flock.position - goal, axis=1)
+    return float((away <= spread_bound(len(away), spacing)).mean())

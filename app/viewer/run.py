@@ -10,13 +10,18 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from app.viewer.crowd import refuse_too_dense
 from app.viewer.frame import Frame
 from app.viewer.picture import Camera, Wanted
 from app.viewer.readings import Readings
+from worlds.refusal import Refusal
 
 
 class Run:
     """A flock, its readings and the frames taken of it."""
+
+    second: Run | None = None
+    """The run of the flock beside it, if there is one: see `beside.Pair`."""
 
     def __init__(self, flock: Flock, number: int, wanted: Wanted):
         self.flock = flock
@@ -33,9 +38,38 @@ class Run:
         """The flock's parameters, name -> value."""
         return self.flock.parameters.model_dump()
 
+    @property
+    def beside_values(self) -> dict[str, Any]:
+        """The parameters that only the flock beside it has; it has none."""
+        return {}
+
+    @property
+    def both(self) -> tuple[Run, ...]:
+        """This run, and the one beside it."""
+        return (self,) if self.second is None else (self, self.second)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the next tick need not be compiled, neither here nor beside."""
+        return all(one.compiled for one in self.both)
+
+    def want(self, wanted: Wanted) -> None:
+        """Change what frames hold beside positions and headings."""
+        self.camera.want(wanted)
+
+    def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
+        """Give a parameter a value. Raises Refusal, and then changes nothing."""
+        before = self.values
+        self.flock.set(**{name: value})
+        try:
+            refuse_too_dense(self.flock)
+        except Refusal:
+            self.flock.set(**before)
+            raise
+
     def advance(self, ticks: int) -> None:
         """Run ticks. Raises whatever the rule raises."""
-        self.flock.advance(ticks)
+        self.readings.extremes.run(ticks)
         self.compiled = True
 
     def look(self, closely: bool) -> Frame:
@@ -68,6 +102,10 @@ class Run:
         """Put an agent somewhere and turn it."""
         self.flock.position[row] = position
         self.flock.heading[row] = heading
+
+    def spec(self) -> bytes:
+        """The run as TOML."""
+        return self.flock.spec.to_toml().encode()
 
     def saved(self) -> bytes:
         """The flock's state as a file."""

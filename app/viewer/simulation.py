@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from app.viewer.beside import Broken, Pair, companion
 from app.viewer.crowd import refuse_too_dense
+from app.viewer.edits import Edits, freed
 from app.viewer.frame import Frame
 from app.viewer.pace import Pace
 from app.viewer.picture import Wanted
@@ -31,7 +33,7 @@ OBEDIENCE = 0.03
 """Longest time for commands before ticks are run again, s."""
 
 
-class Simulation:
+class Simulation(Edits):
     """Runs a flock; `frame`, `state` and `readings` are always the latest.
 
     Commands may come from any thread and return at once; they are carried out in order, between
@@ -44,14 +46,18 @@ class Simulation:
         speed: float = 15.0,
         running: bool = True,
         build: Callable[[Start], Flock] = Start.build,
+        build_beside: Callable[[Start, Flock], Flock] = companion,
     ):
+        super().__init__()
         self.frame: Frame | None = None
         self.readings: Readings | None = None
+        self.readings_beside: Readings | None = None
         self.state = State(start, running=running, busy=True, speed=speed)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
         self.build = build
+        self.build_beside = build_beside
         self.run: Run | None = None
         self.wanted = Wanted()
         self.pace = Pace(speed)
@@ -86,9 +92,7 @@ class Simulation:
 
     def reset(self) -> Future:
         """The same flock again: same seed, same start, the parameters as they are now."""
-        return self.tell(
-            lambda: self.schedule(self.state.start.but(parameters=dict(self.state.values)))
-        )
+        return self.tell(lambda: self.schedule(self.state.again()))
 
     def go(self) -> Future:
         """Run."""
@@ -110,9 +114,9 @@ class Simulation:
         """Run at so many ticks per second; infinity for as fast as it goes."""
         return self.tell(lambda: self.change_pace(speed))
 
-    def set(self, name: str, value: Any) -> Future:
-        """Give the running flock's parameter a new value."""
-        return self.tell(lambda: self.set_now(name, value))
+    def set(self, name: str, value: Any, beside: bool = False) -> Future:
+        """Give a parameter a new value, in both flocks if they share it; or only `beside`."""
+        return self.tell(lambda: self.set_now(name, value, beside))
 
     def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
         """Put an agent somewhere and turn it."""
@@ -122,12 +126,16 @@ class Simulation:
         """Say what frames should hold beside positions and headings."""
         return self.tell(lambda: self.want_now(wanted))
 
+    def look_again(self) -> Future:
+        """Take another frame, though nothing has moved."""
+        return self.tell(self.look_again_now)
+
     def spec(self) -> Future:
-        """The run as TOML, bytes."""
-        return self.tell(lambda: self.sound_run().flock.spec.to_toml().encode())
+        """The run as TOML, bytes; of two flocks a ZIP of both."""
+        return self.tell(lambda: self.sound_run().spec())
 
     def saved(self) -> Future:
-        """The flock's saved state, bytes."""
+        """The flock's saved state, bytes; of two flocks a ZIP of both."""
         return self.tell(lambda: self.sound_run().saved())
 
     def close(self, wait: float = 2.0) -> None:
@@ -184,7 +192,7 @@ class Simulation:
 
     def advance(self, run: Run, ticks: int) -> None:
         """Run ticks; the first ones of a model may have to be compiled."""
-        if run.compiled:
+        if run.is_compiled:
             run.advance(ticks)
             return
         self.state = replace(self.state, busy=True)
@@ -207,6 +215,8 @@ class Simulation:
                 traceback.print_exception(trouble)
             self.notices.put(in_words(trouble))
         self.readings = self.run.readings
+        second = self.run.second
+        self.readings_beside = None if second is None else second.readings
         self.state = replace(self.state, rate=self.pace.rate(now) if self.state.running else 0.0)
         if not self.state.running:
             self.ready.set()
@@ -219,6 +229,7 @@ class Simulation:
         try:
             flock = self.build(start)
             refuse_too_dense(flock)
+            self.run = self.new_run(start, flock)
         except Refusal as refusal:
             self.notices.put(str(refusal))
             self.state = replace(
@@ -226,7 +237,7 @@ class Simulation:
             )
             self.ready.set()
             return
-        self.run = Run(flock, self.state.run + 1, self.wanted)
+        self.take_over(self.run, start)
         self.pace.restart()
         self.stale = True
         self.state = replace(
@@ -237,7 +248,17 @@ class Simulation:
             error="",
             agents=len(flock.ids),
             values=self.run.values,
+            beside_values=self.run.beside_values,
         )
+
+    def new_run(self, start: Start, flock: Flock) -> Run:
+        """The run of a flock, and of the one beside it. Raises Refusal."""
+        number = self.state.run + 1
+        if start.beside is None:
+            return Run(flock, number, self.wanted)
+        second = self.build_beside(start, flock)
+        refuse_too_dense(second)
+        return Pair(flock, second, number, self.wanted)
 
     def fail(self, error: Exception) -> None:
         """A rule went wrong: stop the run, say why and live on."""
@@ -280,32 +301,30 @@ class Simulation:
         self.pace = Pace(speed)
         self.state = replace(self.state, speed=speed)
 
-    def set_now(self, name: str, value: Any) -> None:
+    def set_now(self, name: str, value: Any, beside: bool) -> None:
         run = self.sound_run()
-        before = run.values
-        run.flock.set(**{name: value})
+        run.set(name, value, beside)
         self.pace.doubt()
-        try:
-            refuse_too_dense(run.flock)
-        except Refusal:
-            run.flock.set(**before)
-            raise
-        self.state = replace(self.state, values=run.values)
+        self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
         self.stale = True
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
-        self.sound_run().place(row, position, heading)
+        run = self.sound_run()
+        run.place(row, freed(run, position), heading)
         self.stale = True
+
+    def look_again_now(self) -> None:
+        self.stale = self.run is not None and not self.state.error
 
     def want_now(self, wanted: Wanted) -> None:
         self.wanted = wanted
         if self.run is not None and not self.state.error:
-            self.run.camera.want(wanted)
+            self.run.want(wanted)
             self.stale = True
 
 
 def in_words(error: BaseException) -> str:
     """An error as one line for the user."""
-    if isinstance(error, Refusal | ArithmeticError):
+    if isinstance(error, Refusal | ArithmeticError | Broken):
         return str(error)
     return f"{type(error).__name__}: {error}"

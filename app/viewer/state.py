@@ -29,3 +29,13 @@ class State:
     """Rows of the flock, information agents among them."""
     values: dict[str, Any] = field(default_factory=dict)
     """The flock's parameters, name -> value."""
+    beside_values: dict[str, Any] = field(default_factory=dict)
+    """Those that only the flock beside it has."""
+
+    def again(self) -> Start:
+        """The start of this run with the parameters as they are now."""
+        start = self.start
+        return start.but(
+            parameters=dict(self.values) or start.parameters,
+            beside_parameters=dict(self.beside_values) or start.beside_parameters,
+        )

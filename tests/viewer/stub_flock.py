@@ -10,6 +10,7 @@ import numpy as np
 
 from agents.declare import Parameters, checked, parameter
 from app.viewer.start import Start
+from worlds.world import World
 
 
 class Knobs(Parameters):
@@ -37,9 +38,12 @@ class StubFlock:
         self.speed = np.full(n, 0.03)
         self.informed = np.arange(n) == 0
         self.ids = np.arange(n)
-        on = np.full(start.dim, True)
-        size = np.full(start.dim, self.side)
-        self.world = SimpleNamespace(size=size, wraps=on, images=on)
+        self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
+        self.model = SimpleNamespace(
+            rule=SimpleNamespace(weigh=None, explain=None),
+            body=SimpleNamespace(unit="ticks", explain=None),
+        )
+        self.dt = 1.0
         self.reach = 1.0
         self.tick = 0
         self.parameters = checked(Knobs, start.parameters)

@@ -11,6 +11,7 @@ from app.viewer.scene.colouring import agent_colours, legend
 from app.viewer.scene.oklch import decoded, encoded, oklch
 from app.viewer.scene.picture import picture
 from app.viewer.scene.stage import Stage
+from worlds.world import World
 
 
 def flock(count: int = 60, dim: int = 2, **changes) -> Frame:
@@ -21,9 +22,7 @@ def flock(count: int = 60, dim: int = 2, **changes) -> Frame:
     known = {
         "run": 1,
         "tick": 0,
-        "dim": dim,
-        "size": np.full(dim, 10.0),
-        "wraps": np.ones(dim, dtype=bool),
+        "world": World("wrap", (10.0,) * dim, ("wrap",) * dim),
         "reach": 1.0,
         "speed_scale": 0.1,
         "position": rng.random((count, dim)) * 10.0,

@@ -19,7 +19,9 @@ from app.viewer.scene.stage import Stage
 from app.viewer.scene.static_files import static_folder
 from app.viewer.scene.surroundings import floor_under, left_the_box
 from app.viewer.scene.trails import Trails, carried, chosen
+from worlds.world import World
 
+TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))
 LOOK = Look(trails=True, trail_length=16)
 
 
@@ -42,9 +44,7 @@ def walker(tick: int, x: float, run: int = 1, ids: tuple[int, ...] = (0, 1)) -> 
     return Frame(
         run=run,
         tick=tick,
-        dim=2,
-        size=np.array([10.0, 10.0]),
-        wraps=np.array([True, True]),
+        world=TORUS,
         reach=1.0,
         speed_scale=1.0,
         position=position,
@@ -191,7 +191,9 @@ def test_the_floor_follows_a_flock_that_leaves_an_open_world():
     frame = walker(0, 5.0)
     assert not left_the_box(picture(frame, Look(), Stage.of(frame)))
     away = replace(
-        frame, wraps=np.zeros(2, dtype=bool), position=frame.position + np.array([12.0, 0.0])
+        frame,
+        world=replace(TORUS, edges=("open", "open")),
+        position=frame.position + np.array([12.0, 0.0]),
     )
     shown = picture(away, Look(), Stage.of(away))
     assert left_the_box(shown)
@@ -234,9 +236,7 @@ def test_a_scene_stands_any_number_of_agents_and_a_change_of_world(server):
         frame = Frame(
             run=run,
             tick=0,
-            dim=dim,
-            size=np.full(dim, 4.0 + run),
-            wraps=np.zeros(dim, dtype=bool),
+            world=World("open", (4.0 + run,) * dim, ("open",) * dim),
             reach=1.0,
             speed_scale=0.0,
             position=rng.random((count, dim)) * 9.0,

@@ -21,6 +21,10 @@ KEYS = {
     "C": "Colour by the next quantity",
     "L": "Links on or off",
     "H": "Guide",
+    "Z": "World: undo",
+    "Y": "World: redo",
+    "delete": "World: delete the selected obstacle",
+    "escape": "World: a click selects again",
 }
 """Key -> what it does; every one has an action in `add_hotkeys`."""
 

@@ -11,8 +11,13 @@ import viser
 from agents.inspection import Inspection
 from app.viewer.frame import Frame
 from app.viewer.panels.style import block, table
+from app.viewer.scene import palette
+from app.viewer.scene.reasons import PLACES, force_colours
 
 MOST_NEIGHBOURS = 6
+LOOKING = (
+    '<div class="fs-quiet">Looking closer … a model is compiled for this the first time.</div>'
+)
 
 
 class Inspector:
@@ -30,13 +35,16 @@ class Inspector:
 
         button.on_click(closed)
 
-    def refresh(self, frame: Frame) -> None:
-        """Show the inspected agent as it is now, or nothing."""
+    def refresh(self, frame: Frame, row: int | None) -> None:
+        """Show the agent of a row as it is now; nothing for None or a row that is not there."""
         seen = frame.inspected
-        if self.panel.visible != (seen is not None):
-            self.panel.visible = seen is not None
-        if seen is not None:
+        wanted = row is not None and row < len(frame.ids)
+        if self.panel.visible != wanted:
+            self.panel.visible = wanted
+        if wanted and seen is not None:
             self.card.content = block(card(frame, seen))
+        elif wanted:
+            self.card.content = block(LOOKING)
 
 
 def card(frame: Frame, seen: Inspection) -> str:
@@ -46,7 +54,7 @@ def card(frame: Frame, seen: Inspection) -> str:
         rows["group"] = str(int(frame.group[seen.row]) + 1)
     rows["neighbours"] = str(len(seen.neighbours))
     kind = " · information agent" if frame.informed[seen.row] else ""
-    heard = listened(frame, seen)
+    heard = pushed(seen) + listened(frame, seen)
     return f'<div class="fs-head">Agent {seen.id}{kind}</div>{table(rows)}{heard}'
 
 
@@ -59,12 +67,51 @@ def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
     }
     if frame.dim == 3:
         told["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
-    told["speed"] = f"{frame.speed[seen.row]:.3g} per tick"
-    signals = {
-        name: f"{value:g}" if np.isfinite(value) else "unknown"
-        for name, value in seen.signals.items()
-    }
-    return told | signals
+    told["speed"] = f"{frame.speed[seen.row]:.3g} {frame.pace_unit}"
+    return told | signal_facts(seen.signals)
+
+
+def signal_facts(signals: dict[str, float]) -> dict[str, str]:
+    """What an agent tells and keeps; places, which are pairs of columns, as points."""
+    told = {}
+    for name, value in signals.items():
+        stem = name[:-2]
+        if name.endswith("_y") and f"{stem}_x" in signals:
+            continue
+        if name.endswith("_x") and f"{stem}_y" in signals:
+            told[stem] = f"({value:.2f}, {signals[f'{stem}_y']:.2f})"
+        else:
+            told[name] = f"{value:.4g}" if np.isfinite(value) else "unknown"
+    if signals.get("following") == 0.0:
+        told = {name: words for name, words in told.items() if name not in PLACES}
+    return told
+
+
+def pushed(seen: Inspection) -> str:
+    """The forces on it, by the colours of their arrows, and how strong they are."""
+    if not seen.forces:
+        return ""
+    colours = [palette.css(colour) for colour in force_colours(len(seen.forces))]
+    length = {name: float(np.linalg.norm(force)) for name, force in seen.forces.items()}
+    most = max([*length.values(), 1e-300])
+    rows = "".join(
+        f'<tr><td><i class="fs-dot fs-small" style="background:{colour}"></i>'
+        f"{html.escape(name)}</td>"
+        f'<td style="width:35%"><div class="fs-weight" '
+        f'style="width:{100 * value / most:.1f}%;background:{colour}"></div></td>'
+        f"<td>{strength(value)}</td></tr>"
+        for (name, value), colour in zip(length.items(), colours, strict=True)
+    )
+    return f'<div class="fs-head">Forces</div><table class="fs-table">{rows}</table>'
+
+
+def strength(value: float) -> str:
+    """The length of a force in few figures.
+
+    >>> strength(1234.5), strength(0.01234)
+    ('1234', '0.0123')
+    """
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
 def listened(frame: Frame, seen: Inspection) -> str:

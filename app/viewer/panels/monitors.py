@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import html
+import math
 
 import viser
 
 from app.viewer.frame import Frame
-from app.viewer.panels.style import block, cards, key
+from app.viewer.panels.style import block, cards, grid, key
 from app.viewer.readings import Readings
 from app.viewer.scene import palette
 from app.viewer.state import State
+from worlds.mission import Mission
 
 MOST_BARS = 12
 
@@ -19,7 +21,9 @@ class Monitors:
     """The top of the left panel."""
 
     def __init__(self, gui: viser.GuiApi):
+        self.clock = gui.add_html("", visible=False)
         self.cards = gui.add_html(cards({"tick": "–"}))
+        self.mission = gui.add_html("", visible=False)
         self.key = gui.add_html("")
         self.layers = gui.add_html("")
 
@@ -34,6 +38,8 @@ class Monitors:
     ) -> None:
         """Show the latest of everything."""
         self.cards.content = cards(numbers(state, frame, readings.values, browsers))
+        show_block(self.clock, clock(frame))
+        show_block(self.mission, errand(frame, readings.values))
         entries = [(html.escape(words), css) for words, css in legend]
         self.key.content = block(
             f'<div class="fs-head">Colour: {html.escape(colour)}</div>{key(entries)}'
@@ -60,6 +66,60 @@ def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int)
         "largest group": shown("largest-group", ".0f"),
         "browsers": str(browsers),
     }
+
+
+def clock(frame: Frame) -> str:
+    """The time, for models whose bodies count it in seconds; else nothing."""
+    if frame.unit == "ticks":
+        return ""
+    return (
+        f'<div class="fs-clock"><b>t = {frame.tick * frame.dt:.1f} {html.escape(frame.unit)}</b>'
+        f" · tick {spaced(frame.tick)}</div>"
+    )
+
+
+def errand(frame: Frame, values: dict[str, float]) -> str:
+    """Cards of how the mission stands and of what the agents have come close to; or nothing."""
+    world = frame.world
+    if world.mission is None and not world.is_solid:
+        return ""
+    what = "Mission" if world.mission is not None else "Safety"
+    return f'<div class="fs-head">{what}</div>{grid(mission_numbers(frame, values))}'
+
+
+def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
+    """The cards of a mission, name -> text; only what this world and this flock have."""
+    mission = frame.world.mission or Mission()
+    told = {}
+    if "goal-distance" in values:
+        where = "goal" if mission.goal is not None else "path's end"
+        told[f"to {where}"] = length_text(values["goal-distance"])
+    if mission.path is not None and frame.informed.any():
+        count = len(mission.path.waypoints)
+        here = frame.errand.done + 1
+        told["waypoint"] = f"{here} / {count}" if here <= count else "all done"
+    if mission.goal is not None and "through" in values:
+        told["arrived"] = f"{100 * values['through']:.0f} %"
+    if "following" in values:
+        told["following"] = f"{100 * values['following']:.0f} %"
+    if "least-gap" in values:
+        told["closest pair"] = length_text(values["least-gap"])
+    if "least-clearance" in values:
+        told["to obstacle"] = length_text(values["least-clearance"])
+        told["collisions"] = f"{values['inside']:.0f}"
+    return told
+
+
+def length_text(length: float) -> str:
+    """A length in few figures; infinite ones are beyond what is looked at."""
+    return f"{length:.3g}" if abs(length) < math.inf else "far"
+
+
+def show_block(place: viser.GuiHtmlHandle, content: str) -> None:
+    """Show content, or hide its place if there is none."""
+    place.visible = bool(content)
+    if content:
+        place.content = block(content)
 
 
 def rate_text(rate: float) -> str:

@@ -88,7 +88,7 @@ def worded(one: Declared) -> tuple[str, str]:
     hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
     if one.kind != "number":
         return one.name.replace("_", " "), hint
-    unit = "" if one.unit == "1" else f" ({one.unit})"
+    unit = "" if one.unit == "1" else f" ({one.unit.replace('^2', '²')})"
     return f"{plain(one.symbol)}{unit}", hint
 
 

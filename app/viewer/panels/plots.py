@@ -6,7 +6,8 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.viewer.panels.style import BLUE, GREEN, ORANGE, block, key
+from app.viewer.frame import Frame
+from app.viewer.panels.style import BLUE, GREEN, ORANGE, VIOLET, block, key
 from app.viewer.readings import Readings
 
 HEIGHT = 160
@@ -21,9 +22,22 @@ class Plots:
         self.order = chart(gui, (BLUE, GREEN), uplot.Scale(range=(0.0, 1.02)))
         gui.add_html(head("Neighbours", [("mean number within r", ORANGE)]))
         self.neighbours = chart(gui, (ORANGE,), uplot.Scale(range=(0.0, None)))
+        self.goal_head = gui.add_html("", visible=False)
+        self.goal = chart(gui, (VIOLET,), uplot.Scale(range=(0.0, None)))
+        self.goal.visible = False
 
-    def refresh(self, readings: Readings) -> None:
+    def refresh(self, readings: Readings, frame: Frame) -> None:
         """Draw the run as far as it has come."""
+        mission = frame.world.mission
+        has_goal = mission is not None and mission.goal is not None
+        has_end = mission is not None and (has_goal or mission.path is not None)
+        self.goal.visible = self.goal_head.visible = has_end
+        if has_end:
+            words = "the goal" if has_goal else "the path's end"
+            self.goal_head.content = head(
+                "Mission", [(f"distance of the flock's centre to {words}", VIOLET)]
+            )
+            draw(self.goal, readings.errand.arrays())
         draw(self.order, readings.order.arrays())
         draw(self.neighbours, readings.structure.arrays()[:2])
 

@@ -11,6 +11,7 @@ from agents.catalogue import MODELS
 from app.viewer.panels.setup import SetupPanel
 from app.viewer.panels.style import GREEN, GREY, ORANGE, block
 from app.viewer.simulation import Simulation
+from app.viewer.start import lively_speed
 from app.viewer.state import State
 from app.viewer.values import show
 
@@ -58,7 +59,18 @@ class RunPanel:
 
     def set_up(self) -> None:
         """Build a flock from the Setup tab."""
-        self.simulation.setup(self.setup.next_start(self.simulation.state.values))
+        self.setup.catch_up(self.simulation.state.start)
+        start, before = self.setup.next_start(self.simulation.state.values), self.setup.running
+        if MODELS[start.model].body.unit != MODELS[before.model].body.unit:
+            self.pace(lively_speed(start))
+        self.simulation.setup(start)
+
+    def pace(self, speed: float) -> None:
+        """Go to the speed of the list that is nearest to one (ticks per second)."""
+        finite = [one for one in self.speeds.values() if math.isfinite(one)]
+        nearest = min(finite, key=lambda one: abs(math.log(one / speed)))
+        show(self.speed, speed_text(nearest))
+        self.simulation.run_at(nearest)
 
     def change_speed(self, by: int) -> None:
         """Go to a faster or slower speed of the list."""

@@ -8,9 +8,19 @@ import viser
 
 from agents.catalogue import MODELS
 from app.viewer.panels.style import block
-from app.viewer.start import ACTIVATIONS, MOST_AGENTS, NOISES, WORLDS, Start
+from app.viewer.start import (
+    ACTIVATIONS,
+    COMMON_AGENTS,
+    MOST_AGENTS,
+    NOISES,
+    Start,
+    home,
+    titled,
+    world_titles,
+)
 from app.viewer.state import State
 from app.viewer.values import show
+from worlds.world import World
 
 DIMENSIONS = {"2-D": 2, "3-D": 3}
 LARGEST_SEED = 2**31 - 1
@@ -32,8 +42,10 @@ class SetupPanel:
 
     def __init__(self, gui: viser.GuiApi, start: Start):
         self.running = start
+        self.offered = start.world
         self.shown_run = -1
-        self.worlds = {start.world: start.world} | WORLDS
+        self.worlds = world_titles()
+        self.worlds.setdefault(titled(start.world), start.world)
         titles = [model.title for model in MODELS.values()]
         self.note = gui.add_html("")
         self.model = gui.add_dropdown(
@@ -53,17 +65,20 @@ class SetupPanel:
             min=0,
             max=100,
             step=1,
-            hint="Information agents: they know the heading to take and keep it",
-        )
-        self.dim = gui.add_dropdown(
-            "Dimension", list(DIMENSIONS), initial_value=f"{start.dim}-D", hint="Plane or space"
+            hint="Information agents: they know the heading to take, or the path of the mission",
         )
         self.world = gui.add_dropdown(
             "World",
-            list(self.worlds.values()),
-            initial_value=self.worlds[start.world],
-            hint="What happens at the edges: agents come in again at the other side (and see "
-            "each other across the seam, or not), or there is no edge",
+            list(self.worlds),
+            initial_value=titled(start.world),
+            hint="What stands in the world, what happens at its edges, and where the flock is to "
+            "go. A model proposes the world that it is at home in",
+        )
+        self.dim = gui.add_dropdown(
+            "Dimension",
+            list(DIMENSIONS),
+            initial_value=f"{start.dim}-D",
+            hint="Plane or space; a world that is built in space has no other",
         )
         self.size = gui.add_number(
             "Side",
@@ -71,7 +86,8 @@ class SetupPanel:
             min=0.0,
             max=1000.0,
             step=0.5,
-            hint="Side of the world (length); 0 keeps the density of the paper",
+            hint="Side of the world (length); 0 keeps the density of the paper. A world with "
+            "obstacles or a mission has its own",
         )
         self.activation = gui.add_dropdown(
             "Turns",
@@ -92,14 +108,36 @@ class SetupPanel:
         self.new_seed = gui.add_checkbox(
             "New seed", True, hint="Take the next seed at every Setup, for a new random start"
         )
+        self.fit()
         self.model.on_update(self.model_chosen)
+        self.world.on_update(self.world_chosen)
 
     async def model_chosen(self, event: viser.GuiEvent) -> None:
-        """A model brings its own number of information agents and its dimensions."""
+        """A model brings its own number of information agents, its dimensions and its world."""
         model = MODELS[named(self.model.value)]
         show(self.informed, model.informed)
-        if event.client is not None and DIMENSIONS[self.dim.value] not in model.dimensions:
+        if event.client is None:
+            return
+        if titled(model.world) in self.worlds:
+            show(self.world, titled(model.world))
+        show(self.agents, model.agents or COMMON_AGENTS)
+        self.fit()
+        if DIMENSIONS[self.dim.value] not in model.dimensions:
             show(self.dim, f"{model.dimensions[0]}-D")
+
+    async def world_chosen(self, event: viser.GuiEvent) -> None:
+        """A world may decide the dimension and the side."""
+        if event.client is not None:
+            self.fit()
+
+    def fit(self) -> None:
+        """Let the world and the model decide what is theirs to decide."""
+        own = home(self.worlds[self.world.value])
+        self.informed.disabled = not MODELS[named(self.model.value)].rule.led
+        self.size.disabled = own.sized
+        self.dim.disabled = own.dim == 3
+        if own.dim is not None:
+            show(self.dim, f"{own.dim}-D")
 
     def chosen(self) -> Start:
         """The start as the fields have it, with the running seed and no parameters."""
@@ -108,9 +146,9 @@ class SetupPanel:
             model=model,
             agents=self.agents.value,
             seed=self.running.seed,
-            size=self.size.value or None,
+            size=None if self.size.disabled else self.size.value or None,
             dim=DIMENSIONS[self.dim.value],
-            world=key_of(self.worlds, self.world.value),
+            world=self.worlds[self.world.value],
             activation=key_of(ACTIVATIONS, self.activation.value),
             noise=key_of(NOISES, self.noise.value),
             informed=None if self.informed.value == MODELS[model].informed else self.informed.value,
@@ -124,6 +162,20 @@ class SetupPanel:
             show(self.seed, (self.seed.value + 1) % LARGEST_SEED)
         kept = dict(values) if start.model == self.running.model else {}
         return start.but(seed=self.seed.value, parameters=kept)
+
+    def catch_up(self, start: Start) -> None:
+        """Choose the running world if it has become another since Setup, as by the World tab."""
+        if start.world is not self.offered:
+            self.offered = start.world
+            self.offer(start.world)
+
+    def offer(self, world: str | World) -> None:
+        """Let a world that is none of the built-in ones be chosen, and choose it."""
+        words = titled(world)
+        self.worlds[words] = world
+        self.world.options = tuple(self.worlds)
+        show(self.world, words)
+        self.fit()
 
     def refresh(self, state: State) -> None:
         """Say what differs from the running flock; after a set-up nothing does."""

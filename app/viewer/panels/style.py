@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.viewer.scene.static_files import static_folder
 
 BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#f08c00", "#2b8a3e", "#e03131", "#868e96"
+VIOLET = "#7c3aed"
 
 CSS = f"<style>{(static_folder() / 'panels.css').read_text()}</style>"
 
@@ -15,12 +16,17 @@ def block(content: str) -> str:
 
 
 def cards(values: dict[str, str]) -> str:
+    """A grid of cards, name -> value, as content of a panel."""
+    return block(grid(values))
+
+
+def grid(values: dict[str, str]) -> str:
     """A grid of cards, name -> value."""
     made = "".join(
         f'<div class="fs-card"><span>{name}</span><b>{value}</b></div>'
         for name, value in values.items()
     )
-    return block(f'<div class="fs-cards">{made}</div>')
+    return f'<div class="fs-cards">{made}</div>'
 
 
 def key(entries: list[tuple[str, str]]) -> str:

@@ -32,6 +32,19 @@ class ViewPanel:
             hint="The interaction radius around the clicked agent, or the information agent",
         )
         self.labels = gui.add_checkbox("Numbers", look.labels, hint="Each agent's number")
+        self.mission = gui.add_checkbox(
+            "Path & goal",
+            look.mission,
+            hint="The information agents' waypoints, and the goal that all agents seek",
+        )
+        self.start = gui.add_checkbox(
+            "Start region", look.start, hint="Where the agents of a mission begin"
+        )
+        self.points = gui.add_checkbox(
+            "Boundary points",
+            look.points,
+            hint="Points along the obstacles' outlines: all that some models perceive of them",
+        )
         self.size = gui.add_slider("Agent size", 0.3, 3.0, 0.1, look.agent_size)
         self.shadows = gui.add_checkbox("Shadows", look.shadows, hint="Up to 2 000 agents")
         self.steer = gui.add_checkbox(
@@ -57,6 +70,9 @@ class ViewPanel:
             trail_length=self.length.value,
             reach=self.reach.value,
             labels=self.labels.value,
+            mission=self.mission.value,
+            start=self.start.value,
+            points=self.points.value,
             agent_size=self.size.value,
             shadows=self.shadows.value,
         )

@@ -17,10 +17,10 @@ POINT_SIZE = {2: 0.6, 3: 0.28}
 class Agents:
     """The flock's own nodes in the scene."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
         nowhere, level = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
         self._darts = scene.add_batched_meshes_simple(
-            "/flock/darts",
+            f"{root}/flock/darts",
             *dart(),
             batched_wxyzs=level,
             batched_positions=nowhere,
@@ -32,7 +32,7 @@ class Agents:
             visible=False,
         )
         self._points = scene.add_point_cloud(
-            "/flock/points",
+            f"{root}/flock/points",
             nowhere,
             np.zeros((1, 3), dtype=np.uint8),
             point_shape="circle",

@@ -44,7 +44,7 @@ def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
         case "heading":
             return _heading_legend(frame.dim) + leader
         case "speed":
-            return _speed_legend(frame.speed_scale) + leader
+            return _speed_legend(frame.speed_scale, frame.pace_unit) + leader
         case "layer":
             return _layer_legend(frame)
         case "group":
@@ -66,9 +66,9 @@ def _heading_legend(dim: int) -> list[tuple[str, str]]:
     return list(zip(words, map(palette.css, palette.by_heading(headings)), strict=True))
 
 
-def _speed_legend(full: float) -> list[tuple[str, str]]:
+def _speed_legend(full: float, unit: str) -> list[tuple[str, str]]:
     speeds = np.array([0.0, 0.5, 1.0]) * full
-    words = [f"{speed:.3g} per tick" for speed in speeds]
+    words = [f"{speed:.3g} {unit}" for speed in speeds]
     words[-1] += " or faster"
     return list(zip(words, map(palette.css, palette.by_speed(speeds, full)), strict=True))
 

@@ -22,8 +22,9 @@ Grabbed = Callable[[bool], None]
 class LeaderGizmo:
     """Arrows and arcs on the first information agent."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._scene = scene
+        self._name = f"{root}/leader_gizmo"
         self._wanted = False
         self._held = False
         self._released = 0.0
@@ -61,7 +62,7 @@ class LeaderGizmo:
     def _build(self, dim: int) -> None:
         self._held = False
         self._handle = self._scene.add_transform_controls(
-            "/leader_gizmo",
+            self._name,
             scale=95.0,
             fixed=True,
             line_width=3.5,

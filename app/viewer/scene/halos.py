@@ -13,10 +13,10 @@ from app.viewer.scene.shapes import Mesh, ball, ring, torus
 class Halos:
     """A flat ring is crisp from above but vanishes edge-on; a torus and a bubble do not."""
 
-    def __init__(self, scene: SceneApi) -> None:
-        self._flat = _add(scene, "flat", ring(0.86), 1.5, opacity=None)
-        self._round = _add(scene, "round", torus(), tone.LIGHT, opacity=None)
-        self._bubble = _add(scene, "bubble", ball(), 1.0, opacity=0.22)
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
+        self._flat = _add(scene, f"{root}/flock/halos/flat", ring(0.86), 1.5, opacity=None)
+        self._round = _add(scene, f"{root}/flock/halos/round", torus(), tone.LIGHT, opacity=None)
+        self._bubble = _add(scene, f"{root}/flock/halos/bubble", ball(), 1.0, opacity=0.22)
 
     def draw(self, picture: Picture) -> Changes:
         rows = np.flatnonzero(picture.frame.informed)
@@ -43,7 +43,7 @@ def _add(
     scene: SceneApi, name: str, mesh: Mesh, light: float, opacity: float | None
 ) -> BatchedMeshHandle:
     return scene.add_batched_meshes_simple(
-        f"/flock/halos/{name}",
+        name,
         *mesh,
         batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
         batched_positions=np.zeros((1, 3)),

@@ -18,9 +18,9 @@ _CLASSES = ((0.0, 0.34, 1.2), (0.34, 0.67, 2.2), (0.67, 1.01, 3.6))
 class InspectionMarks:
     """Marks that follow `Frame.inspected`."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._ring = scene.add_mesh_simple(
-            "/inspected/ring",
+            f"{root}/inspected/ring",
             *ring(0.90),
             color=tone.single(palette.SELECTED, tone.LIGHT),
             side="double",
@@ -29,12 +29,12 @@ class InspectionMarks:
             visible=False,
         )
         self._heard = [
-            add_lines(scene, f"/inspected/heard/{number}", thickness)
+            add_lines(scene, f"{root}/inspected/heard/{number}", thickness)
             for number, (_, _, thickness) in enumerate(_CLASSES)
         ]
-        self._rim = add_lines(scene, "/inspected/rim", thickness=1.4)
+        self._rim = add_lines(scene, f"{root}/inspected/rim", thickness=1.4)
         self._disc = scene.add_mesh_simple(
-            "/inspected/disc",
+            f"{root}/inspected/disc",
             *ring(0.0, corners=128),
             color=tone.single(palette.PLAIN, tone.LIGHT),
             opacity=0.10,
@@ -44,7 +44,7 @@ class InspectionMarks:
             visible=False,
         )
         self._ball = scene.add_icosphere(
-            "/inspected/ball",
+            f"{root}/inspected/ball",
             radius=1.0,
             color=tone.single(palette.PLAIN, tone.LIGHT),
             opacity=0.08,

@@ -14,10 +14,11 @@ MOST = 120
 class Labels:
     """A label for the first information agent and a pool of labels for identities."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._scene = scene
+        self._root = root
         self._leader = scene.add_label(
-            "/flock/leader",
+            f"{root}/flock/leader",
             "information UAV",
             anchor="bottom-center",
             font_screen_scale=1.1,
@@ -54,7 +55,7 @@ class Labels:
 
     def _new(self, number: int) -> LabelHandle:
         return self._scene.add_label(
-            f"/flock/identities/{number}",
+            f"{self._root}/flock/identities/{number}",
             "",
             anchor="bottom-center",
             font_screen_scale=0.75,

@@ -16,8 +16,8 @@ MOST = 12_000
 class Links:
     """Thin lines; of very many pairs a fair and steady sample is drawn."""
 
-    def __init__(self, scene: SceneApi) -> None:
-        self._lines = add_lines(scene, "/flock/links", thickness=1.0)
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
+        self._lines = add_lines(scene, f"{root}/flock/links", thickness=1.0)
 
     def draw(self, picture: Picture) -> Changes:
         pairs = picture.frame.links

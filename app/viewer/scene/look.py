@@ -27,6 +27,12 @@ class Look:
     """Draw the interaction radius around the inspected agent, or else around the leader."""
     labels: bool = False
     """Write the identity beside each agent (small flocks)."""
+    mission: bool = True
+    """Draw the information agents' path and the goal."""
+    start: bool = True
+    """Draw the region in which the mission starts."""
+    points: bool = False
+    """Draw the boundary points of obstacles (needs `Frame.points`)."""
     agent_size: float = 1.0
     """Size of the agents as a multiple of the size that suits their density."""
     shadows: bool = True

@@ -27,6 +27,13 @@ EDGE_SPACE = srgb("#8493a8")
 EDGE_LIGHT = srgb("#b4bfce")
 LINK = srgb("#9db0c9")
 
+SOLID = srgb("#b9c2cf")
+SOLID_EDGE = srgb("#475569")
+RIM = srgb("#ccd4df")
+START = srgb("#2a9d5c")
+GOAL = srgb("#7c3aed")
+POINT = srgb("#e08214")
+
 PLAIN = srgb("#2f6fde")
 LEADER = srgb("#e11d48")
 HALO = srgb("#f6a609")
@@ -62,6 +69,20 @@ GROUPS = np.array(
     ]
 )
 """The largest group, the seven after it, then all smaller ones."""
+
+FORCES = np.array(
+    [
+        srgb("#1f5fe0"),
+        srgb("#0ea5a0"),
+        srgb("#d9480f"),
+        srgb("#c99700"),
+        srgb("#7c3aed"),
+        srgb("#c2255c"),
+        srgb("#5c7c1f"),
+        srgb("#64748b"),
+    ]
+)
+"""The forces on an agent, in the order in which its rule names them."""
 
 _HUES = 360
 _RISES = 33

@@ -12,7 +12,7 @@ from app.viewer.scene import palette
 from app.viewer.scene.attitude import attitude
 from app.viewer.scene.colouring import agent_colours
 from app.viewer.scene.look import Look
-from app.viewer.scene.shapes import dart_length
+from app.viewer.scene.shapes import dart_length, spacing
 from app.viewer.scene.stage import Stage
 
 POINTS_BEYOND = 10_000
@@ -68,20 +68,42 @@ LEADER_SIZE = {2: 1.75, 3: 2.2}
 """Length of an information agent as a multiple of a common one, by dimension."""
 LEADER_LEAST = 0.045
 """Length of an information agent as a multiple of the world's longest side, at least."""
+LEADER_LEAST_CLOSE = 0.02
+"""The same among agents that start close together."""
 FEW_LEADERS = 12
 """More information agents than this keep a common size and wear no halo."""
+CLOSE = {2: 0.35, 3: 0.8}
+"""Length of an agent of a flock that starts close together, as a multiple of its mean spacing."""
+LEAST_LENGTH = 0.012
+"""Length of an agent of a close flock as a multiple of the world's longest side, at least."""
 INSPECTED_SIZE = 1.45
 DIMMED = 0.72
+
+
+def agent_length(frame: Frame, stage: Stage) -> float:
+    """Length of a common agent: as suits the box they fill, or the region in which they start.
+
+    A flock that starts close together stays so: its darts are small enough to be told apart, and
+    not too small to be seen.
+    """
+    count = len(frame.position)
+    if frame.room is None:
+        return dart_length(count, stage.half)
+    half = np.zeros(3)
+    half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])
+    packed = min(CLOSE[stage.dim] * spacing(count, half), frame.reach * stage.scale)
+    return float(np.clip(packed, LEAST_LENGTH * stage.side, dart_length(count, stage.half)))
 
 
 def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
     """Work out positions, attitudes, colours and sizes; agents hover just above a flat floor."""
     count = len(frame.position)
-    length = dart_length(count, stage.half) * float(np.clip(look.agent_size, 0.1, 10.0))
+    length = agent_length(frame, stage) * float(np.clip(look.agent_size, 0.1, 10.0))
     at = stage.shown(frame.position)
     size = np.ones(count, dtype=np.float32)
     if np.count_nonzero(frame.informed) <= FEW_LEADERS:
-        size[frame.informed] = max(LEADER_SIZE[stage.dim], LEADER_LEAST * stage.side / length)
+        least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
+        size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
     colour = agent_colours(frame, look)
     made = Picture(frame, look, stage, at, attitude(frame.heading), colour, length, size)
     if made.inspected is not None:

@@ -8,68 +8,68 @@ import numpy as np
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from app.viewer.frame import Frame
-from app.viewer.scene.agents import Agents
+from app.viewer.scene.beside import Beside, sights
 from app.viewer.scene.colouring import legend
 from app.viewer.scene.gizmo import Dragged, Grabbed, LeaderGizmo
-from app.viewer.scene.halos import Halos
-from app.viewer.scene.inspection import InspectionMarks
-from app.viewer.scene.labels import Labels
-from app.viewer.scene.links import Links
+from app.viewer.scene.handles import Handles
 from app.viewer.scene.look import Look
-from app.viewer.scene.picking import picked
+from app.viewer.scene.parts import Parts
+from app.viewer.scene.picking import picked, slack
 from app.viewer.scene.picture import Changes, Picture, picture
 from app.viewer.scene.stage import Stage
-from app.viewer.scene.surroundings import Surroundings, set_light
-from app.viewer.scene.trails import Trails
-from app.viewer.scene.viewpoints import Viewpoints
+from app.viewer.scene.surroundings import set_light
+from app.viewer.scene.viewpoints import Sight, Viewpoints
 
-Clicked = Callable[[int | None], None]
+Clicked = Callable[[int | None, np.ndarray, np.ndarray, bool], None]
 
 
 class Scene:
     """The scene of one server, shared by all its browsers; each keeps its own camera."""
 
-    def __init__(self, server: ViserServer) -> None:
+    def __init__(self, server: ViserServer, root: str = "") -> None:
         self._server = server
         scene = server.scene
         scene.set_up_direction("+z")
         scene.world_axes.visible = False
         set_light(scene)
-        self._surroundings = Surroundings(scene)
-        self._parts = (
-            Agents(scene),
-            Halos(scene),
-            Labels(scene),
-            Links(scene),
-            Trails(scene),
-            InspectionMarks(scene),
-        )
-        self._gizmo = LeaderGizmo(scene)
+        self._parts = Parts(scene, root)
+        self._beside = Beside(scene)
+        self._gizmo = LeaderGizmo(scene, root)
+        self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
         self._picture: Picture | None = None
+        self._sights: tuple[Sight, ...] = ()
         self._clicked: list[Clicked] = []
-        scene.on_click()(self._click)
+        scene.on_click()(self._click)  # type: ignore[arg-type]
 
     def show(self, frame: Frame, look: Look) -> None:
-        """Draw a frame. Call it from one thread, at most about 30 times a second."""
+        """Draw a frame, and the one beside it if there is one.
+
+        Call it from one thread, at most about 30 times a second.
+        """
         shown = picture(frame, look, Stage.of(frame))
+        other = frame.beside and picture(frame.beside, look, Stage.of(frame.beside))
         with self._server.atomic():
-            changes: Changes = self._surroundings.draw(shown)
-            changes += self._gizmo.draw(shown)
-        for part in self._parts:
-            changes += part.draw(shown)
+            changes: Changes = self._gizmo.draw(shown) + self.handles.draw(shown)
+            changes += self._parts.draw_room(shown) + self._beside.draw_room(shown, other)
+        changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)
         with self._server.atomic():
             for handle, name, value in changes:
                 setattr(handle, name, value)
-        self._picture = shown
-        self._viewpoints.update(shown)
+        self._picture, self._sights = shown, sights(shown, other)
+        self._viewpoints.update(self._sights)
 
     def legend(self, look: Look, frame: Frame) -> list[tuple[str, str]]:
         """What the colours mean: (words, CSS colour), in reading order."""
         return legend(look, frame)
 
-    def on_agent_clicked(self, callback: Clicked) -> None:
-        """Call `callback(row)` when an agent is clicked, `callback(None)` when none is hit."""
+    def on_clicked(self, callback: Clicked) -> None:
+        """Call `callback(row, origin, direction, beside)` when there is a click into the picture.
+
+        `row` is that of the agent that is hit, None for none; origin and direction (3,) are of the
+        ray in the world; `beside` says whether all this is in the second of two flocks. Callbacks
+        are called on viser's event loop, click by click.
+        """
         self._clicked.append(callback)
 
     def on_leader_dragged(self, callback: Dragged) -> None:
@@ -92,11 +92,14 @@ class Scene:
         """Let one browser's camera follow the agent in `row`, or nobody."""
         self._viewpoints.follow(client, row)
 
-    def _click(self, event: SceneClickEvent) -> None:
-        shown = self._picture
-        if shown is None:
-            return
+    async def _click(self, event: SceneClickEvent) -> None:
         origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
-        row = picked(origin, direction, shown.at, 0.5 * shown.length * shown.size)
-        for callback in self._clicked:
-            callback(row)
+        near = slack(event.client.camera.fov)
+        side = clicked_side(self._sights, origin, direction)
+        for place, (shown, aside) in sorted(
+            enumerate(self._sights), key=lambda numbered: numbered[0] != side
+        ):
+            radius = 0.5 * shown.length * shown.size
+            row = picked(origin - aside, direction, shown.at, radius, near)
+            if row is not None or place == ...:
+                pass

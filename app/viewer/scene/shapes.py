@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 Mesh = tuple[np.ndarray, np.ndarray]
@@ -99,10 +101,36 @@ def box_edges(half: np.ndarray) -> np.ndarray:
     return np.array([[corners[a], corners[b]] for a, b in pairs]) * half
 
 
+def dashes(way: np.ndarray, dash: float, gap: float) -> tuple[np.ndarray, np.ndarray]:
+    """A line through points (K, 3) as dashes: segments (M, 2, 3), and the leg (M,) each is on.
+
+    The dash and the gap after it are fitted to each leg, so that both its ends are drawn.
+
+    >>> dashes(np.array([[0.0, 0, 0], [5.0, 0, 0]]), 1.0, 1.0)[0][:, :, 0].tolist()
+    [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]
+    """
+    made, legs = [np.empty((0, 2, 3))], [np.empty(0, dtype=int)]
+    for leg, (start, end) in enumerate(pairwise(way)):
+        length = float(np.linalg.norm(end - start))
+        if length == 0.0:
+            continue
+        count = max(1, round((length + gap) / (dash + gap)))
+        stretch = length / (count * (dash + gap) - gap)
+        first = np.arange(count) * (dash + gap) * stretch
+        share = np.column_stack([first, first + dash * stretch]) / length
+        made.append(start + share[..., None] * (end - start))
+        legs.append(np.full(count, leg))
+    return np.concatenate(made), np.concatenate(legs)
+
+
 def dart_length(count: int, half: np.ndarray) -> float:
     """Length of a dart with which `count` of them fill a box of half sides (3,) neither thin nor
     thick: most of their mean spacing, but of a few agents no more than fits the eye.
     """
+    return float(min(0.85 * spacing(count, half), 0.088 * np.max(half)))
+
+
+def spacing(count: int, half: np.ndarray) -> float:
+    """Mean spacing of `count` places that fill a box of half sides (3,), which may be flat."""
     sides = 2.0 * half[half > 0.0]
-    spacing = (np.prod(sides) / max(count, 1)) ** (1.0 / len(sides))
-    return float(min(0.85 * spacing, 0.044 * np.max(sides)))
+    return float((np.prod(sides) / max(count, 1)) ** (1.0 / len(sides)))

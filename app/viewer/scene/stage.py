@@ -26,6 +26,10 @@ class Stage:
     """Sides of the world's box, (dim,), length."""
     wraps: tuple[bool, ...]
     """Whether each axis wraps, (dim,)."""
+    low: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Lower corner of the box, (dim,) or more, length."""
+    solid: tuple[bool, ...] = (False, False, False)
+    """Whether the edges across each axis are solid, (dim,) or more."""
 
     @staticmethod
     def of(frame: Frame) -> Stage:
@@ -33,6 +37,8 @@ class Stage:
             dim=int(frame.dim),
             size=tuple(float(side) for side in frame.size),
             wraps=tuple(bool(axis) for axis in frame.wraps),
+            low=tuple(float(at) for at in frame.low),
+            solid=tuple(edge == "solid" for edge in frame.world.edges),
         )
 
     @property
@@ -57,6 +63,11 @@ class Stage:
         """Height of the floor on the display."""
         return float(-self.half[2])
 
+    @property
+    def middle(self) -> np.ndarray:
+        """Centre of the box in the world, (dim,), length."""
+        return np.array(self.low[: self.dim]) + 0.5 * np.array(self.size)
+
     def shown(self, position: np.ndarray) -> np.ndarray:
         """Positions (..., dim) in the world -> (..., 3) on the display.
 
@@ -65,14 +76,25 @@ class Stage:
         """
         position = np.asarray(position, dtype=float)
         shown = np.zeros((*position.shape[:-1], 3))
-        shown[..., : self.dim] = (position - 0.5 * np.array(self.size)) * self.scale
+        shown[..., : self.dim] = (position - self.middle) * self.scale
+        return shown
+
+    def placed(self, points: np.ndarray) -> np.ndarray:
+        """Places (..., 3) in the world, upright things standing on a flat one too -> (..., 3)."""
+        shown = self.shown(points[..., : self.dim])
+        if self.dim == 2:
+            shown[..., 2] = points[..., 2] * self.scale
         return shown
 
     def world(self, shown: np.ndarray) -> np.ndarray:
         """The inverse of `shown`: (..., 3) on the display -> (..., dim) in the world."""
-        return np.asarray(shown, dtype=float)[..., : self.dim] / self.scale + 0.5 * np.array(
-            self.size
-        )
+        return np.asarray(shown, dtype=float)[..., : self.dim] / self.scale + self.middle
+
+    def unplaced(self, shown: np.ndarray) -> np.ndarray:
+        """The inverse of `placed`: (..., 3) on the display -> (..., 3) in the world."""
+        middle = np.zeros(3)
+        middle[: self.dim] = self.middle
+        return np.asarray(shown, dtype=float) / self.scale + middle
 
     @property
     def period(self) -> np.ndarray:

@@ -38,8 +38,9 @@ def set_light(scene: SceneApi) -> None:
 class Surroundings:
     """Floor and box; rebuilt when the stage changes, moved when the flock leaves its box."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._scene = scene
+        self._root = root
         self._stage: Stage | None = None
         self._run: int | None = None
         self._left = False
@@ -78,7 +79,7 @@ class Surroundings:
 
     def _lay_floor(self, stage: Stage, width: float, depth: float, fade: float) -> None:
         self._floor = self._scene.add_grid(
-            "/world/floor",
+            f"{self._root}/world/floor",
             width=width,
             height=depth,
             plane="xy",
@@ -98,7 +99,7 @@ class Surroundings:
 
     def _draw_edges(self, stage: Stage, colour: np.ndarray, thickness: float) -> None:
         self._scene.add_line_segments(
-            "/world/edges",
+            f"{self._root}/world/edges",
             box_edges(stage.half),
             tone.single(colour),
             thickness=thickness,

@@ -23,10 +23,12 @@ FAINTEST, STRONGEST = 0.80, 0.20
 class Trails:
     """The trails of one run; forgotten when the run changes or trails are switched off."""
 
-    def __init__(self, scene: SceneApi) -> None:
-        self._old = add_lines(scene, "/flock/trails/old", thickness=1.0, many_coloured=True)
-        self._young = add_lines(scene, "/flock/trails/young", thickness=1.8, many_coloured=True)
-        self._tip = add_lines(scene, "/flock/trails/tip", thickness=2.2, many_coloured=True)
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
+        self._old = add_lines(scene, f"{root}/flock/trails/old", thickness=1.0, many_coloured=True)
+        self._young = add_lines(
+            scene, f"{root}/flock/trails/young", thickness=1.8, many_coloured=True
+        )
+        self._tip = add_lines(scene, f"{root}/flock/trails/tip", thickness=2.2, many_coloured=True)
         self.clear()
 
     def clear(self) -> None:

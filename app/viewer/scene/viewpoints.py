@@ -109,8 +109,10 @@ def _worth_following(picture: Picture) -> int | None:
 
 
 def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (3,) of the world's box, or of the flock where it has flown out of it."""
+    """Corners (3,) of the world's box, its mission, and the flock where it has flown out of it."""
     low, high = -picture.stage.half, picture.stage.half.copy()
+    for place in places(picture):
+        low, high = np.minimum(low, place), np.maximum(high, place)
     if len(picture.at):
         low = np.minimum(low, np.quantile(picture.at, 0.02, axis=0))
         high = np.maximum(high, np.quantile(picture.at, 0.98, axis=0))
@@ -118,6 +120,19 @@ def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
         low = np.minimum(low, picture.at[picture.leader])
         high = np.maximum(high, picture.at[picture.leader])
     return low, high
+
+
+def places(picture: Picture) -> np.ndarray:
+    """Where the mission takes the flock: start, waypoints and the goal's route, (K, 3)."""
+    frame, found = picture.frame, [np.empty((0, picture.stage.dim))]
+    if frame.room is not None:
+        found.append(np.stack(frame.room))
+    mission = frame.world.mission
+    if mission is not None and mission.path is not None:
+        found.append(np.array(mission.path.waypoints, float))
+    if mission is not None and mission.goal is not None:
+        found.append(np.array(mission.goal.route, float))
+    return picture.stage.shown(np.concatenate(found))
 
 
 def _aspect(client: ClientHandle) -> float:

@@ -1,0 +1,227 @@
+"""The world under a person's hands: every change gives a new world and can be undone."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from app.viewer.editing.forms import demand_fitting, resized, turned
+from worlds.checks import place_problems, shape_problems, start_problems
+from worlds.mission import Goal
+from worlds.refusal import Refusal
+from worlds.world import World
+
+MOST_OBSTACLES = 500
+FAR = 100.0
+"""How far from the box things may be put, as a multiple of its longest side."""
+STEPS = 100
+"""Changes that can be undone."""
+EDITED = "-edited"
+"""Put behind the name of a layout that was changed."""
+
+keys = itertools.count(1)
+"""Every obstacle that an editor meets gets its own number, which nothing else ever has."""
+
+
+class Gone(Refusal):
+    """The obstacle that was meant is not there any more."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A world, and the key of each of its obstacles."""
+
+    world: World
+    keys: tuple[int, ...]
+
+    @classmethod
+    def of(cls, world: World) -> Snapshot:
+        """A world whose obstacles are new."""
+        return cls(world, tuple(next(keys) for _ in world.obstacles))
+
+    def place(self, key: int) -> int:
+        """Where in the world's tuple an obstacle is. Raises Gone."""
+        if key not in self.keys:
+            raise Gone("that obstacle is not there any more")
+        return self.keys.index(key)
+
+    def obstacle(self, key: int) -> Any:
+        """The obstacle of a key. Raises Gone."""
+        return self.world.obstacles[self.place(key)]
+
+
+@dataclass(frozen=True)
+class Editor:
+    """A world with its history; a value: every change returns another editor.
+
+    Changes raise Refusal, with one line, for what is out of bounds, no sound shape, or would make
+    the mission impossible. Changes in a row with the same `gesture`, as those of one drag, are one
+    step of the history, and each of them is a change of the world as it was before the gesture.
+    """
+
+    now: Snapshot
+    past: tuple[Snapshot, ...] = ()
+    future: tuple[Snapshot, ...] = ()
+    gesture: str = ""
+
+    @classmethod
+    def of(cls, world: World) -> Editor:
+        """An editor of a world, without a history."""
+        return cls(Snapshot.of(world))
+
+    @property
+    def world(self) -> World:
+        """The world as it is now."""
+        return self.now.world
+
+    @property
+    def newest(self) -> int:
+        """Key of the last obstacle; 0 if there is none."""
+        return self.now.keys[-1] if self.now.keys else 0
+
+    def add(self, obstacle: Any) -> Editor:
+        """One more obstacle."""
+        if len(self.world.obstacles) >= MOST_OBSTACLES:
+            raise Refusal(f"there are {MOST_OBSTACLES} obstacles, and there may be no more")
+        demand_fitting(obstacle, self.world)
+        world = with_obstacles(self.world, (*self.world.obstacles, obstacle))
+        demand_allowed(world, len(world.obstacles) - 1)
+        return self.changed(Snapshot(world, (*self.now.keys, next(keys))))
+
+    def move(
+        self, key: int, by: Sequence[float], degrees: float = 0.0, gesture: str = ""
+    ) -> Editor:
+        """An obstacle elsewhere: shifted by (2,) or (3,) length and turned about its centre."""
+        shift = [*by, 0.0, 0.0, 0.0][:3]
+        if not all(math.isfinite(number) for number in (*shift, degrees)):
+            raise Refusal(f"an obstacle cannot be moved by {list(by)} and turned by {degrees}")
+        obstacle = turned(self.before(gesture).obstacle(key), degrees)
+        if self.world.dim == 2 or not has_heights(obstacle):
+            shift[2] = 0.0
+        return self.exchange(key, obstacle.moved(*shift), gesture)
+
+    def resize(self, key: int, gesture: str = "", **measures: float) -> Editor:
+        """An obstacle with other measures, see `forms.measures`."""
+        for name, value in measures.items():
+            if not math.isfinite(value):
+                raise Refusal(f"{name} = {value} is not a number")
+        obstacle = resized(self.before(gesture).obstacle(key), **measures)
+        demand_fitting(obstacle, self.world)
+        return self.exchange(key, obstacle, gesture)
+
+    def exchange(self, key: int, obstacle: Any, gesture: str = "") -> Editor:
+        """Another obstacle in the place of one."""
+        before = self.before(gesture)
+        place = before.place(key)
+        others = before.world.obstacles
+        world = with_obstacles(before.world, (*others[:place], obstacle, *others[place + 1 :]))
+        demand_allowed(world, place)
+        return self.changed(Snapshot(world, before.keys), gesture)
+
+    def delete(self, key: int) -> Editor:
+        """One obstacle less."""
+        place, old = self.now.place(key), self.world.obstacles
+        world = with_obstacles(self.world, old[:place] + old[place + 1 :])
+        return self.changed(Snapshot(world, self.now.keys[:place] + self.now.keys[place + 1 :]))
+
+    def clear(self) -> Editor:
+        """No obstacles at all."""
+        return self.changed(Snapshot(with_obstacles(self.world, ()), ())) if self.now.keys else self
+
+    def move_goal(self, by: Sequence[float], gesture: str = "") -> Editor:
+        """The goal's route shifted by (dim,) length. Raises Refusal if there is no goal."""
+        before = self.before(gesture)
+        mission, dim = before.world.mission, before.world.dim
+        if mission is None or mission.goal is None:
+            raise Refusal("this world has no goal")
+        if len(by) < dim or not all(math.isfinite(number) for number in by):
+            raise Refusal(f"the goal cannot be moved by {list(by)}")
+        goal = mission.goal
+        route: list[Any] = [
+            tuple(at + d for at, d in zip(point, by, strict=False)) for point in goal.route
+        ]
+        for point in route:
+            demand_near(before.world, "the goal", (*point[:2], *point[:2]))
+        moved = Goal(route=tuple(route), speed=goal.speed, closed=goal.closed)
+        mission = mission.model_copy(update={"goal": moved})
+        world = replace(before.world, mission=mission, **edited(before.world))
+        demand_possible(world)
+        return self.changed(Snapshot(world, before.keys), gesture)
+
+    def undo(self) -> Editor:
+        """The last step taken back; the same editor if there is none."""
+        if not self.past:
+            return self
+        return Editor(self.past[-1], self.past[:-1], (self.now, *self.future))
+
+    def redo(self) -> Editor:
+        """The step that was last taken back, done again; the same editor if there is none."""
+        if not self.future:
+            return self
+        return Editor(self.future[0], (*self.past, self.now), self.future[1:])
+
+    def before(self, gesture: str) -> Snapshot:
+        """The world before a gesture that has begun; now for any other."""
+        return self.past[-1] if gesture and gesture == self.gesture else self.now
+
+    def changed(self, now: Snapshot, gesture: str = "") -> Editor:
+        """The editor after a change."""
+        if gesture and gesture == self.gesture:
+            return replace(self, now=now, future=())
+        return Editor(now, (*self.past, self.now)[-STEPS:], (), gesture)
+
+
+def with_obstacles(world: World, obstacles: tuple[Any, ...]) -> World:
+    """The world with other obstacles, under a name that says so."""
+    return replace(world, obstacles=obstacles, **edited(world))
+
+
+def edited(world: World) -> dict[str, Any]:
+    """Name and title of a world that is no longer what its layout says."""
+    if world.name.endswith(EDITED):
+        return {"name": world.name, "title": world.title}
+    name = Path(world.name).stem if world.name.endswith(".toml") else world.name
+    return {"name": name + EDITED, "title": f"{world.title or name} (edited)"}
+
+
+def has_heights(obstacle: Any) -> bool:
+    """Whether an obstacle has a height of its own, so that it can be moved up and down."""
+    if obstacle.shape == "union":
+        return all(has_heights(part) for part in obstacle.parts)
+    if obstacle.shape == "box" and len(obstacle.low) == 3:
+        return True
+    return obstacle.shape in ("sphere", "prism") or None not in (obstacle.bottom, obstacle.top)
+
+
+def demand_allowed(world: World, place: int) -> None:
+    """Raise Refusal if an obstacle is too far away, unsound, or in the mission's way."""
+    obstacle = world.obstacles[place]
+    bounds = obstacle.footprint().bounds
+    demand_near(world, f"obstacle {obstacle.label}", bounds)
+    for problem in shape_problems(world, place):
+        raise Refusal(problem.text)
+    demand_possible(world)
+
+
+def demand_near(world: World, thing: str, bounds: Sequence[float]) -> None:
+    """Raise Refusal if bounds (x, y, x, y) reach more than FAR boxes away, or are not finite."""
+    far = FAR * max(world.size)
+    low, high = world.low[:2], [a + b for a, b in zip(world.low, world.size, strict=True)][:2]
+    near = all(
+        bounds[axis] >= low[axis] - far and bounds[axis + 2] <= high[axis] + far for axis in (0, 1)
+    )
+    if not near:
+        raise Refusal(f"{thing} is too far away: at most {FAR:g} sides of the world's box")
+
+
+def demand_possible(world: World) -> None:
+    """Raise Refusal if a goal, a waypoint or all of the start region is inside an obstacle."""
+    if world.mission is None:
+        return
+    for problem in (*place_problems(world), *start_problems(world)):
+        if problem.severity == "error":
+            raise Refusal(problem.text)

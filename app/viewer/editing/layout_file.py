@@ -1,0 +1,117 @@
+"""A layout from a file that a browser sent: TOML, GeoJSON, WKT or DXF."""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+import tomllib
+from pathlib import Path
+
+from app.viewer.editing.editor import FAR, MOST_OBSTACLES
+from worlds.checks import demand_sound
+from worlds.readers import read_geometry, world_around
+from worlds.refusal import Refusal, unknown
+from worlds.world import World, layout_names, world_from_layout
+
+LARGEST = 5_000_000
+"""Bytes of a layout file at most."""
+MOST_CORNERS = 50_000
+"""Corners of all obstacles together at most."""
+MOST_POINTS = 100_000
+"""Boundary points along all outlines at most."""
+DRAWINGS = (".geojson", ".json", ".wkt", ".dxf")
+ENDINGS = (".toml", *DRAWINGS)
+
+
+def layout_of(name: str, content: bytes) -> World:
+    """The world in a file of this name.
+
+    Raises Refusal with one line for a file that is too large or of another kind, that cannot be
+    read, or whose world is unsound or too large for the laboratory.
+    """
+    name = plain_name(name)
+    ending = Path(name).suffix.lower()
+    if ending not in ENDINGS:
+        raise unknown("kind of layout file", ending or name, ENDINGS)
+    if len(content) > LARGEST:
+        raise Refusal(f"{name} has {len(content)} bytes: a layout file has {LARGEST} at most")
+    try:
+        world = from_toml(name, content) if ending == ".toml" else from_drawing(name, content)
+        demand_small(world, name)
+        demand_sound(world)
+    except Refusal:
+        raise
+    except Exception as error:  # A broken file makes the parsers of others raise whatever they do.
+        raise Refusal(f"{name} cannot be read: {type(error).__name__}") from None
+    return world
+
+
+def plain_name(name: str) -> str:
+    """The name of a file without folders and signs that mean something elsewhere.
+
+    >>> plain_name("../../my rooms?.toml")
+    'my rooms_.toml'
+    """
+    last = re.split(r"[/\\]", name)[-1][-80:]
+    return re.sub(r"[^\w .()+-]", "_", last).strip(". ") or "layout"
+
+
+def from_toml(name: str, content: bytes) -> World:
+    """The world of a layout in TOML. Raises Refusal."""
+    try:
+        layout = tomllib.loads(content.decode("utf-8-sig"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise Refusal(f"{name} is not TOML: {error}") from None
+    obstacles = layout.get("obstacle", [])
+    if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
+        raise too_many(name, len(obstacles))
+    if "size" not in layout:
+        raise Refusal(f"{name} has no size: the laboratory needs the sides of its box")
+    own = Path(name).stem
+    return world_from_layout(layout, f"{own}-file" if own in layout_names() else own)
+
+
+def from_drawing(name: str, content: bytes) -> World:
+    """The world around a drawing, with solid edges. Raises Refusal."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_bytes(content)
+        try:
+            geometry = read_geometry(path)
+            if len(geometry.obstacles) > MOST_OBSTACLES:
+                raise too_many(name, len(geometry.obstacles))
+            return world_around(geometry)
+        except Refusal as refusal:
+            raise Refusal(str(refusal).replace(str(path), name)) from None
+
+
+def too_many(name: str, count: int) -> Refusal:
+    """What a file with too many obstacles is told."""
+    return Refusal(f"{name} has {count} obstacles: the laboratory takes {MOST_OBSTACLES} at most")
+
+
+def demand_small(world: World, name: str) -> None:
+    """Raise Refusal for a world that would take the laboratory too long."""
+    corners, length = 0, 0.0
+    far, side = FAR * max(world.size), max(world.size)
+    if len(world.obstacles) > MOST_OBSTACLES:
+        raise too_many(name, len(world.obstacles))
+    for obstacle in world.obstacles:
+        for outline, _, _ in obstacle.spans():
+            corners += len(outline.exterior.coords) + sum(len(r.coords) for r in outline.interiors)
+            length += outline.length
+            if max(map(abs, outline.bounds), default=0.0) > far + side + max(map(abs, world.low)):
+                raise Refusal(
+                    f"{name}: obstacle {obstacle.label} is too far away, at most {FAR:g} sides of "
+                    "the box"
+                )
+    if corners > MOST_CORNERS:
+        raise Refusal(f"{name}: its obstacles have {corners} corners, at most {MOST_CORNERS}")
+    length += 2.0 * sum(world.size)
+    points = length / world.boundary_spacing if world.boundary_spacing > 0.0 else math.inf
+    if points > MOST_POINTS:
+        raise Refusal(
+            f"{name}: boundary_spacing = {world.boundary_spacing:g} makes {points:.3g} boundary "
+            f"points, at most {MOST_POINTS}"
+        )

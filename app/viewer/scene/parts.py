@@ -1,0 +1,45 @@
+"""All that is drawn of one flock, under one name."""
+
+from __future__ import annotations
+
+from viser import SceneApi
+
+from app.viewer.scene.agents import Agents
+from app.viewer.scene.halos import Halos
+from app.viewer.scene.inspection import InspectionMarks
+from app.viewer.scene.labels import Labels
+from app.viewer.scene.links import Links
+from app.viewer.scene.mission import MissionMarks
+from app.viewer.scene.obstacles import Obstacles
+from app.viewer.scene.picture import Changes, Picture
+from app.viewer.scene.points import BoundaryPoints
+from app.viewer.scene.reasons import Reasons
+from app.viewer.scene.surroundings import Surroundings
+from app.viewer.scene.trails import Trails
+from app.viewer.scene.walls import Walls
+
+
+class Parts:
+    """A flock and the room around it; nodes are called `root`/..."""
+
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
+        self._room = (Surroundings(scene, root), Walls(scene, root), Obstacles(scene, root))
+        self._flock = (
+            Agents(scene, root),
+            Halos(scene, root),
+            Labels(scene, root),
+            Links(scene, root),
+            Trails(scene, root),
+            MissionMarks(scene, root),
+            BoundaryPoints(scene, root),
+            InspectionMarks(scene, root),
+            Reasons(scene, root),
+        )
+
+    def draw_room(self, picture: Picture) -> Changes:
+        """Bring floor, edges and obstacles up to date: nodes come and go."""
+        return [change for part in self._room for change in part.draw(picture)]
+
+    def draw_flock(self, picture: Picture) -> Changes:
+        """What is to be changed for this frame."""
+        return [change for part in self._flock for change in part.draw(picture)]

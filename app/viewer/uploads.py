@@ -1,0 +1,91 @@
+"""Files from browsers: only through an upload button, of bounded size, a few at a time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+from viser import _messages as messages
+
+AT_ONCE = 4
+"""Files on their way at the same time at most."""
+MOST_PARTS = 1000
+
+
+def accept_uploads(server: viser.ViserServer, largest: int) -> None:
+    """Let upload buttons take files of up to `largest` bytes; what is more is never kept."""
+    gui, socket = server.gui, server._websock_server
+    under_way = gui._current_file_upload_states
+
+    def start(client_id: Any, message: messages.FileTransferStartUpload) -> None:
+        if not well_formed(message):
+            return
+        button = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
+        own = [one for one in under_way.values() if one["client_id"] == client_id]
+        if not isinstance(button, viser.GuiUploadButtonHandle) or button.disabled:
+            return
+        if message.size_bytes > largest or own or len(under_way) >= AT_ONCE:
+            end_progress(socket, message)
+            tell(server, client_id, message, largest)
+            return
+        gui._handle_file_transfer_start(client_id, message)
+
+    def part(client_id: Any, message: messages.FileTransferPart) -> None:
+        state = under_way.get(message.transfer_uuid)
+        if state is None or state["client_id"] != client_id:
+            return
+        if not isinstance(message.content, bytes) or type(message.part_index) is not int:
+            return
+        if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
+            under_way.pop(message.transfer_uuid, None)
+            return
+        gui._handle_file_transfer_part(client_id, message)
+
+    socket.register_handler(messages.FileTransferStartUpload, start)
+    socket.register_handler(messages.FileTransferPart, part)
+
+
+def well_formed(message: messages.FileTransferStartUpload) -> bool:
+    """Whether the announcement of a file is one."""
+    texts = (message.source_component_uuid, message.transfer_uuid, message.filename)
+    numbers = (message.part_count, message.size_bytes)
+    return (
+        all(isinstance(text, str) and len(text) <= 300 for text in texts)
+        and all(type(number) is int and number >= 0 for number in numbers)
+        and message.part_count <= MOST_PARTS
+    )
+
+
+def end_progress(socket: Any, message: messages.FileTransferStartUpload) -> None:
+    """Let the browser think that all has arrived, so that its progress bar goes away."""
+    socket.queue_message(
+        messages.FileTransferPartAck(
+            source_component_uuid=message.source_component_uuid,
+            transfer_uuid=message.transfer_uuid,
+            transferred_bytes=message.size_bytes,
+            total_bytes=message.size_bytes,
+        )
+    )
+
+
+def tell(
+    server: viser.ViserServer,
+    client_id: int,
+    message: messages.FileTransferStartUpload,
+    largest: int,
+) -> None:
+    """Say in the browser that sent it why a file is not taken."""
+    client = server.get_clients().get(client_id)
+    if client is None:
+        return
+    why = (
+        f"it has {message.size_bytes} bytes, at most {largest} are taken"
+        if message.size_bytes > largest
+        else "another file is on its way"
+    )
+    client.add_notification(
+        "flockscope",
+        f"{message.filename} was not read: {why}",
+        color="red",
+        auto_close_seconds=10.0,
+    )

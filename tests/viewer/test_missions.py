@@ -1,0 +1,223 @@
+"""What the laboratory measures and says of a mission, and what Setup knows of worlds."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from agents.catalogue import MODELS
+from agents.flock import Flock
+from app.viewer.extremes import MOST_AGENTS, Extremes
+from app.viewer.frame import Errand, Frame
+from app.viewer.panels.inspector import signal_facts
+from app.viewer.panels.monitors import clock, errand, mission_numbers
+from app.viewer.picture import Camera, Wanted
+from app.viewer.readings import Readings, arrived
+from app.viewer.run import Run
+from app.viewer.start import Start, at_home, home, lively_speed, titled, world_titles
+from tests.viewer.waiting import until
+from worlds.clearance import clearance
+from worlds.layout import layout_names
+from worlds.mission import Goal, Mission, Path
+from worlds.refusal import Refusal
+from worlds.world import World, world
+
+
+def flying(name: str = "liu2021-mission", agents: int = 12, **more) -> Flock:
+    return Flock("hwvem-nav", agents=agents, world=name, rng=5, **more)
+
+
+def test_extremes_are_those_of_every_tick():
+    flock, twin = flying("obstacles"), flying("obstacles")
+    extremes = Extremes(flock)
+    gap = far = np.inf
+    for ticks in (1, 7, 40):
+        extremes.run(ticks)
+    for tick in range(49):
+        away = np.linalg.norm(twin.position[:, None] - twin.position, axis=2)
+        gap = min(gap, away[np.triu_indices(len(away), 1)].min())
+        far = min(far, clearance(twin.world, twin.position).min())
+        if tick < 48:
+            twin.advance(1)
+    assert flock.tick == twin.tick == 48
+    assert np.array_equal(flock.position, twin.position)
+    assert extremes.values()["least-gap"] == pytest.approx(gap)
+    least = extremes.values()["least-clearance"]
+    assert least == (pytest.approx(far) if far <= flock.reach else np.inf)
+
+
+def test_an_agent_inside_an_obstacle_is_a_collision():
+    flock = flying("obstacles")
+    flock.position[3] = (12.5, 19.0)
+    assert Extremes(flock).values()["inside"] == 1.0
+    assert Extremes(flock).values()["least-clearance"] == pytest.approx(-3.0, abs=0.01)
+
+
+def test_nothing_is_watched_where_there_is_nothing_to_run_into():
+    flock = Flock("vem", agents=10, rng=1)
+    extremes = Extremes(flock)
+    extremes.run(3)
+    assert flock.tick == 3
+    assert extremes.values() == {}
+    many = flying("obstacles", agents=MOST_AGENTS + 10)
+    assert not Extremes(many).wanted
+
+
+def test_readings_of_a_mission_have_its_distance_and_who_follows():
+    flock = flying()
+    readings = Readings(flock)
+    readings.read(at_once=True)
+    flock.advance(30)
+    readings.read(at_once=True)
+    end = np.array(flock.world.mission.path.waypoints[-1])
+    away = np.linalg.norm(flock.position.mean(axis=0) - end)
+    assert readings.values["goal-distance"] == pytest.approx(away)
+    assert readings.values["following"] == pytest.approx(flock.observe("following"))
+    ticks, distance = readings.errand.arrays()
+    assert ticks.tolist() == [0, 30]
+    assert distance[1] == pytest.approx(away)
+    assert "through" not in readings.values
+
+
+def test_who_is_near_the_goal_has_arrived():
+    flock = flying("obstacles", agents=9)
+    goal = flock.goal_at([0])[0]
+    flock.position[:] = goal + 30.0
+    flock.position[:4] = goal
+    assert arrived(flock) == pytest.approx(0.4)
+
+
+def test_a_frame_knows_how_the_mission_stands():
+    flock = flying("obstacles")
+    frame = Camera(flock, 1).take()
+    assert frame.world is flock.world
+    assert frame.errand.goal.tolist() == [30.0, 5.0]
+    assert frame.errand.done == 0
+    assert [corner.tolist() for corner in frame.room] == [[2.0, 2.0], [14.0, 12.0]]
+    flock.arrays.leg[flock.informed] = 2
+    assert Camera(flock, 1).take().errand.done == 2
+    assert Camera(Flock("vem", agents=3, rng=1), 1).take().errand == Errand()
+
+
+def test_a_start_region_of_a_density_depends_on_the_number_of_agents():
+    low, high = Camera(flying(agents=49), 1).take().room
+    assert np.prod(high - low) == pytest.approx(50 / 3.265)
+
+
+def test_boundary_points_are_one_array_until_the_world_changes():
+    flock = flying()
+    camera = Camera(flock, 1, Wanted(points=True))
+    camera.examine()
+    first = camera.take().points
+    away = clearance(flock.world, first)
+    assert np.abs(away).max() < 1e-9
+    camera.examine()
+    assert camera.take().points is first
+    flock.change_world(world("obstacles"))
+    camera.examine()
+    assert camera.take().points is not first
+    camera.want(Wanted())
+    camera.examine()
+    assert camera.take().points is None
+
+
+def test_an_agent_is_inspected_as_soon_as_what_it_takes_is_compiled():
+    run = Run(flying(), 1, Wanted(row=4))
+    until(lambda: run.look(closely=False).inspected, 60)
+    seen = run.look(closely=False).inspected
+    assert list(seen.forces) == ["alignment", "repulsion", "attraction"]
+    assert not run.troubles
+
+
+def frame_of(place: World, **more) -> Frame:
+    n = 2
+    position = np.zeros((n, place.dim))
+    given = {"informed": np.array([True, False])} | more
+    return Frame(
+        1, 615, place, 1.0, 1.0, position, position, np.zeros(n), ids=np.arange(n), **given
+    )
+
+
+def test_monitors_say_only_what_the_world_has():
+    plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
+    assert errand(frame_of(plain), {}) == ""
+    walled = World("box", (5.0, 5.0), ("solid", "solid"))
+    told = mission_numbers(frame_of(walled), {"least-clearance": 0.25, "inside": 1.0})
+    assert told == {"to obstacle": "0.25", "collisions": "1"}
+    sent = World(
+        "sent",
+        (5.0, 5.0),
+        ("open", "open"),
+        mission=Mission(path=Path(waypoints=((1.0, 1.0), (2.0, 2.0)), switch=0.1)),
+    )
+    values = {"goal-distance": 3.14159, "following": 0.5, "least-gap": np.inf}
+    told = mission_numbers(frame_of(sent, errand=Errand(done=1)), values)
+    assert told == {
+        "to path's end": "3.14",
+        "waypoint": "2 / 2",
+        "following": "50 %",
+        "closest pair": "far",
+    }
+    assert mission_numbers(frame_of(sent, errand=Errand(done=2)), {})["waypoint"] == "all done"
+    sought = World(
+        "sought", (5.0, 5.0), ("open", "open"), mission=Mission(goal=Goal(route=((1.0, 1.0),)))
+    )
+    told = mission_numbers(frame_of(sought), {"goal-distance": 1.0, "through": 0.25})
+    assert told == {"to goal": "1", "arrived": "25 %"}
+
+
+def test_time_is_told_in_seconds_where_bodies_count_them():
+    place = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
+    assert clock(frame_of(place)) == ""
+    text = clock(frame_of(place, dt=0.02, unit="s"))
+    assert "t = 12.3 s" in text
+    assert "tick 615" in text
+    assert frame_of(place, dt=0.02, unit="s").pace_unit == "m/s"
+
+
+def test_places_in_memory_are_told_as_points_and_only_while_they_count():
+    signals = {"following": 1.0, "split_x": 1.0, "split_y": 2.0, "layer": np.inf}
+    told = signal_facts(signals)
+    assert told == {"following": "1", "split": "(1.00, 2.00)", "layer": "unknown"}
+    assert "split" not in signal_facts(signals | {"following": 0.0})
+
+
+def test_a_model_starts_in_the_world_that_it_is_at_home_in():
+    own = at_home("hwvem-nav")
+    assert (own.world, own.agents, own.dim) == ("liu2021-mission", 49, 2)
+    assert at_home("hwvem-nav", agents=None, world="rooms-3d").dim == 3
+    assert at_home("hwvem-nav", agents=7, world="rooms-3d", dim=3).agents == 7
+    assert at_home("hwvem") == Start()
+    for name in MODELS:
+        assert len(at_home(name, seed=2).build().ids) >= 1
+    with pytest.raises(Refusal, match="obstacles"):
+        at_home("hwvem", world="obstacle")
+
+
+def test_a_world_decides_its_dimension_and_its_side():
+    assert home("wrap").dim is None
+    assert not home("wrap").sized
+    assert home("rooms-3d").dim == 3
+    assert home("obstacles").sized
+    assert home(world("obstacles")).dim == 2
+
+
+def test_every_built_in_world_can_be_chosen_by_its_own_words(tmp_path):
+    titles = world_titles()
+    assert sorted(titles.values()) == layout_names()
+    assert titles["wraps around"] == "wrap"
+    assert all(titled(name) == words for words, name in titles.items())
+    file = tmp_path / "mine.toml"
+    file.write_text('title = "My own"\nsize = [4.0, 4.0]\n')
+    assert titled(str(file)) == "My own"
+
+
+def test_seconds_pass_faster_than_in_life():
+    body = SimpleNamespace(unit="s", lasts=lambda _p: 0.02)
+    made = SimpleNamespace(body=body, parameters=MODELS["vem"].parameters)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(MODELS, "slow", made)
+        assert lively_speed(Start("slow")) == pytest.approx(250.0)
+    assert lively_speed(Start("vem")) == 15.0
