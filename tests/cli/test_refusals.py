@@ -18,7 +18,7 @@ MODELS = "vem, vem-a, ivem"
         (["vem", "--agents", "0"], ["agents = 0", ">= 1", "--agents"]),
         (["vem", "--seed", "-1"], ["seed = -1", ">= 0", "--seed"]),
         (["vem", "--informed", "-2"], ["informed = -2", ">= 0"]),
-        (["vem", "--dim", "4"], ["dim = 4", "2-D", "--dim"]),
+        (["vem", "--dim", "4"], ["dim = 4", "2 or 3 dimensions", "--dim"]),
         (["ivem", "--dim", "3"], ["dim = 3", "2-D", "--dim"]),
         (["vem", "--size", "0"], ["size = 0.0", "(0, 1e9)", "--size"]),
         (["vem", "--size", "nan"], ["size = nan", "(0, 1e9)"]),
