@@ -39,8 +39,8 @@ class Flock(Motion, mesa.Model):
     Parameters
     ----------
     model: name of a model, see `agents.catalogue.MODELS`.
-    agents: ordinary agents, >= 1. Information agents come on top: `informed`, by default as many as
-        the model is defined with (0 or 1).
+    agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
+        top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
     dim: 2 or 3, by default the layout's own, or 2.
@@ -67,7 +67,7 @@ class Flock(Motion, mesa.Model):
         self,
         model: str = "hwvem",
         *,
-        agents: int = 100,
+        agents: int | None = None,
         size: float | Sequence[float] | None = None,
         dim: int | None = None,
         world: str | World | None = None,
@@ -87,7 +87,7 @@ class Flock(Motion, mesa.Model):
             raise unknown("activation", activation, ACTIVATIONS)
         if noise not in NOISES:
             raise unknown("noise", noise, NOISES)
-        agents = whole("agents", agents, 1)
+        agents = whole("agents", self.model.agents if agents is None else agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.parameters = checked(self.model.parameters, parameters)
         self.world = self._find_world(world, dim, size, agents + informed)

@@ -32,8 +32,8 @@ class Model:
     """Defaults that differ from those of the rule and the body."""
     world: str = "wrap"
     """The world that it is at home in."""
-    agents: int | None = None
-    """How many agents a flock has there, None for the user's own default."""
+    agents: int = 100
+    """How many ordinary agents a flock has unless the user says otherwise."""
 
     def __post_init__(self):
         if self.rule.wish != self.body.takes:

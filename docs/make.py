@@ -1,57 +1,165 @@
-"""Writes one page per rule from its declaration, with a picture of it at work.
+"""Writes one page per model from its declaration, with a picture of it at work.
 
-    uv run python docs/make.py
+    uv run python docs/make.py [MODEL ...]
 
-A test holds the pages against the declarations.
+Without names all are written. A test holds the pages against the declarations.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
-from agents import Flock
+from rule_scenes import flock_of, scene_of
+
 from agents.catalogue import MODELS, Model
 from agents.declare import Declared, declared
+from agents.flock import Flock
+from worlds.layout import read_layout
 
 HERE = Path(__file__).parent / "rules"
-AGENTS, SIZE, SEED = 200, 7.0, 4
-TICKS = (0, 5, 15, 60)
-ETA = 0.2
+ARTICLES = {
+    "heading": "a heading",
+    "acceleration": "an acceleration",
+    "velocity": "a velocity",
+}
+VICSEK, MISSION, GOAL, OTHERS = (
+    "The Vicsek family",
+    "The Vicsek family on a mission",
+    "Followers of a goal",
+    "Other well-known flocks",
+)
+GROUPS = {
+    VICSEK: "Agents of constant speed turn to a mean of their neighbours' headings; the rules "
+    "differ in who counts how much.",
+    MISSION: "The same rules lead a flock after its information UAV through a passage and past "
+    "obstacles: in a body that keeps its distance and flies along what is in its way.",
+    GOAL: "Every agent knows the goal, the gamma agent, and what is left to do is to keep the "
+    "lattice and to get round obstacles.",
+    OTHERS: "Boids and drones, which steer clear of each other and of what is solid.",
+}
+
+
+def group(model: Model) -> str:
+    """The part of the list that a model is in."""
+    if model.rule.wish == "heading":
+        return MISSION if model.agents else VICSEK
+    return GOAL if "gamma" in model.rule.forces else OTHERS
 
 
 def parameter_row(one: Declared) -> str:
     """One line of the table of parameters."""
     default = one.default if one.kind != "number" else f"{one.default:g}"
+    if one.kind == "switch":
+        default = str(one.default).lower()
     source = f"{one.description} ({one.source})".replace("|", "\\|")
     return f"| `{one.name}` | ${one.symbol}$ | {default} | {one.allowed} | {source} |"
 
 
+def listed(words: tuple[str, ...]) -> str:
+    """Words as a sentence has them."""
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
+
+
+def plainly(word: str) -> str:
+    """A name of a column for people."""
+    return word.replace("_", " ")
+
+
+def facts(model: Model) -> list[tuple[str, str]]:
+    """What a model is made of, one line each."""
+    rule, body = model.rule, model.body
+    made = [("Source", rule.source), ("Wants", ARTICLES[rule.wish])]
+    if rule.forces:
+        made.append((f"Its {rule.wish} is the sum of", listed(rule.forces)))
+    made.append(("Body", f"{body.title}: {body.source}"))
+    if body.forces:
+        made.append(("Its velocity is the sum of", listed(body.forces)))
+    hear = tuple(plainly(one) for one in ("position", "heading", *model.signals))
+    made.append(("Agents tell each other", listed(hear)))
+    if rule.memory:
+        made.append(("Each remembers", listed(tuple(plainly(one) for one in rule.memory))))
+    made.append(("Obstacles and walls", at_obstacles(model)))
+    informed = {0: "none", 1: "one"}.get(rule.informed, str(rule.informed))
+    made.append(("Information agents", f"{informed} by default" if rule.led else "none"))
+    made.append(("Dimensions", " and ".join(f"{d}-D" for d in rule.dimensions)))
+    made.append(("At home in", home(model)))
+    made.append(("Unit of time", clock(model)))
+    return made
+
+
+def at_obstacles(model: Model) -> str:
+    """What agents do about what is solid."""
+    rule, body = model.rule, model.body
+    if rule.sees_points:
+        return "the rule goes round their boundary points"
+    if rule.sees_obstacles:
+        return "the rule steers clear" + ("; the body never enters" if body.sees_obstacles else "")
+    return "the body flies along them" if body.sees_obstacles else "agents bounce off"
+
+
+def home(model: Model) -> str:
+    """The world that a model is at home in, with its page."""
+    title = str(read_layout(model.world)["title"])
+    many = f" with {model.agents} agents" if model.agents else ""
+    return f"[`{model.world}`](../worlds.md#{model.world}){many}. {title}"
+
+
+def clock(model: Model) -> str:
+    """The unit of time, and how long a tick is."""
+    if model.body.unit == "ticks":
+        return "tick"
+    return f"{model.body.unit}; a tick is {model.body.lasts(model.parameters()):g} s"
+
+
+def caption(model: Model, flock: Flock) -> str:
+    """What the picture shows."""
+    scene = scene_of(model)
+    given = "".join(f", {name} = {value}" for name, value in scene.parameters.items())
+    leaders = f" and {flock.spec.informed} information UAV" if flock.spec.informed else ""
+    said = f"{flock.spec.agents} agents{leaders}{given}, seed {scene.seed}."
+    if group(model) == MISSION:
+        said += (
+            " Colour is the number of hops to the information UAV, which is red; grey is no link."
+        )
+        return said + (" The dashed line is its path." if scene.window else "")
+    said += " Colour is heading" + ("; the information UAV red." if leaders else ".")
+    if "seek" in model.rule.forces:
+        said += " The star is the goal, which goes round the dotted line."
+    return said + (" The star is the goal." if "gamma" in model.rule.forces else "")
+
+
 def page(model: Model) -> str:
     """The page of a model."""
-    rule = model.rule
+    rule, scene = model.rule, scene_of(model)
+    flock = flock_of(model)
     rows = "\n".join(parameter_row(one) for one in declared(model.parameters))
-    where = " and ".join(f"{d}-D" for d in rule.dimensions)
-    informed = {0: "none", 1: "one"}.get(rule.informed, str(rule.informed))
-    signals = ", ".join(rule.signals) or "nothing more"
-    return f"""# {rule.title} (`{rule.name}`)
+    table = "\n".join(f"| {name} | {said} |" for name, said in facts(model))
+    options = "".join(f" --set {name}={value}" for name, value in scene.parameters.items())
+    keywords = "".join(f", {name}={value}" for name, value in scene.parameters.items())
+    agents = flock.spec.agents
+    many = f" --agents {agents}" if model.agents is None else ""
+    ticks = scene.ticks[-1]
+    measure = "polarisation" if model.agents is None else "inside-obstacles"
+    if "goal" in read_layout(model.world).get("mission", {}) and group(model) == GOAL:
+        measure = "goal-distance"
+    if group(model) == MISSION:
+        measure = "following"
+    return f"""# {model.title} (`{model.name}`)
 
-{rule.summary}
+{model.summary}
 
 $$
 {rule.equation}
 $$
 
-![{rule.title} at work]({rule.name}.png)
+![{model.title} at work]({model.name}.png)
 
-*{AGENTS} agents, r = 1, eta = {ETA} rad, seed {SEED}. Colour is heading; the information UAV red.*
+*{caption(model, flock)}*
 
 | | |
 |---|---|
-| Source | {rule.source} |
-| Body | {model.body.title}: {model.body.source} |
-| Dimensions | {where} |
-| Information agents | {informed} by default |
-| Agents tell each other | position, heading and {signals} |
+{table}
 
 ## Parameters
 
@@ -62,57 +170,32 @@ $$
 ## Try it
 
 ```
-uv run flockscope lab {rule.name}
-uv run flockscope run {rule.name} --agents {AGENTS} --set eta={ETA} --ticks 100 --seed {SEED}
+uv run flockscope lab {model.name}
+uv run flockscope run {model.name}{many}{options} --ticks {ticks} --seed {scene.seed}
 ```
 
 ```python
 from agents import Flock
 
-flock = Flock("{rule.name}", agents={AGENTS}, eta={ETA}, rng={SEED})
-flock.run(100)
-print(flock.observe("polarisation"))
+flock = Flock("{model.name}", agents={agents}{keywords}, rng={scene.seed})
+flock.run({ticks})
+print(flock.observe("{measure}"))
 ```
 """
 
 
-def picture(model: Model) -> None:
-    """Four moments of a run, as PNG."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    from matplotlib.colors import hsv_to_rgb
-
-    flock = Flock(model.name, agents=AGENTS, size=SIZE, eta=ETA, rng=SEED)
-    figure, axes = plt.subplots(1, len(TICKS), figsize=(12, 3.3), layout="constrained")
-    for axis, tick in zip(axes, TICKS, strict=True):
-        flock.run(tick - flock.tick)
-        x, y = flock.position.T
-        ux, uy = flock.heading.T
-        hue = np.arctan2(uy, ux) / (2 * np.pi) % 1.0
-        colour = hsv_to_rgb(np.column_stack([hue, np.full_like(hue, 0.8), np.full_like(hue, 0.75)]))
-        axis.quiver(x, y, ux, uy, color=colour, scale=20, width=0.009, headwidth=4, pivot="mid")
-        know = flock.informed
-        axis.quiver(x[know], y[know], ux[know], uy[know], color="#d62728", scale=12, width=0.014,
-                    headwidth=4, pivot="mid", zorder=3)  # fmt: skip
-        axis.set(xlim=(0, SIZE), ylim=(0, SIZE), xticks=[], yticks=[], aspect="equal")
-        axis.set_title(
-            f"tick {tick}, polarisation {flock.observe('polarisation'):.2f}", fontsize=10
-        )
-    figure.savefig(HERE / f"{model.name}.png", dpi=110)
-    plt.close(figure)
-
-
 def index() -> str:
     """The list of all pages."""
-    lines = [f"- [{m.title}]({name}.md) (`{name}`): {m.summary}" for name, m in MODELS.items()]
-    return (
-        "# Rules\n\nMade from the rules' own declarations by `docs/make.py`.\n\n"
-        + "\n".join(lines)
-        + "\n"
-    )
+    parts = ["# Models", "Made from the models' own declarations by `docs/make.py`."]
+    for title, about in GROUPS.items():
+        lines = [
+            f"- [{m.title}]({name}.md) (`{name}`): {m.summary}"
+            for name, m in MODELS.items()
+            if group(m) == title
+        ]
+        parts += [f"## {title}", about, "\n".join(lines)]
+    parts.append("[A rule of your own](../new-rule.md) is one file.")
+    return "\n\n".join(parts) + "\n"
 
 
 def pages() -> dict[str, str]:
@@ -121,12 +204,14 @@ def pages() -> dict[str, str]:
 
 
 def main() -> None:
-    """Write everything."""
+    """Write everything, or the pages of some models and the list."""
+    from rule_pictures import draw
+
     HERE.mkdir(exist_ok=True)
     for name, text in pages().items():
         (HERE / name).write_text(text, encoding="utf-8")
-    for model in MODELS.values():
-        picture(model)
+    for name in sys.argv[1:] or MODELS:
+        draw(MODELS[name], HERE / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -1,23 +1,114 @@
-"""The pages of the rules say what the rules declare."""
+"""The pages say what is declared, and what they show works as printed."""
 
 from __future__ import annotations
 
+import re
 import runpy
+import shlex
+import sys
 from pathlib import Path
 
 import pytest
+from cli.calling import call
+
+from agents.catalogue import MODELS
+from app.cli.main import COMMANDS
+from app.experiments.experiment import experiment_names
+from worlds.layout import layout_names
 
 ROOT = Path(__file__).parents[1]
-PAGES = runpy.run_path(str(ROOT / "docs" / "make.py"))["pages"]()
+sys.path.append(str(ROOT / "docs"))
+MAKE = runpy.run_path(str(ROOT / "docs" / "make.py"))
+PAGES = MAKE["pages"]()
+WRITTEN = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))]
+
+
+def text(name):
+    return (ROOT / name).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", sorted(PAGES))
 def test_page_is_the_declaration(name):
-    written = (ROOT / "docs" / "rules" / name).read_text(encoding="utf-8")
-    assert written == PAGES[name], "run `uv run python docs/make.py`"
+    assert text(f"docs/rules/{name}") == PAGES[name], "run `uv run python docs/make.py`"
 
 
 @pytest.mark.parametrize("name", sorted(n for n in PAGES if n != "README.md"))
 def test_page_has_its_picture(name):
     png = (ROOT / "docs" / "rules" / name).with_suffix(".png")
     assert png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_every_model_is_listed_once_and_has_a_page():
+    links = re.findall(r"^- \[.*?\]\((.*?)\.md\)", PAGES["README.md"], re.MULTILINE)
+    assert sorted(links) == sorted(MODELS)
+    assert set(PAGES) == {f"{name}.md" for name in MODELS} | {"README.md"}
+
+
+def test_a_page_names_every_force_and_everything_remembered():
+    for name, model in MODELS.items():
+        for word in (*model.rule.forces, *model.body.forces, *model.rule.memory):
+            assert word.replace("_", " ") in PAGES[f"{name}.md"]
+
+
+@pytest.mark.parametrize("page", [*WRITTEN, *(f"docs/rules/{name}" for name in sorted(PAGES))])
+def test_what_a_page_links_to_is_there(page):
+    for link in re.findall(r"\]\((?!https?:)([^)\s]+)\)", text(page)):
+        file, _, mark = link.partition("#")
+        target = (ROOT / page).parent / file if file else ROOT / page
+        assert target.exists(), link
+        if mark:
+            headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            made = {re.sub(r"[^\w\- ]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+            assert mark in made, link
+
+
+def blocks(page, language):
+    """The blocks of code of a page in one language, "" for commands."""
+    found = re.findall(r"^```(\w*)\n(.*?)^```$", text(page), re.MULTILINE | re.DOTALL)
+    return [code for name, code in found if name == language]
+
+
+def commands(page):
+    """The words of every command that a page shows; what may be left out, without its brackets."""
+    indented = re.findall(r"^    (flockscope .*|uv run flockscope.*)$", text(page), re.MULTILINE)
+    for line in [*"".join(blocks(page, "")).splitlines(), *indented]:
+        words = shlex.split(line.translate(str.maketrans("[]", "  ")), comments=True)
+        if "flockscope" in words:
+            yield words[words.index("flockscope") + 1 :]
+
+
+def after(words, option):
+    """The word after an option or a command, if there is one that is no option."""
+    rest = words[words.index(option) + 1 :] if option in words else []
+    return rest[0] if rest and not rest[0].startswith("-") else None
+
+
+def test_commands_are_found_wherever_they_stand():
+    found = [words[0] for page in WRITTEN for words in commands(page) if words]
+    assert set(found) >= {"lab", "run", "paper", "world", "list"}
+    assert ["lab", "hwvem-nav"] in list(commands("README.md"))
+
+
+@pytest.mark.parametrize("page", [*WRITTEN, *(f"docs/rules/{name}" for name in sorted(PAGES))])
+def test_the_commands_of_a_page_are_there(page):
+    for words in filter(None, commands(page)):
+        assert words[0] in COMMANDS
+        head = words[:2] if words[0] == "world" else words[:1]
+        known = set(re.findall(r"--[\w-]+", call(*head, "--help").stdout))
+        assert {word for word in words if word.startswith("--")} <= known, words
+        model = after(words, "run") or after(words, "lab")
+        assert model is None or model in MODELS, words
+        world = after(words, "--world") or after(words, "show")
+        assert world is None or world in layout_names() or world.endswith(".toml"), words
+        paper = after(words, "paper")
+        assert paper is None or paper in experiment_names(), words
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_the_python_of_a_page_prints_what_it_says(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for code in blocks(page, "python"):
+        exec(code, names)
+        said = [line.partition("  # ")[2] for line in code.splitlines() if "print(" in line]
+        assert capsys.readouterr().out.splitlines() == said, code

@@ -17,7 +17,7 @@ def test_a_body_that_cannot_take_what_the_rule_wishes_is_an_error():
     words = "rule olfati-saber wishes acceleration, but the body constant-speed takes heading"
     with pytest.raises(TypeError, match=words):
         Model(olfati_saber.RULE, constant_speed.BODY)
-    with pytest.raises(TypeError, match="wishes heading, .* takes acceleration"):
+    with pytest.raises(TypeError, match=r"wishes heading, .* takes acceleration"):
         Model(hwvem.HWVEM, double_integrator.BODY)
 
 

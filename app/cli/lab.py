@@ -13,15 +13,20 @@ from agents.catalogue import model as find_model
 from agents.declare import checked
 from app.cli.settings import assignment
 from app.cli.stopping import Stopping
+from app.viewer.beside import companion, shared_by
 from app.viewer.start import at_home
 from worlds.layout import layout_names
 
 NOISE = 0.3
-"""Noise that keeps the picture alive, rad, for models that would have none, unless told otherwise."""
+"""Noise that keeps the picture alive, rad, for models that would have none."""
 
 
 def lab(
     model: Annotated[str, typer.Argument(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
+    beside: Annotated[
+        str | None,
+        typer.Option(help="A second model, beside it in the same world from the same start."),
+    ] = None,
     agents: Annotated[
         int | None, typer.Option(min=1, help="Number of agents; by default the model's own.")
     ] = None,
@@ -37,7 +42,8 @@ def lab(
         ),
     ] = None,
     set: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
+        list[str] | None,
+        typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
     ] = None,
     speed: Annotated[float | None, typer.Option(min=0.1, help="Ticks per second at first.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
@@ -52,27 +58,49 @@ def lab(
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
     from app.viewer.laboratory import Laboratory
 
+    own, others = parameters(find_model(model).name, set or [], beside)
     start = at_home(
-        find_model(model).name,
+        model,
         agents=agents,
         seed=seed,
         dim=dim,
         world=world,
         threads=threads,
-        parameters=parameters(model, set or []),
+        parameters=own,
+        beside=beside,
+        beside_parameters=others,
     )
-    start.build()
+    flock = start.build()
+    if beside is not None:
+        companion(start, flock)
     serve(Laboratory(start, host, port, speed), open_browser)
 
 
-def parameters(model: str, settings: list[str]) -> dict[str, Any]:
-    """The parameters that `--set` gives, and a little noise. Raises Refusal."""
+def parameters(
+    model: str, settings: list[str], beside: str | None = None
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What `--set` gives, and a little noise: for the model, and for the one beside it alone.
+
+    A name that both have without sharing it means the first model's. Raises Refusal.
+    """
+    given = dict(assignment(setting) for setting in settings)
+    if beside is None:
+        return lively(model, given), {}
+    both = shared_by(model, find_model(beside).name)
+    first, second = (set(MODELS[name].parameters.model_fields) for name in (model, beside))
+    others = {name: value for name, value in given.items() if name in second - first}
+    own = lively(model, {name: value for name, value in given.items() if name not in others})
+    more = lively(beside, others)
+    return own, {name: value for name, value in more.items() if name not in both}
+
+
+def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
+    """The given parameters of a model, checked, and a little noise. Raises Refusal."""
     declared = MODELS[model].parameters
     noise = declared.model_fields.get("eta")
-    given = dict(assignment(setting) for setting in settings)
-    lively = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}
-    made = checked(declared, lively | given, "--set").model_dump()
-    return {name: made[name] for name in lively | given}
+    moved = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}
+    made = checked(declared, moved | given, "--set").model_dump()
+    return {name: made[name] for name in moved | given}
 
 
 def serve(laboratory: Any, open_browser: bool) -> None:

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.request import COMMON_AGENTS
 from worlds.refusal import unknown
 
 Rows = list[dict[str, Any]]
@@ -24,7 +23,7 @@ def models() -> Rows:
             "dimensions": list(one.dimensions),
             "informed": one.informed,
             "world": one.world,
-            "agents": one.agents or COMMON_AGENTS,
+            "agents": one.agents,
             "wish": one.rule.wish,
             "body": one.body.name,
             "time_unit": one.body.unit,

@@ -21,8 +21,6 @@ NAMES = ("model", "world", "activation", "noise")
 """Those whose values are names."""
 TABLES = ("layout", "parameters", "versions")
 """Tables of a spec; `layout` is its world, where that is none of the built-in ones."""
-COMMON_AGENTS = 100
-"""Agents of a model that names no number."""
 
 
 @dataclass
@@ -94,7 +92,6 @@ class Request:
             given["rng"] = given.pop("seed")
         try:
             model = find_model(given["model"])
-            given.setdefault("agents", model.agents or COMMON_AGENTS)
             self.check_parameters(model.parameters)
             if self.layout is not None:
                 given["world"] = self.own_world(given.pop("dim", None), given.pop("size", None))

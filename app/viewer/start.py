@@ -14,8 +14,6 @@ MOST_AGENTS = 200_000
 """More agents than this are set up from the command line or a script, not from a browser."""
 COMMON_SPEED, HURRY = 15.0, 5.0
 """Ticks per second for bodies that count ticks; seconds per second for those that count seconds."""
-COMMON_AGENTS = 100
-"""Agents of a model that names no number."""
 WORLDS = {
     "wrap": "wraps around",
     "wrap-plain": "wraps, seam is a wall",
@@ -35,7 +33,7 @@ class Start:
     """Everything that Setup decides; the same start gives the same run, to the bit."""
 
     model: str = "hwvem"
-    agents: int = COMMON_AGENTS
+    agents: int = 100
     seed: int = 1
     size: float | None = None
     """Side of the world, length; None for the layout's own, or the model's own density."""
@@ -75,8 +73,9 @@ class Start:
 
     def differs(self, other: Start) -> list[str]:
         """Names of what differs from another start, seed and parameters left out."""
-        named = ("model", "beside", "agents", "size", "dim", "world", "activation", "noise", "informed")
-        return [name for name in named if getattr(self, name) != getattr(other, name)]
+        where = ("model", "beside", "agents", "size", "dim", "world")
+        how = ("activation", "noise", "informed")
+        return [one for one in (*where, *how) if getattr(self, one) != getattr(other, one)]
 
 
 @dataclass(frozen=True)
@@ -108,8 +107,7 @@ def at_home(model: str = "hwvem", **given: Any) -> Start:
     given = {name: value for name, value in given.items() if value is not None}
     own = MODELS[model]
     world = given.pop("world", own.world)
-    agents = own.agents if own.agents is not None and world == own.world else COMMON_AGENTS
-    proposed = {"agents": agents, "dim": home(world).dim or own.dimensions[0], "world": world}
+    proposed = {"agents": own.agents, "dim": home(world).dim or own.dimensions[0], "world": world}
     return Start(model, **(proposed | given))
 
 

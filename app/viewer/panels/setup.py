@@ -10,7 +10,6 @@ from agents.catalogue import MODELS
 from app.viewer.panels.style import block
 from app.viewer.start import (
     ACTIVATIONS,
-    COMMON_AGENTS,
     MOST_AGENTS,
     NOISES,
     Start,
@@ -24,8 +23,10 @@ from worlds.world import World
 
 DIMENSIONS = {"2-D": 2, "3-D": 3}
 LARGEST_SEED = 2**31 - 1
+NOBODY = "none"
 NAMES = {
     "model": "model",
+    "beside": "beside",
     "agents": "agents",
     "size": "side",
     "dim": "dimension",
@@ -50,6 +51,12 @@ class SetupPanel:
         self.note = gui.add_html("")
         self.model = gui.add_dropdown(
             "Model", titles, initial_value=MODELS[start.model].title, hint="The rule agents follow"
+        )
+        self.beside = gui.add_dropdown(
+            "Beside",
+            self.companions(start.model, start.dim),
+            initial_value=NOBODY if start.beside is None else MODELS[start.beside].title,
+            hint="A second model in the same world, from the same start, with the same controls",
         )
         self.agents = gui.add_number(
             "Agents",
@@ -111,6 +118,7 @@ class SetupPanel:
         self.fit()
         self.model.on_update(self.model_chosen)
         self.world.on_update(self.world_chosen)
+        self.dim.on_update(self.dim_chosen)
 
     async def model_chosen(self, event: viser.GuiEvent) -> None:
         """A model brings its own number of information agents, its dimensions and its world."""
@@ -120,15 +128,20 @@ class SetupPanel:
             return
         if titled(model.world) in self.worlds:
             show(self.world, titled(model.world))
-        show(self.agents, model.agents or COMMON_AGENTS)
+        show(self.agents, model.agents)
         self.fit()
         if DIMENSIONS[self.dim.value] not in model.dimensions:
             show(self.dim, f"{model.dimensions[0]}-D")
+        self.fit_beside()
 
     async def world_chosen(self, event: viser.GuiEvent) -> None:
         """A world may decide the dimension and the side."""
         if event.client is not None:
             self.fit()
+
+    async def dim_chosen(self, _event: viser.GuiEvent) -> None:
+        """Not every model flies in every dimension."""
+        self.fit_beside()
 
     def fit(self) -> None:
         """Let the world and the model decide what is theirs to decide."""
@@ -138,6 +151,21 @@ class SetupPanel:
         self.dim.disabled = own.dim == 3
         if own.dim is not None:
             show(self.dim, f"{own.dim}-D")
+        self.fit_beside()
+
+    def fit_beside(self) -> None:
+        """Offer the models that can fly beside the chosen one; nobody if the chosen one cannot."""
+        options = self.companions(named(self.model.value), DIMENSIONS[self.dim.value])
+        if tuple(self.beside.options) != options:
+            chosen = self.beside.value
+            self.beside.options = options
+            show(self.beside, chosen if chosen in options else NOBODY)
+
+    @staticmethod
+    def companions(model: str, dim: int) -> tuple[str, ...]:
+        """Titles of the models that can fly beside one in so many dimensions, after nobody."""
+        others = (one for name, one in MODELS.items() if name != model)
+        return (NOBODY, *(one.title for one in others if dim in one.dimensions))
 
     def chosen(self) -> Start:
         """The start as the fields have it, with the running seed and no parameters."""
@@ -153,15 +181,18 @@ class SetupPanel:
             noise=key_of(NOISES, self.noise.value),
             informed=None if self.informed.value == MODELS[model].informed else self.informed.value,
             threads=self.running.threads,
+            beside=None if self.beside.value == NOBODY else named(self.beside.value),
         )
 
-    def next_start(self, values: dict[str, Any]) -> Start:
-        """The start for Setup; a model that stays keeps its parameters' values."""
+    def next_start(self, values: dict[str, Any], beside_values: dict[str, Any]) -> Start:
+        """The start for Setup; models that stay keep their parameters' values."""
         start = self.chosen()
         if self.new_seed.value and self.seed.value == self.running.seed:
             show(self.seed, (self.seed.value + 1) % LARGEST_SEED)
         kept = dict(values) if start.model == self.running.model else {}
-        return start.but(seed=self.seed.value, parameters=kept)
+        stays = kept and start.beside == self.running.beside
+        own = dict(beside_values) if stays else {}
+        return start.but(seed=self.seed.value, parameters=kept, beside_parameters=own)
 
     def catch_up(self, start: Start) -> None:
         """Choose the running world if it has become another since Setup, as by the World tab."""
