@@ -77,9 +77,8 @@ def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
     who = ", ".join(one.labels) or "all"
     measure = rows[0].measure
     span = f"{number(min(there))} to {number(max(there))}" if there else measure.absent
-    text = (
-        f"{who}: {measure.symbol} {words} {measure.unit} in every run; {span} in {len(values)} runs"
-    )
+    unit = "" if measure.unit == "1" else f" {measure.unit}"
+    text = f"{who}: {measure.symbol} {words}{unit} in every run; {span} in {len(values)} runs"
     return [Claim(text + (f", {bad} not" if bad else ""), bad == 0, one.not_reproduced)]
 
 
