@@ -35,6 +35,8 @@ def main(only: tuple[str, ...] = ()) -> None:
     yard = at_home("hwvem-nav", world="obstacles", agents=80, seed=3)
     pocket = at_home("boundary-points", seed=3)
     rooms = at_home("hwvem-nav", world="rooms-3d", agents=150, seed=3)
+    beside = at_home("hwvem-nav", beside="vem-a-nav", seed=3)
+    pockets = at_home("boundary-points", beside="olfati-saber", seed=3)
     for name, *scene in (
         ("laboratory.png", plane, 15.0, 45, in_layers),
         ("laboratory-agent.png", plane, 15.0, 45, from_close),
@@ -43,6 +45,8 @@ def main(only: tuple[str, ...] = ()) -> None:
         ("laboratory-obstacles.png", yard, 60.0, 150, among_obstacles),
         ("laboratory-forces.png", pocket, 100.0, 254, with_forces),
         ("laboratory-rooms.png", rooms, 30.0, 110, through_rooms),
+        ("laboratory-beside.png", beside, 60.0, 96, side_by_side),
+        ("laboratory-pocket.png", pockets, 100.0, 1500, before_a_pocket),
     ):
         if not only or name in only:
             take(name, *scene)
@@ -89,6 +93,19 @@ def with_forces(laboratory: Laboratory, _page: Any) -> None:
 def through_rooms(_laboratory: Laboratory, page: Any) -> None:
     """A hall in space; the View tab is open."""
     page.get_by_role("tab", name="View").click()
+
+
+def side_by_side(laboratory: Laboratory, _page: Any) -> None:
+    """Two models on one mission."""
+    laboratory.view.trails.value = True
+
+
+def before_a_pocket(laboratory: Laboratory, page: Any) -> None:
+    """One model goes round, the other one is caught; the Setup tab is open."""
+    laboratory.view.trails.value = True
+    laboratory.view.length.value = 200
+    laboratory.view.size.value = 1.6
+    page.get_by_role("tab", name="Setup").click()
 
 
 def point(laboratory: Laboratory, camera: str) -> None:

@@ -8,6 +8,7 @@ import math
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,14 +21,11 @@ from app.viewer.frame import Frame
 from app.viewer.picture import Wanted
 from app.viewer.run import Run
 from app.viewer.start import Start
+from app.viewer.words import Broken, in_words
 from worlds.refusal import Refusal
 
 ROUNDING = 1e-9
 """Share of a tick by which sums of ticks may be off and yet make a whole one."""
-
-
-class Broken(RuntimeError):
-    """What one of two flocks raised, told with the name of its model."""
 
 
 @contextlib.contextmanager
@@ -40,7 +38,7 @@ def named(flock: Flock) -> Iterator[None]:
         kind = Refusal if isinstance(error, Refusal) else ArithmeticError
         raise kind(f"{title}: {error}") from error
     except Exception as error:
-        raise Broken(f"{title}: {type(error).__name__}: {error}") from error
+        raise Broken(f"{title}: {in_words(error)}") from error
 
 
 def shared(first: Mapping[str, Declared], second: Mapping[str, Declared]) -> frozenset[str]:
@@ -85,6 +83,8 @@ def companion(start: Start, first: Flock) -> Flock:
     """
     assert start.beside is not None
     model = find_model(start.beside)
+    if model is first.model:
+        raise Refusal(f"beside = {model.name!r} is the model itself: another one is needed")
     values = first.parameters.model_dump()
     given = {name: values[name] for name in shared_by(first.model.name, model.name)}
     agents, informed = first.started_with
@@ -155,7 +155,7 @@ class Pair(Run):
         with named(self.second.flock):
             beside = self.second.look(closely)
         for trouble in self.second.troubles[known:]:
-            self.attempt(lambda trouble=trouble: self.tell(trouble))
+            self.attempt(partial(self.tell, trouble))
         scale, other = frame.speed_scale, beside.speed_scale
         if frame.unit == beside.unit:
             scale = other = max(scale, other)
@@ -173,7 +173,7 @@ class Pair(Run):
             with named(self.second.flock):
                 self.second.set(name, value)
             return
-        before = self.values[name] if name in self.values else None
+        before = self.values
         super().set(name, value)
         if name not in self.shared:
             return
@@ -181,7 +181,7 @@ class Pair(Run):
             with named(self.second.flock):
                 self.second.set(name, value)
         except Refusal:
-            self.flock.set(**{name: before})
+            self.flock.set(**before)
             raise
 
     def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:

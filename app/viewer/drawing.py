@@ -82,8 +82,9 @@ class Drawing:
 
     def period(self) -> float:
         """Time between two frames now, s."""
-        agents = 0 if self.drawn is None else len(self.drawn[0].ids)
-        return period(agents, self.browsers())
+        frame = None if self.drawn is None else self.drawn[0]
+        flocks = [one for one in (frame, frame and frame.beside) if one is not None]
+        return period(sum(len(one.ids) for one in flocks), self.browsers())
 
     def draw(self) -> bool:
         """Draw the latest frame if it, or the look, is new; whether there was one."""

@@ -57,6 +57,7 @@ class Laboratory:
         self.simulation = Simulation(start, speed or lively_speed(start), running)
         self.scene = Scene(self.server)
         self.selected: int | None = None
+        self.selected_beside = False
         self.wanted = Wanted()
         self.furnish()
         self.listen()
@@ -157,19 +158,24 @@ class Laboratory:
     async def steering_switched(self, _event: viser.GuiEvent) -> None:
         self.scene.show_leader_gizmo(self.view.steer.value)
 
-    def clicked(self, row: int | None, origin: np.ndarray, direction: np.ndarray) -> None:
-        """A click into the picture: for the tool of the World tab, or on an agent or obstacle."""
+    def clicked(
+        self, row: int | None, origin: np.ndarray, direction: np.ndarray, beside: bool = False
+    ) -> None:
+        """A click into the picture: for the tool of the World tab, or on an agent or obstacle.
+
+        `beside` says that it is in the second flock's room; the ray is in that one's world.
+        """
         if self.world.clicked(origin, direction):
             return
-        self.select(row)
+        self.select(row, beside)
         if row is None:
             self.world.select_at(origin, direction)
         else:
             self.world.select(0)
 
-    def select(self, row: int | None) -> None:
-        """Inspect an agent; None for none."""
-        self.selected = row
+    def select(self, row: int | None, beside: bool = False) -> None:
+        """Inspect an agent, of the flock beside if so; None for none."""
+        self.selected, self.selected_beside = row, beside and row is not None
 
     def next_colour(self) -> None:
         """Colour by the next quantity."""
@@ -245,6 +251,7 @@ class Laboratory:
             links=look.links,
             points=look.points,
             row=self.selected,
+            beside=self.selected_beside,
         )
         if wanted != self.wanted:
             self.wanted = wanted
@@ -261,10 +268,14 @@ class Laboratory:
             return
         frame, look = self.drawing.drawn
         legend = self.scene.legend(look, frame)
-        self.monitors.refresh(state, frame, readings, self.browsers(), look.colour, legend)
-        self.plots.refresh(readings, frame)
-        self.inspector.refresh(frame, self.selected)
-        if self.selected is not None and frame.inspected is None:
+        beside = self.simulation.readings_beside
+        self.monitors.refresh(state, frame, readings, self.browsers(), look.colour, legend, beside)
+        self.plots.refresh(readings, frame, beside)
+        if self.selected_beside and frame.beside is None:
+            self.select(None)
+        looked_at = frame.beside if self.selected_beside and frame.beside else frame
+        self.inspector.refresh(looked_at, self.selected)
+        if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()
 
     def browsers(self) -> int:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from app.viewer.beside import Broken, Pair, companion
+from app.viewer.beside import Pair, companion
 from app.viewer.crowd import refuse_too_dense
 from app.viewer.edits import Edits, freed
 from app.viewer.frame import Frame
@@ -25,6 +25,7 @@ from app.viewer.readings import Readings
 from app.viewer.run import Run
 from app.viewer.start import Start
 from app.viewer.state import State
+from app.viewer.words import in_words
 from worlds.refusal import Refusal
 
 FRAMES = 1 / 50
@@ -321,10 +322,3 @@ class Simulation(Edits):
         if self.run is not None and not self.state.error:
             self.run.want(wanted)
             self.stale = True
-
-
-def in_words(error: BaseException) -> str:
-    """An error as one line for the user."""
-    if isinstance(error, Refusal | ArithmeticError | Broken):
-        return str(error)
-    return f"{type(error).__name__}: {error}"

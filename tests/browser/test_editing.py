@@ -36,7 +36,7 @@ class Builder:
         """Where on the page a place in the world is, seen from above."""
         clients = self.laboratory.server.get_clients().values()
         camera = next(c.camera for c in clients if abs(c.camera.image_width - self.box[2]) < 3)
-        stage = self.laboratory.scene._picture.stage
+        stage = self.laboratory.scene._sights[0].picture.stage
         place = stage.placed(np.array([x, y, height]))
         ahead = camera.look_at - camera.position
         away = place - camera.position - ahead * (place[2] - camera.position[2]) / ahead[2]
@@ -77,7 +77,7 @@ def builder(window, laboratory):
     before = simulation.state.run
     simulation.setup(START)
     until(lambda: simulation.state.run > before, 60)
-    until(lambda: laboratory.scene._picture.frame.world.name == "obstacles", 20)
+    until(lambda: laboratory.scene._sights[0].picture.frame.world.name == "obstacles", 20)
     simulation.go().result(60)
     until(lambda: simulation.frame.tick > 2, 120, "a first tick")
     window.tab("World")

@@ -10,6 +10,7 @@ import numpy as np
 
 from agents.declare import Parameters, checked, parameter
 from app.viewer.start import Start
+from worlds.refusal import Refusal
 from worlds.world import World
 
 
@@ -85,3 +86,20 @@ class StubFlock:
 
     def save(self, path) -> None:
         Path(path).write_bytes(b"saved")
+
+
+def timed_stub(dt: float = 0.02, unit: str = "s", strict: bool = False, **more) -> StubFlock:
+    """A stub with a title, a time and, if `strict`, a range of its own."""
+    flock = StubFlock(Start(agents=8), **more)
+    flock.dt = dt
+    flock.model.title, flock.model.body.unit = "Stub", unit
+    if strict:
+        take = flock.set
+
+        def refuse(**values) -> None:
+            if values["eta"] > 2.0:
+                raise Refusal(f"eta = {values['eta']} is too much")
+            take(**values)
+
+        flock.set = refuse
+    return flock

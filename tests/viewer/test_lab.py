@@ -63,6 +63,8 @@ def test_a_busy_port_is_one_line_and_exit_code_2():
         (["--set", "eta"], "--set eta is not of the form NAME=VALUE"),
         (["--set", "etta=1"], "unknown parameter 'etta'"),
         (["--world", "torus"], "torus"),
+        (["--beside", "hwvem"], "beside = 'hwvem' is the model itself"),
+        (["--beside", "vem-b"], "unknown model 'vem-b'"),
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(arguments, words):
@@ -75,11 +77,8 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(arguments, words):
 
 
 def test_settings_are_checked_and_a_little_noise_keeps_it_alive():
-    assert parameters("hwvem", []) == {"eta": 0.3}
-    assert parameters("hwvem", ["eta=0", "p2 = 20", "layers=instant"]) == {
-        "eta": 0.0,
-        "p2": 20.0,
-        "layers": "instant",
-    }
+    assert parameters("hwvem", []) == ({"eta": 0.3}, {})
+    settings = ["eta=0", "p2 = 20", "layers=instant"]
+    assert parameters("hwvem", settings) == ({"eta": 0.0, "p2": 20.0, "layers": "instant"}, {})
     with pytest.raises(Refusal, match="NAME=VALUE"):
         parameters("hwvem", ["=3"])

@@ -22,7 +22,10 @@ class Downloads:
             "`flockscope run FILE.toml`; it gives the same numbers."
         )
         spec = gui.add_button("Download spec (TOML)", icon=viser.Icon.FILE_TEXT, color="gray")
-        gui.add_markdown("**State**: every agent as it is now. `Flock.load` goes on from it.")
+        gui.add_markdown(
+            "**State**: every agent as it is now. `Flock.load` goes on from it. Of two models side "
+            "by side both files come as one ZIP."
+        )
         state = gui.add_button(
             "Download state (Parquet)", icon=viser.Icon.DATABASE_EXPORT, color="gray"
         )
@@ -50,6 +53,10 @@ class Downloads:
 
     def name(self, suffix: str) -> str:
         """File name that says what is in it."""
-        state, frame = self.simulation.state, self.simulation.frame
+        start, frame = self.simulation.state.start, self.simulation.frame
         tick = 0 if frame is None else frame.tick
-        return f"{state.start.model}-seed{state.start.seed}-tick{tick}.{suffix}"
+        if start.beside is not None:
+            models = f"{start.model}-beside-{start.beside}"
+            kind = "specs" if suffix == "toml" else "states"
+            return f"{models}-seed{start.seed}-tick{tick}-{kind}.zip"
+        return f"{start.model}-seed{start.seed}-tick{tick}.{suffix}"

@@ -55,7 +55,8 @@ def card(frame: Frame, seen: Inspection) -> str:
     rows["neighbours"] = str(len(seen.neighbours))
     kind = " · information agent" if frame.informed[seen.row] else ""
     heard = pushed(seen) + listened(frame, seen)
-    return f'<div class="fs-head">Agent {seen.id}{kind}</div>{table(rows)}{heard}'
+    flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
+    return f'<div class="fs-head">Agent {seen.id}{kind}</div>{flock}{table(rows)}{heard}'
 
 
 def facts(frame: Frame, seen: Inspection) -> dict[str, str]:

@@ -8,6 +8,7 @@ import math
 import viser
 
 from app.viewer.frame import Frame
+from app.viewer.panels.compared import compared, keeping_up, titled_columns
 from app.viewer.panels.style import block, cards, grid, key
 from app.viewer.readings import Readings
 from app.viewer.scene import palette
@@ -15,6 +16,8 @@ from app.viewer.state import State
 from worlds.mission import Mission
 
 MOST_BARS = 12
+COMMON = ("agents", "ticks / s", "browsers")
+"""What two flocks side by side have in common."""
 
 
 class Monitors:
@@ -23,6 +26,8 @@ class Monitors:
     def __init__(self, gui: viser.GuiApi):
         self.clock = gui.add_html("", visible=False)
         self.cards = gui.add_html(cards({"tick": "–"}))
+        self.titles = gui.add_html("", visible=False)
+        self.compared = gui.add_html("", visible=False)
         self.mission = gui.add_html("", visible=False)
         self.key = gui.add_html("")
         self.layers = gui.add_html("")
@@ -35,17 +40,42 @@ class Monitors:
         browsers: int,
         colour: str,
         legend: list[tuple[str, str]],
+        beside: Readings | None = None,
     ) -> None:
-        """Show the latest of everything."""
-        self.cards.content = cards(numbers(state, frame, readings.values, browsers))
+        """Show the latest of everything; of two flocks in two columns."""
+        told = numbers(state, frame, readings.values, browsers)
         show_block(self.clock, clock(frame))
-        show_block(self.mission, errand(frame, readings.values))
+        second, name = frame.beside, state.start.beside
+        if second is not None and beside is not None and name is not None:
+            models = state.start.model, name
+            others = numbers(state, second, beside.values, browsers)
+            common = (*COMMON, *(["tick"] if told["tick"] == others["tick"] else []))
+            in_common = {name: text for name, text in told.items() if name in common}
+            self.cards.content = block(grid(in_common, across=len(in_common)))
+            show_block(self.titles, titled_columns(*models) + keeping_up(frame, second))
+            flocks = without(told, common), without(others, common)
+            show_block(self.compared, compared("Flock", models, *flocks))
+            missions = (
+                mission_numbers(frame, readings.values),
+                mission_numbers(second, beside.values),
+            )
+            show_block(self.mission, compared(errand_title(frame), models, *missions))
+        else:
+            self.titles.visible = self.compared.visible = False
+            self.cards.content = cards(told)
+            show_block(self.mission, errand(frame, readings.values))
         entries = [(html.escape(words), css) for words, css in legend]
         self.key.content = block(
             f'<div class="fs-head">Colour: {html.escape(colour)}</div>{key(entries)}'
         )
-        self.layers.visible = bool(frame.informed.any())
-        if self.layers.visible:
+        led = frame.informed.any() or (second is not None and second.informed.any())
+        self.layers.visible = bool(led)
+        if led and beside is not None and name is not None:
+            self.layers.content = block(
+                layer_bars(readings.layers.tolist(), readings.unknown, state.start.model)
+                + layer_bars(beside.layers.tolist(), beside.unknown, name)
+            )
+        elif led:
             self.layers.content = block(layer_bars(readings.layers.tolist(), readings.unknown))
 
 
@@ -68,6 +98,11 @@ def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int)
     }
 
 
+def without(values: dict[str, str], names: tuple[str, ...]) -> dict[str, str]:
+    """All values but the named ones."""
+    return {name: text for name, text in values.items() if name not in names}
+
+
 def clock(frame: Frame) -> str:
     """The time, for models whose bodies count it in seconds; else nothing."""
     if frame.unit == "ticks":
@@ -80,11 +115,17 @@ def clock(frame: Frame) -> str:
 
 def errand(frame: Frame, values: dict[str, float]) -> str:
     """Cards of how the mission stands and of what the agents have come close to; or nothing."""
-    world = frame.world
-    if world.mission is None and not world.is_solid:
+    what = errand_title(frame)
+    if not what:
         return ""
-    what = "Mission" if world.mission is not None else "Safety"
     return f'<div class="fs-head">{what}</div>{grid(mission_numbers(frame, values))}'
+
+
+def errand_title(frame: Frame) -> str:
+    """What the cards of a mission, or of what is solid, are headed; nothing without either."""
+    if frame.world.mission is not None:
+        return "Mission"
+    return "Safety" if frame.world.is_solid else ""
 
 
 def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
@@ -132,8 +173,11 @@ def spaced(number: int) -> str:
     return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
-def layer_bars(counts: list[int], unknown: int) -> str:
-    """Bars of how many agents are in each layer; deep layers go together in the last bar."""
+def layer_bars(counts: list[int], unknown: int, model: str = "") -> str:
+    """Bars of how many agents are in each layer; deep layers go together in the last bar.
+
+    `model` says which of two flocks they are of.
+    """
     if len(counts) > MOST_BARS:
         counts = [*counts[: MOST_BARS - 1], sum(counts[MOST_BARS - 1 :])]
     most = max([*counts, unknown, 1])
@@ -149,7 +193,8 @@ def layer_bars(counts: list[int], unknown: int) -> str:
     bars += bar("?", unknown, most, palette.css(palette.UNKNOWN)) if unknown else ""
     return (
         '<div class="fs-head">Layers<span class="fs-quiet">'
-        f'steps from the information agent</span></div><div class="fs-bars">{bars}</div>'
+        f"{html.escape(model) or 'steps from the information agent'}</span></div>"
+        f'<div class="fs-bars">{bars}</div>'
     )
 
 

@@ -10,6 +10,7 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.declare import Declared, declared
+from app.viewer.beside import shared_by
 from app.viewer.notation import plain
 from app.viewer.panels.style import block
 from app.viewer.simulation import Simulation
@@ -24,7 +25,9 @@ class ParametersPanel:
         self.simulation = simulation
         self.folder = gui.add_folder(None)
         self.controls: dict[str, Any] = {}
-        self.model = ""
+        self.beside_controls: dict[str, Any] = {}
+        """Of what only the second of two models has."""
+        self.models: tuple[str | None, ...] = ()
         self.shown_run = -1
 
     def refresh(self, state: State) -> None:
@@ -32,26 +35,42 @@ class ParametersPanel:
         if state.run == self.shown_run or not state.values:
             return
         self.shown_run = state.run
-        if state.start.model != self.model:
-            self.model = state.start.model
+        models = state.start.model, state.start.beside
+        if models != self.models:
+            self.models = models
             self.rebuild(state)
         for name, control in self.controls.items():
             control.value = state.values[name]
+        for name, control in self.beside_controls.items():
+            control.value = state.beside_values[name]
 
     def rebuild(self, state: State) -> None:
-        """Controls for the model's parameters."""
+        """Controls for the model's parameters, and for those that only the one beside it has."""
         for child in tuple(self.folder._children.values()):
             child.remove()
-        model = MODELS[self.model]
+        model, beside = MODELS[state.start.model], state.start.beside
+        own = declared(model.parameters)
+        self.beside_controls = {}
         with self.folder:
-            self.controls = {
-                one.name: self.control(one, state.values[one.name])
-                for one in declared(model.parameters)
-            }
-            self.gui.add_html(block(meanings(declared(model.parameters))))
+            if beside is not None:
+                self.gui.add_html(block(whose(own, shared_by(model.name, beside))))
+            self.controls = {one.name: self.control(one, state.values[one.name]) for one in own}
+            if state.beside_values and beside is not None:
+                others = [
+                    one
+                    for one in declared(MODELS[beside].parameters)
+                    if one.name in state.beside_values
+                ]
+                with self.gui.add_folder(f"Only {MODELS[beside].title}"):
+                    self.beside_controls = {
+                        one.name: self.control(one, state.beside_values[one.name], beside=True)
+                        for one in others
+                    }
+                own = own + others
+            self.gui.add_html(block(meanings(own)))
 
-    def control(self, one: Declared, value: Any) -> Any:
-        """The control of one parameter."""
+    def control(self, one: Declared, value: Any, beside: bool = False) -> Any:
+        """The control of one parameter, of the model beside alone if so."""
         label, hint = worded(one)
         made: Any
         if one.kind == "switch":
@@ -63,11 +82,13 @@ class ParametersPanel:
 
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
-                self.simulation.set(one.name, made.value).add_done_callback(restore)
+                answer = self.simulation.set(one.name, made.value, beside)
+                answer.add_done_callback(restore)
 
         def restore(answer: Future) -> None:
             if answer.exception() is not None:
-                made.value = self.simulation.state.values[one.name]
+                state = self.simulation.state
+                made.value = (state.beside_values if beside else state.values)[one.name]
 
         made.on_update(changed)
         return made
@@ -90,6 +111,15 @@ def worded(one: Declared) -> tuple[str, str]:
         return one.name.replace("_", " "), hint
     unit = "" if one.unit == "1" else f" ({one.unit.replace('^2', '²')})"
     return f"{plain(one.symbol)}{unit}", hint
+
+
+def whose(own: list[Declared], both: frozenset[str]) -> str:
+    """Which of the first model's parameters act on the second one too."""
+    single = [html.escape(worded(one)[0]) for one in own if one.name not in both]
+    words = "These act on both models"
+    if single:
+        words += f"; on the first alone: {', '.join(single)}"
+    return f'<div class="fs-quiet">{words}.</div>'
 
 
 def meanings(parameters: list[Declared]) -> str:

@@ -6,12 +6,14 @@ import numpy as np
 import viser
 from viser import uplot
 
+from app.viewer.beside import ratio
 from app.viewer.frame import Frame
 from app.viewer.panels.style import BLUE, GREEN, ORANGE, VIOLET, block, key
-from app.viewer.readings import Readings
+from app.viewer.readings import Course, Readings
 
 HEIGHT = 160
 PADDING = (10, 14, 0, 0)
+DASH = (6.0, 5.0)
 
 
 class Plots:
@@ -26,8 +28,13 @@ class Plots:
         self.goal = chart(gui, (VIOLET,), uplot.Scale(range=(0.0, None)))
         self.goal.visible = False
 
-    def refresh(self, readings: Readings, frame: Frame) -> None:
-        """Draw the run as far as it has come."""
+    def refresh(self, readings: Readings, frame: Frame, beside: Readings | None = None) -> None:
+        """Draw the run as far as it has come; dashed, that of the flock beside."""
+        second = frame.beside
+        if beside is None or second is None:
+            beside, each = None, 1.0
+        else:
+            each = ratio(second.dt, second.unit, frame.dt, frame.unit)
         mission = frame.world.mission
         has_goal = mission is not None and mission.goal is not None
         has_end = mission is not None and (has_goal or mission.path is not None)
@@ -37,9 +44,25 @@ class Plots:
             self.goal_head.content = head(
                 "Mission", [(f"distance of the flock's centre to {words}", VIOLET)]
             )
-            draw(self.goal, readings.errand.arrays())
-        draw(self.order, readings.order.arrays())
-        draw(self.neighbours, readings.structure.arrays()[:2])
+            both = both_runs(readings.errand, None if beside is None else beside.errand, each)
+            draw(self.goal, both)
+        draw(self.order, both_runs(readings.order, None if beside is None else beside.order, each))
+        found = both_runs(readings.structure, None if beside is None else beside.structure, each)
+        few = len(readings.structure.names)
+        draw(self.neighbours, (found[0], found[1], found[1 + few]))
+
+
+def both_runs(first: Course, second: Course | None, each: float) -> tuple[np.ndarray, ...]:
+    """Ticks of the first run, its values, then those of the second one at the same times.
+
+    `each` is how many of the first flock's ticks last as long as one of the second's. Without a
+    second, its curves are hidden under those of the first: a plot has no scale for empty ones.
+    """
+    ticks, *values = first.arrays()
+    others, *more = (first if second is None else second).arrays()
+    if second is None or not len(others):
+        return ticks, *values, *values
+    return ticks, *values, *(np.interp(ticks, others * each, value) for value in more)
 
 
 def head(title: str, entries: list[tuple[str, str]]) -> str:
@@ -48,14 +71,15 @@ def head(title: str, entries: list[tuple[str, str]]) -> str:
 
 
 def chart(gui: viser.GuiApi, colours: tuple[str, ...], scale: uplot.Scale) -> viser.GuiUplotHandle:
-    """An empty plot with a curve of each colour."""
+    """An empty plot with a curve of each colour, and a dashed one for a flock beside."""
     nothing = np.zeros(1)
-    curves = tuple(
-        uplot.Series(stroke=colour, width=2, points={"show": False}) for colour in colours
-    )
+    solid = [uplot.Series(stroke=one, width=2, points={"show": False}) for one in colours]
+    dashed = [
+        uplot.Series(stroke=one, width=2, dash=DASH, points={"show": False}) for one in colours
+    ]
     return gui.add_uplot(
-        (nothing, *(nothing for _ in colours)),
-        (uplot.Series(label="tick"), *curves),
+        (nothing, *(nothing for _ in (*solid, *dashed))),
+        (uplot.Series(label="tick"), *solid, *dashed),
         scales={"x": uplot.Scale(time=False), "y": scale},
         axes=(uplot.Axis(size=26), uplot.Axis(size=44)),
         legend=uplot.Legend(show=False),
@@ -66,9 +90,6 @@ def chart(gui: viser.GuiApi, colours: tuple[str, ...], scale: uplot.Scale) -> vi
 
 def draw(plot: viser.GuiUplotHandle, columns: tuple[np.ndarray, ...]) -> None:
     """Show columns if there is anything new in them."""
-    new = len(columns[0]) and (
-        len(columns[0]) != len(plot.data[0])
-        or any(not np.array_equal(a, b) for a, b in zip(columns, plot.data, strict=True))
-    )
-    if new:
+    pairs = zip(columns, plot.data, strict=True)
+    if len(columns[0]) and any(not np.array_equal(a, b) for a, b in pairs):
         plot.data = columns

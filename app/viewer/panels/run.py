@@ -60,7 +60,8 @@ class RunPanel:
     def set_up(self) -> None:
         """Build a flock from the Setup tab."""
         self.setup.catch_up(self.simulation.state.start)
-        start, before = self.setup.next_start(self.simulation.state.values), self.setup.running
+        state, before = self.simulation.state, self.setup.running
+        start = self.setup.next_start(state.values, state.beside_values)
         if MODELS[start.model].body.unit != MODELS[before.model].body.unit:
             self.pace(lively_speed(start))
         self.simulation.setup(start)
@@ -97,7 +98,11 @@ def status(state: State) -> str:
     if state.error:
         why = html.escape(state.error)
         return f'<div class="fs-error"><b>Stopped.</b> {why}<br>Press Setup.</div>'
-    title = "" if state.busy else f" · {html.escape(MODELS[state.start.model].title)}"
+    start = state.start
+    words = MODELS[start.model].title
+    if start.beside is not None:
+        words = f"{start.model} beside {start.beside}"
+    title = "" if state.busy else f" · {html.escape(words)}"
     colour, words = GREY, "paused"
     if state.busy:
         colour, words = ORANGE, "setting up …"

@@ -20,13 +20,14 @@ def cards(values: dict[str, str]) -> str:
     return block(grid(values))
 
 
-def grid(values: dict[str, str]) -> str:
-    """A grid of cards, name -> value."""
+def grid(values: dict[str, str], across: int = 3) -> str:
+    """A grid of cards, name -> value, so many in a row."""
     made = "".join(
         f'<div class="fs-card"><span>{name}</span><b>{value}</b></div>'
         for name, value in values.items()
     )
-    return f'<div class="fs-cards">{made}</div>'
+    columns = f' style="grid-template-columns:repeat({across},1fr)"' if across != 3 else ""
+    return f'<div class="fs-cards"{columns}>{made}</div>'
 
 
 def key(entries: list[tuple[str, str]]) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from viser import FrameHandle, LabelHandle, SceneApi
 
 from app.viewer.scene.parts import Parts
+from app.viewer.scene.picking import picked
 from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.viewpoints import Sight, places
 
@@ -21,8 +22,8 @@ SUNK = 0.02
 """How much lower the second floor lies, so that wide floors do not flicker through each other."""
 CELL = 0.05
 """The rooms are whole cells of the floor apart, as a multiple of the longest side."""
-LIFT = 0.025
-"""Height of a title over its room, as a multiple of the longest side."""
+LIFT = {2: 0.025, 3: 0.13}
+"""Height of a title over its room, as a multiple of the longest side, by dimension."""
 
 
 @dataclass
@@ -34,12 +35,16 @@ class Beside:
     frame: FrameHandle | None = None
     titles: tuple[LabelHandle, ...] = ()
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the second flock is there and has left its box."""
+        return self.parts is not None and self.parts.is_open
+
     def draw_room(self, first: Picture, second: Picture | None) -> Changes:
         """Make the second room, or take it away, and bring it up to date."""
         if second is None:
             if self.frame is not None:
-                for node in (self.frame, *self.titles):
-                    node.remove()
+                self.frame.remove()  # With all that is below it.
                 self.parts, self.frame, self.titles = None, None, ()
             return []
         if self.parts is None or self.frame is None:
@@ -47,14 +52,14 @@ class Beside:
             self.parts = Parts(self.scene, ROOT)
             self.titles = tuple(self._title(name) for name in ("first", "second"))
         aside = offset(first)
-        changes: Changes = [(self.frame, "position", aside)]
-        for label, picture, shift in zip(
-            self.titles, (first, second), (np.zeros(3), aside), strict=True
-        ):
-            changes += [
-                (label, "text", picture.frame.title),
-                (label, "position", shift + over(picture)),
-            ]
+        one, other = self.titles
+        changes: Changes = [
+            (self.frame, "position", aside),
+            (one, "text", first.frame.title),
+            (one, "position", over(first) - aside),
+            (other, "text", second.frame.title),
+            (other, "position", over(second)),
+        ]
         changes = [one for one in changes if not np.array_equal(getattr(one[0], one[1]), one[2])]
         return changes + self.parts.draw_room(second)
 
@@ -64,7 +69,7 @@ class Beside:
 
     def _title(self, name: str) -> LabelHandle:
         return self.scene.add_label(
-            f"/titles/{name}", "", anchor="bottom-center", font_screen_scale=1.25
+            f"{ROOT}/titles/{name}", "", anchor="bottom-center", font_screen_scale=1.25
         )
 
 
@@ -72,6 +77,32 @@ def sights(first: Picture, second: Picture | None) -> tuple[Sight, ...]:
     """The pictures and where they stand."""
     here = Sight(first, np.zeros(3))
     return (here,) if second is None else (here, Sight(second, offset(first)))
+
+
+def meant(
+    sights: tuple[Sight, ...], origin: np.ndarray, direction: np.ndarray, near: float
+) -> tuple[int, int | None]:
+    """Which flock a click is for, 0 or 1, and the row of the agent that it hits, if any.
+
+    Origin and direction (3,) are of the ray on the display, `near` is the half-width of the cone
+    about it (rad). Where it hits nobody it is for the room whose middle it passes more closely.
+    """
+    for side, (shown, aside) in enumerate(sights):
+        radius = 0.5 * shown.length * shown.size
+        row = picked(origin - aside, direction, shown.at, radius, near)
+        if row is not None:
+            return side, row
+    away = [passes(origin - aside, direction, shown.stage.floor) for shown, aside in sights]
+    return int(np.argmin(away)), None
+
+
+def passes(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
+    """How far from the middle a ray meets the floor of a room; infinite if it does not."""
+    if direction[2] == 0.0:
+        return float("inf")
+    share = (floor - origin[2]) / direction[2]
+    away = float(np.hypot(*(origin + share * direction)[:2]))
+    return away if share > 0.0 and np.isfinite(away) else float("inf")
 
 
 def room(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
@@ -96,7 +127,7 @@ def offset(picture: Picture) -> np.ndarray:
 def over(picture: Picture) -> np.ndarray:
     """Where a room's title stands, (3,)."""
     low, high = room(picture)
-    middle, lift = 0.5 * (low + high), LIFT * picture.stage.side
+    middle, lift = 0.5 * (low + high), LIFT[picture.stage.dim] * picture.stage.side
     if picture.stage.dim == 2:
         return np.array([middle[0], high[1] + lift, 0.0])
     return np.array([middle[0], middle[1], high[2] + lift])

@@ -8,16 +8,16 @@ import numpy as np
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from app.viewer.frame import Frame
-from app.viewer.scene.beside import Beside, sights
+from app.viewer.scene.beside import Beside, meant, sights
 from app.viewer.scene.colouring import legend
 from app.viewer.scene.gizmo import Dragged, Grabbed, LeaderGizmo
 from app.viewer.scene.handles import Handles
 from app.viewer.scene.look import Look
 from app.viewer.scene.parts import Parts
-from app.viewer.scene.picking import picked, slack
-from app.viewer.scene.picture import Changes, Picture, picture
+from app.viewer.scene.picking import slack
+from app.viewer.scene.picture import Changes, picture
 from app.viewer.scene.stage import Stage
-from app.viewer.scene.surroundings import set_light
+from app.viewer.scene.surroundings import Fog, set_light
 from app.viewer.scene.viewpoints import Sight, Viewpoints
 
 Clicked = Callable[[int | None, np.ndarray, np.ndarray, bool], None]
@@ -34,10 +34,10 @@ class Scene:
         set_light(scene)
         self._parts = Parts(scene, root)
         self._beside = Beside(scene)
+        self._fog = Fog(scene)
         self._gizmo = LeaderGizmo(scene, root)
         self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
-        self._picture: Picture | None = None
         self._sights: tuple[Sight, ...] = ()
         self._clicked: list[Clicked] = []
         scene.on_click()(self._click)  # type: ignore[arg-type]
@@ -48,15 +48,18 @@ class Scene:
         Call it from one thread, at most about 30 times a second.
         """
         shown = picture(frame, look, Stage.of(frame))
-        other = frame.beside and picture(frame.beside, look, Stage.of(frame.beside))
+        second = frame.beside
+        other = None if second is None else picture(second, look, Stage.of(second))
         with self._server.atomic():
             changes: Changes = self._gizmo.draw(shown) + self.handles.draw(shown)
             changes += self._parts.draw_room(shown) + self._beside.draw_room(shown, other)
+            is_open = self._parts.is_open or self._beside.is_open
+            self._fog.draw(shown.stage, is_open, 1 if other is None else 2)
         changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)
         with self._server.atomic():
             for handle, name, value in changes:
                 setattr(handle, name, value)
-        self._picture, self._sights = shown, sights(shown, other)
+        self._sights = sights(shown, other)
         self._viewpoints.update(self._sights)
 
     def legend(self, look: Look, frame: Frame) -> list[tuple[str, str]]:
@@ -94,12 +97,9 @@ class Scene:
 
     async def _click(self, event: SceneClickEvent) -> None:
         origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
-        near = slack(event.client.camera.fov)
-        side = clicked_side(self._sights, origin, direction)
-        for place, (shown, aside) in sorted(
-            enumerate(self._sights), key=lambda numbered: numbered[0] != side
-        ):
-            radius = 0.5 * shown.length * shown.size
-            row = picked(origin - aside, direction, shown.at, radius, near)
-            if row is not None or place == ...:
-                pass
+        if not self._sights:
+            return
+        side, row = meant(self._sights, origin, direction, slack(event.client.camera.fov))
+        shown, aside = self._sights[side]
+        for callback in self._clicked:
+            callback(row, shown.stage.unplaced(origin - aside), direction, side == 1)

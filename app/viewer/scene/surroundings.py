@@ -12,6 +12,8 @@ from app.viewer.scene.stage import Stage
 
 CELLS, SECTIONS = 20, 4
 """Lines of the floor along the longest side."""
+UNDER = 0.05
+"""How much lower than the box the wide floor of an open world lies."""
 SUN = (-4.0, -5.5, 11.0)
 
 
@@ -33,6 +35,25 @@ def set_light(scene: SceneApi) -> None:
     sky = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
     image = np.rint(255.0 * np.broadcast_to(sky, (64, 4, 3))).astype(np.uint8)
     scene.set_background_image(image, format="png")
+
+
+class Fog:
+    """Depth in space: full colour up to some distance from the camera, then slowly paler."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._drawn: tuple[Stage, float] | None = None
+
+    def draw(self, stage: Stage, is_open: bool, flocks: int) -> None:
+        """Fog for a stage: farther off in an open world, and where there are two flocks."""
+        near = (3.5 if is_open else 1.7) + 3.6 * (flocks - 1)
+        if (stage, near) == self._drawn:
+            return
+        self._drawn = stage, near
+        side = stage.side
+        self._scene.configure_fog(
+            near * side, (near + 4.5) * side, color=palette.FOG, enabled=stage.dim == 3
+        )
 
 
 class Surroundings:
@@ -58,24 +79,23 @@ class Surroundings:
             self._open_up(picture.stage)
         return [(self._floor, "position", floor_under(picture))]
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the flock has left its box."""
+        return self._left
+
     def _build(self, stage: Stage) -> None:
-        self._set_fog(stage, near=1.7)
         width, depth = 2.0 * stage.half[:2]
         self._lay_floor(stage, float(width), float(depth), fade=100.0)
         self._draw_edges(stage, palette.EDGE if stage.dim == 2 else palette.EDGE_SPACE, 1.6)
 
     def _open_up(self, stage: Stage) -> None:
-        """The world is open: a wide floor, and the box only as a hint of where it began."""
-        self._set_fog(stage, near=3.5)
+        """The world is open: a wide floor, and the box only as a hint of where it began.
+
+        The floor lies lower than a box beside it, which it reaches under.
+        """
         self._lay_floor(stage, 8.0 * stage.side, 8.0 * stage.side, fade=4.0)
         self._draw_edges(stage, palette.EDGE_LIGHT, 1.2)
-
-    def _set_fog(self, stage: Stage, near: float) -> None:
-        """Depth in space: full colour up to `near` sides from the camera, then slowly paler."""
-        side = stage.side
-        self._scene.configure_fog(
-            near * side, (near + 4.5) * side, color=palette.FOG, enabled=stage.dim == 3
-        )
 
     def _lay_floor(self, stage: Stage, width: float, depth: float, fade: float) -> None:
         self._floor = self._scene.add_grid(
@@ -122,5 +142,5 @@ def floor_under(picture: Picture) -> np.ndarray:
     middle = np.median(picture.at[:, :2], axis=0) if len(picture.at) else np.zeros(2)
     lowest = float(np.min(picture.at[:, 2], initial=picture.stage.floor))
     steps_down = np.ceil(max(picture.stage.floor - lowest, 0.0) / section)
-    height = picture.stage.floor - 0.01 - section * steps_down
+    height = picture.stage.floor - UNDER - section * steps_down
     return np.array([*(section * np.rint(middle / section)), height])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from typing import NamedTuple
 
 import numpy as np
 from viser import ClientHandle, ViserServer
@@ -14,8 +15,18 @@ from app.viewer.scene.stage import Stage
 
 GLIDE = 0.25
 """Time constant with which a following camera catches up, s."""
+TITLE = {2: 0.08, 3: 0.17}
+"""Room for the title over a flock, as a multiple of the longest side, by dimension."""
 CLOSE_UP = 1.2
 """Half side of what a following camera shows at first, display units."""
+
+
+class Sight(NamedTuple):
+    """A flock, and where its room stands."""
+
+    picture: Picture
+    aside: np.ndarray
+    """Where the room's centre is on the display, (3,)."""
 
 
 class Viewpoints:
@@ -24,58 +35,69 @@ class Viewpoints:
     def __init__(self, server: ViserServer) -> None:
         self._server = server
         self._lock = threading.Lock()
-        self._followed: dict[int, int] = {}
-        """Client -> identity of the agent its camera follows."""
-        self._picture: Picture | None = None
-        self._stage: Stage | None = None
+        self._followed: dict[int, tuple[int, int]] = {}
+        """Client -> which of the flocks, and identity of the agent its camera follows."""
+        self._sights: tuple[Sight, ...] = ()
+        self._entered: tuple[Stage, int] | None = None
+        """The stage, and the number of flocks, that the cameras were last pointed at."""
         self._last = time.monotonic()
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._farewell)
 
     def place(self, client: ClientHandle, name: str) -> None:
         """Give one browser the preset `name`."""
-        picture = self._picture
-        if picture is None:
+        if not self._sights:
             return
         if name == "follow":
-            self.follow(client, _worth_following(picture))
+            looked_at = [one.picture.inspected is not None for one in self._sights]
+            side = looked_at.index(True) if any(looked_at) else 0
+            self.follow(client, _worth_following(self._sights[side].picture), side)
             return
         self.follow(client, None)
-        low, high = extent(picture)
-        _set(client, view(name, picture.stage.dim, low, high, _aspect(client)))
+        low, high = whole(self._sights)
+        _set(client, view(name, self._sights[0].picture.stage.dim, low, high, _aspect(client)))
 
-    def follow(self, client: ClientHandle, row: int | None) -> None:
-        """Keep the agent now in `row` in view, or let go of it with None."""
-        picture = self._picture
-        if picture is None or row is None or not 0 <= row < len(picture.at):
+    def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
+        """Keep the agent now in `row` of the flock `side` in view, or let go of it with None."""
+        if row is None or side >= len(self._sights):
             self._forget(client)
             return
-        low, high = picture.at[row] - CLOSE_UP, picture.at[row] + CLOSE_UP
+        picture, aside = self._sights[side]
+        if not 0 <= row < len(picture.at):
+            self._forget(client)
+            return
+        at = picture.at[row] + aside
+        low, high = at - CLOSE_UP, at + CLOSE_UP
         if picture.stage.dim == 2:
-            low[2] = high[2] = picture.at[row, 2]
+            low[2] = high[2] = at[2]
         _set(client, view("follow", picture.stage.dim, low, high, _aspect(client)))
         with self._lock:
-            self._followed[client.client_id] = int(picture.frame.ids[row])
+            self._followed[client.client_id] = side, int(picture.frame.ids[row])
 
-    def update(self, picture: Picture) -> None:
+    def update(self, sights: tuple[Sight, ...]) -> None:
         """Take in a new frame: welcome a new world, and move the cameras that follow."""
-        self._picture = picture
+        self._sights = sights
         now = time.monotonic()
         share = 1.0 - float(np.exp(-(now - self._last) / GLIDE))
         self._last = now
         clients = self._server.get_clients()
-        if picture.stage != self._stage:
-            self._stage = picture.stage
-            self._enter(picture, list(clients.values()))
+        entered = sights[0].picture.stage, len(sights)
+        if entered != self._entered:
+            self._entered = entered
+            self._enter(list(clients.values()))
         with self._lock:
             followed = dict(self._followed)
-        for client_id, identity in followed.items():
+        for client_id, (side, identity) in followed.items():
+            if client_id not in clients or side >= len(sights):
+                continue
+            picture, aside = sights[side]
             rows = np.flatnonzero(picture.frame.ids == identity)
-            if client_id in clients and len(rows):
-                _glide(clients[client_id], picture, picture.at[rows[0]], share)
+            if len(rows):
+                _glide(clients[client_id], picture, picture.at[rows[0]] + aside, share)
 
-    def _enter(self, picture: Picture, clients: list[ClientHandle]) -> None:
-        start = view(_first(picture), picture.stage.dim, *extent(picture), 1.0)
+    def _enter(self, clients: list[ClientHandle]) -> None:
+        picture = self._sights[0].picture
+        start = view(_first(picture), picture.stage.dim, *whole(self._sights), 1.0)
         initial = self._server.initial_camera
         initial.position, initial.look_at = start.position, start.target
         initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
@@ -83,8 +105,8 @@ class Viewpoints:
             self.place(client, _first(picture))
 
     def _welcome(self, client: ClientHandle) -> None:
-        if self._picture is not None:
-            self.place(client, _first(self._picture))
+        if self._sights:
+            self.place(client, _first(self._sights[0].picture))
 
     async def _farewell(self, client: ClientHandle) -> None:
         """On the event loop: viser's thread pool may be gone when the server stops."""
@@ -106,6 +128,17 @@ def _worth_following(picture: Picture) -> int | None:
     if picture.leader is not None:
         return picture.leader
     return 0 if len(picture.at) else None
+
+
+def whole(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (3,) of all that the flocks are in, and of the titles over two of them."""
+    low, high = zip(*(extent(picture) for picture, _ in sights), strict=True)
+    aside = [one.aside for one in sights]
+    upper = np.max(np.add(high, aside), axis=0)
+    if len(sights) > 1:
+        stage = sights[0].picture.stage
+        upper[1 if stage.dim == 2 else 2] += TITLE[stage.dim] * stage.side
+    return np.min(np.add(low, aside), axis=0), upper
 
 
 def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:

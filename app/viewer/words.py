@@ -1,0 +1,20 @@
+"""Errors in the words of whoever has to read them."""
+
+from __future__ import annotations
+
+from worlds.refusal import Refusal
+
+
+class Broken(RuntimeError):
+    """What one of two flocks raised, told with the name of its model."""
+
+
+def in_words(error: BaseException) -> str:
+    """An error as one line for the user.
+
+    >>> in_words(IndexError("out of reach")), in_words(Refusal("there is no flock"))
+    ('IndexError: out of reach', 'there is no flock')
+    """
+    if isinstance(error, Refusal | ArithmeticError | Broken):
+        return str(error)
+    return f"{type(error).__name__}: {error}"

@@ -1,0 +1,271 @@
+"""Two models side by side: one start, one time, one set of controls."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+import tomlkit
+
+from agents.catalogue import MODELS
+from agents.flock import Flock
+from app.cli.lab import parameters
+from app.viewer.beside import Pair, companion, named, pace_note, ratio, shared_by
+from app.viewer.panels.compared import compared
+from app.viewer.panels.plots import both_runs
+from app.viewer.panels.setup import NOBODY, SetupPanel
+from app.viewer.picture import Wanted
+from app.viewer.readings import Course
+from app.viewer.start import Start, at_home
+from app.viewer.words import Broken
+from tests.viewer.stub_flock import timed_stub
+from tests.viewer.waiting import until
+from worlds.refusal import Refusal
+
+SAME = ("position", "heading", "speed", "informed", "ids")
+
+
+def pair(model: str = "hwvem", beside: str = "vem-a", **given) -> Pair:
+    start = at_home(model, beside=beside, **({"seed": 4, "agents": 12} | given))
+    first = start.build()
+    return Pair(first, companion(start, first), 1, Wanted())
+
+
+@pytest.mark.parametrize(
+    ("model", "beside", "given"),
+    [
+        ("hwvem-nav", "vem-a-nav", {}),
+        ("boundary-points", "olfati-saber", {}),
+        ("vem", "hwvem", {}),
+        ("hwvem", "vem", {"informed": 3}),
+        ("hwvem", "wvem", {"dim": 3}),
+        ("hwvem-nav", "reynolds", {"world": "obstacles"}),
+        ("reynolds", "hwvem-nav", {}),
+        ("vem-a", "olfati-saber", {"size": 30.0, "activation": "random", "noise": "vectorial"}),
+    ],
+)
+def test_both_begin_alike_to_the_bit(model, beside, given):
+    both = pair(model, beside, **given)
+    first, second = both.flock, both.second.flock
+    assert (first.model.name, second.model.name) == (model, beside)
+    assert second.world is first.world
+    led = MODELS[beside].rule.led
+    for name in SAME:
+        if name == "informed" and not led:
+            assert not second.informed.any()
+        else:
+            assert np.array_equal(getattr(first, name), getattr(second, name)), name
+    assert (second.seed, second.tick) == (first.seed, 0)
+    assert (second.activation, second.noise) == (first.activation, first.noise)
+
+
+def test_the_second_goes_as_it_would_go_alone_and_its_spec_repeats_it():
+    both = pair("hwvem", "vem-a", informed=2)
+    alone = Flock.from_spec(both.second.flock.spec)
+    both.advance(7)
+    alone.advance(7)
+    assert np.array_equal(alone.position, both.second.flock.position)
+    assert not np.array_equal(both.flock.position, both.second.flock.position)
+
+
+def test_what_knows_no_information_agents_begins_where_they_are():
+    both = pair("hwvem-nav", "reynolds", world="obstacles")
+    assert both.flock.informed.sum() == 1
+    assert len(both.second.flock.ids) == len(both.flock.ids) == 13
+    assert both.second.flock.spec.start == "given"
+
+
+@pytest.mark.parametrize("steps", [(1,) * 60, (60,), (7, 13, 40)])
+@pytest.mark.parametrize(("lasts", "ticks"), [(0.1, 12), (0.02, 60), (0.008, 150), (0.03, 40)])
+def test_the_second_keeps_up_with_the_time_of_the_first(steps, lasts, ticks):
+    both = Pair(timed_stub(0.02), timed_stub(lasts), 1, Wanted())
+    for one in steps:
+        both.advance(one)
+        behind = both.flock.tick * 0.02 - both.second.flock.tick * lasts
+        assert -1e-9 <= behind < lasts
+    assert (both.flock.tick, both.second.flock.tick) == (60, ticks)
+
+
+def test_without_a_common_unit_both_go_tick_by_tick():
+    both = Pair(timed_stub(1.0, unit="ticks"), timed_stub(0.02), 1, Wanted())
+    both.advance(9)
+    assert both.second.flock.tick == 9
+    assert ratio(1.0, "ticks", 0.02, "s") == 1.0
+    frames = SimpleNamespace(dt=1.0, unit="ticks"), SimpleNamespace(dt=0.02, unit="s")
+    assert "tick by tick" in pace_note(*frames)
+    assert pace_note(frames[1], frames[1]) == ""
+
+
+def test_real_models_with_ticks_of_different_length_keep_one_time():
+    both = pair("olfati-saber", "vasarhelyi-tenth", world="wu2023-independent", agents=6)
+    both.second.flock.set(dt=0.1)
+    assert (both.flock.dt, both.second.flock.dt) == (pytest.approx(0.02), 0.1)
+    both.advance(12)
+    assert (both.flock.tick, both.second.flock.tick) == (12, 2)
+    both.advance(3)
+    assert both.second.flock.tick == 3
+    assert both.flock.elapsed == pytest.approx(both.second.flock.elapsed)
+
+
+def test_what_two_models_declare_alike_is_shared():
+    assert shared_by("hwvem-nav", "vem-a-nav") == set(MODELS["vem-a-nav"].parameters.model_fields)
+    lone = set(MODELS["olfati-saber"].parameters.model_fields)
+    lone -= shared_by("boundary-points", "olfati-saber")
+    assert lone == {"beta", "d_beta"}
+    # Of one name, but of another unit, or published at another value: each its own.
+    assert shared_by("vem", "olfati-saber") == set()
+    assert shared_by("hwvem-nav", "hwvem") & {"eta", "v0"} == set()
+    for one in MODELS:
+        for other in MODELS:
+            assert shared_by(one, other) == shared_by(other, one)
+
+
+def test_a_shared_parameter_is_set_in_both_and_the_others_in_one():
+    both = pair("boundary-points", "olfati-saber", parameters={"c1a": 2.0})
+    first, second = both.flock, both.second.flock
+    assert first.parameters.c1a == second.parameters.c1a == 2.0
+    assert set(both.beside_values) == {"beta", "d_beta"}
+    both.set("c1a", 3.0)
+    both.set("tau_a", 5.0)
+    both.set("d_beta", 2.0, beside=True)
+    assert first.parameters.c1a == second.parameters.c1a == 3.0
+    assert first.parameters.tau_a == 5.0
+    assert second.parameters.d_beta == both.beside_values["d_beta"] == 2.0
+
+
+def test_a_parameter_that_only_has_its_name_in_common_is_set_in_one():
+    both = pair("hwvem-nav", "hwvem")
+    both.set("eta", 1.0)
+    assert (both.flock.parameters.eta, both.second.flock.parameters.eta) == (1.0, 0.0)
+    both.set("eta", 2.0, beside=True)
+    assert (both.flock.parameters.eta, both.second.flock.parameters.eta) == (1.0, 2.0)
+
+
+def test_what_one_refuses_is_refused_for_both():
+    both = Pair(timed_stub(), timed_stub(strict=True), 1, Wanted())
+    both.set("eta", 1.0)
+    with pytest.raises(Refusal, match=r"Stub: eta = 3\.0 is too much"):
+        both.set("eta", 3.0)
+    with pytest.raises(Refusal, match="eta = 99"):
+        both.set("eta", 99.0)
+    assert both.values["eta"] == both.second.values["eta"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"beside": "hwvem"}, "beside = 'hwvem' is the model itself"),
+        ({"beside": "hwven-nav"}, "did you mean"),
+        ({"beside": "ivem-a", "dim": 3}, "Improved Vicsek model with an information UAV: dim = 3"),
+        ({"beside": "vem", "beside_parameters": {"et": 1.0}}, "Vicsek model: unknown parameter"),
+    ],
+)
+def test_a_second_model_that_cannot_be_is_refused_by_name(given, words):
+    with pytest.raises(Refusal, match=words):
+        pair(**given)
+
+
+def test_an_agent_is_looked_at_in_the_flock_it_is_in():
+    both = pair("vem-a", "vem")
+    frame = both.look(closely=True)
+    assert (frame.title, frame.beside.title) == (MODELS["vem-a"].title, "Vicsek model")
+    assert frame.beside.speed_scale == frame.speed_scale
+    both.want(Wanted(row=5, beside=True))
+    until(lambda: both.look(closely=False).beside.inspected, 60)
+    frame = both.look(closely=False)
+    assert frame.inspected is None
+    assert frame.beside.inspected.row == 5
+    both.want(Wanted(row=5))
+    until(lambda: both.look(closely=False).inspected, 60)
+    assert both.look(closely=False).beside.inspected is None
+
+
+def test_the_information_agent_is_put_in_both_if_it_is_one_in_both():
+    here, east = np.array([1.0, 2.0]), np.array([1.0, 0.0])
+    both = pair("hwvem", "vem-a")
+    both.place(0, here, east)
+    assert both.second.flock.position[0].tolist() == both.flock.position[0].tolist() == [1.0, 2.0]
+    both = pair("hwvem-nav", "reynolds", world="obstacles")
+    before = both.second.flock.position[0].copy()
+    both.place(0, here, east)
+    assert both.flock.position[0].tolist() == [1.0, 2.0]
+    assert np.array_equal(both.second.flock.position[0], before)
+
+
+def unpacked(content: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(content)) as pack:
+        return {name: pack.read(name) for name in pack.namelist()}
+
+
+def test_both_are_saved_in_one_file():
+    both = pair("hwvem", "vem-a")
+    both.advance(3)
+    specs = unpacked(both.spec())
+    assert list(specs) == ["1-hwvem.toml", "2-vem-a.toml"]
+    models = [tomlkit.parse(text.decode())["model"] for text in specs.values()]
+    assert models == ["hwvem", "vem-a"]
+    states = unpacked(both.saved())
+    assert list(states) == ["1-hwvem.parquet", "2-vem-a.parquet"]
+    assert all(pq.read_table(io.BytesIO(one)).num_rows == 13 for one in states.values())
+
+
+def test_a_position_that_is_no_number_is_named_too():
+    both = Pair(timed_stub(), timed_stub(), 1, Wanted())
+    both.second.flock.position[2] = np.nan
+    with pytest.raises(ArithmeticError, match="Stub: agent 2 has position"):
+        both.look(closely=False)
+    with pytest.raises(Broken, match="Stub: KeyError"), named(both.flock):
+        raise KeyError("x")
+
+
+# Panels.
+
+
+def test_the_command_gives_each_model_its_own():
+    assert parameters("boundary-points", ["d_beta=2", "c1a=3"], "olfati-saber") == (
+        {"c1a": 3.0},
+        {"d_beta": 2.0},
+    )
+    assert parameters("hwvem-nav", [], "hwvem") == ({}, {"eta": 0.3})
+    assert parameters("vem", ["eta=1"], "hwvem") == ({"eta": 1.0}, {})
+    with pytest.raises(Refusal, match="unknown parameter 'd_bet'"):
+        parameters("boundary-points", ["d_bet=2"], "olfati-saber")
+
+
+def test_beside_are_offered_the_models_that_fit_the_dimension():
+    flat, space = (SetupPanel.companions("hwvem", dim) for dim in (2, 3))
+    assert flat[0] == space[0] == NOBODY
+    assert len(flat) == len(MODELS)
+    assert MODELS["hwvem"].title not in flat
+    assert set(flat) - set(space) == {
+        one.title for one in MODELS.values() if one.dimensions == (2,)
+    }
+
+
+def test_a_difference_beside_is_one_that_setup_makes():
+    assert Start().differs(replace(Start(), beside="vem")) == ["beside"]
+
+
+def test_curves_of_both_are_over_the_time_of_the_first():
+    first, second = Course("x"), Course("x")
+    for tick in (0, 10, 20, 30):
+        first.add(tick, {"x": 1.0 * tick})
+    for tick in (0, 2, 4):
+        second.add(tick, {"x": 100.0 * tick})
+    ticks, own, other = both_runs(first, second, each=5.0)
+    assert ticks.tolist() == own.tolist() == [0, 10, 20, 30]
+    assert other.tolist() == [0.0, 200.0, 400.0, 400.0]
+    assert both_runs(first, Course("x"), 5.0)[2].tolist() == own.tolist()
+    assert both_runs(first, None, 1.0)[2].tolist() == own.tolist()
+
+
+def test_a_table_leaves_open_what_one_of_them_lacks():
+    table = compared("Flock", ("a", "b"), {"x": "1", "y": "2"}, {"x": "3"})
+    assert "<td>x</td><td>1</td><td>3</td>" in table
+    assert "<td>y</td><td>2</td><td>–</td>" in table
+    assert compared("Mission", ("a", "b"), {}, {}) == ""

@@ -1,0 +1,118 @@
+"""Two models side by side under the simulation's commands, and what happens when one fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pytest
+
+from app.viewer.editing import forms
+from app.viewer.simulation import Simulation
+from app.viewer.start import Start, at_home
+from tests.viewer.stub_flock import StubFlock, timed_stub
+from tests.viewer.waiting import until
+from worlds.refusal import Refusal
+
+
+@pytest.fixture
+def simulate():
+    """Makes simulations of two flocks and closes them."""
+    made = []
+
+    def make(start: Start, **more) -> Simulation:
+        simulation = Simulation(start, running=False, **more)
+        made.append(simulation)
+        assert simulation.ready.wait(60)
+        return simulation
+
+    yield make
+    for simulation in made:
+        simulation.close()
+        assert not simulation.thread.is_alive()
+
+
+def test_step_set_reset_and_setup_act_on_both(simulate):
+    simulation = simulate(at_home("hwvem", beside="vem-a", agents=12, seed=4))
+    begun = simulation.frame.position.copy()
+    assert np.array_equal(simulation.frame.beside.position, begun)
+    simulation.set("eta", 1.5).result(5)
+    simulation.step(4).result(60)
+    until(lambda: simulation.frame.tick == simulation.frame.beside.tick == 4)
+    assert not np.array_equal(simulation.frame.beside.position, simulation.frame.position)
+    simulation.reset()
+    until(lambda: simulation.frame.run == 2)
+    frame = simulation.frame
+    assert frame.tick == frame.beside.tick == 0
+    assert np.array_equal(frame.position, begun)
+    assert np.array_equal(frame.beside.position, begun)
+    assert [one.values["eta"] for one in simulation.run.both] == [1.5, 1.5]
+    simulation.setup(simulation.state.start.but(beside=None))
+    until(lambda: simulation.frame.run == 3)
+    assert simulation.frame.beside is None
+    assert simulation.readings_beside is None
+    assert simulation.frame.title == ""
+
+
+def test_reset_keeps_what_only_the_second_has(simulate):
+    simulation = simulate(at_home("boundary-points", beside="olfati-saber", agents=6))
+    simulation.set("d_beta", 2.5, beside=True).result(5)
+    assert simulation.state.beside_values["d_beta"] == 2.5
+    simulation.reset()
+    until(lambda: simulation.frame.run == 2)
+    assert simulation.run.second.flock.parameters.d_beta == 2.5
+
+
+def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
+    simulation = simulate(at_home("hwvem", beside="vem-a", agents=12))
+    simulation.setup(simulation.state.start.but(beside="ivem", dim=3))
+    notice = simulation.notices.get(timeout=10)
+    assert notice.startswith("Improved Vicsek model: dim = 3")
+    simulation.step().result(60)
+    until(lambda: simulation.frame.beside.tick == 1)
+    assert simulation.state.run == 1
+
+
+def test_an_edit_of_the_world_is_one_of_both(simulate):
+    simulation = simulate(at_home("hwvem-nav", beside="vem-a-nav", world="obstacles", agents=9))
+    simulation.edit(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
+    first, second = (one.flock for one in simulation.run.both)
+    assert first.world is second.world is simulation.editor.world
+    assert len(first.world.obstacles) == 13
+    spot = first.position[3].copy()
+    change: Callable = lambda editor: editor.add(forms.disc(tuple(spot), 0.4))  # noqa: E731
+    simulation.edit(change).result(60)
+    assert np.array_equal(first.position, second.position)
+    assert np.linalg.norm(first.position[3] - spot) > 0.4
+    simulation.reset()
+    until(lambda: simulation.frame.run == 2, 60)
+    assert len(simulation.frame.beside.world.obstacles) == 14
+
+
+def broken_beside(_start: Start, _first, error: Exception) -> StubFlock:
+    return timed_stub(breaks_at=5, error=error)
+
+
+@pytest.mark.parametrize(
+    ("error", "words", "told"),
+    [
+        (ArithmeticError("agent 3 is lost"), "Stub: agent 3 is lost", False),
+        (IndexError("out of reach"), "Stub: IndexError: out of reach", True),
+    ],
+)
+def test_a_broken_second_flock_is_named_and_stops_both(simulate, error, words, told, capfd):
+    simulation = simulate(
+        Start(agents=8, beside="vem"),
+        speed=200.0,
+        build=lambda _start: timed_stub(),
+        build_beside=partial(broken_beside, error=error),
+    )
+    simulation.go()
+    until(lambda: simulation.state.error)
+    assert simulation.state.error == words
+    assert simulation.notices.get(timeout=5) == words
+    assert not simulation.state.running
+    with pytest.raises(Refusal, match="press Setup"):
+        simulation.go().result(5)
+    assert ("Traceback" in capfd.readouterr().err) == told

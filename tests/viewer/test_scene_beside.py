@@ -1,0 +1,115 @@
+"""Two flocks in one scene: where the second one stands, and which of them a click means."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+
+from app.viewer.frame import Frame
+from app.viewer.scene import Look, Scene
+from app.viewer.scene.beside import ROOT, meant, offset, over, room, sights
+from app.viewer.scene.picture import Picture, picture
+from app.viewer.scene.stage import Stage
+from app.viewer.scene.viewpoints import extent, whole
+from worlds.world import World
+
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def frame(size: tuple[float, ...], edge: str = "wrap", count: int = 5) -> Frame:
+    dim = len(size)
+    rng = np.random.default_rng(1)
+    heading = np.tile(np.eye(dim)[0], (count, 1))
+    return Frame(
+        run=1,
+        tick=0,
+        world=World("box", size, (edge,) * dim),
+        reach=1.0,
+        speed_scale=1.0,
+        position=rng.random((count, dim)) * size,
+        heading=heading,
+        speed=np.ones(count),
+        informed=np.arange(count) < 1,
+        ids=np.arange(count),
+        title="One",
+    )
+
+
+def drawn(one: Frame) -> Picture:
+    return picture(one, Look(), Stage.of(one))
+
+
+@pytest.mark.parametrize(
+    "size", [(8.0, 8.0), (8.0, 6.0), (3.0, 9.0), (62.0, 18.0), (4.0, 5.0, 2.0)]
+)
+def test_the_second_room_stands_clear_of_the_first_and_a_wide_one_below(size):
+    shown = drawn(frame(size))
+    low, high = room(shown)
+    away = offset(shown)
+    below = size == (62.0, 18.0)
+    assert (away[0] == 0.0, away[1] == 0.0) == (below, not below)
+    gap = -away[1] - (high - low)[1] if below else away[0] - (high - low)[0]
+    assert 0.0 < gap < 0.3 * shown.stage.side
+    cells = away[:2] / (shown.stage.side / 20)
+    assert cells == pytest.approx(np.rint(cells))
+
+
+@pytest.mark.parametrize("size", [(8.0, 8.0), (62.0, 18.0), (4.0, 5.0, 2.0)])
+def test_cameras_take_in_both_rooms_and_their_titles(size):
+    shown = drawn(frame(size))
+    both = sights(shown, shown)
+    low, high = whole(both)
+    for picture_, aside in both:
+        mine = [corner + aside for corner in extent(picture_)] + [aside + over(picture_)]
+        for corner in mine:
+            assert np.all(corner >= low - 1e-9)
+            assert np.all(corner <= high + 1e-9)
+    alone = whole(sights(shown, None))
+    np.testing.assert_array_equal(alone, extent(shown))
+
+
+def test_a_click_means_the_agent_it_hits_in_the_flock_it_is_in():
+    shown = drawn(frame((8.0, 8.0)))
+    both = sights(shown, shown)
+    for side, (one, aside) in enumerate(both):
+        for row, at in enumerate(one.at):
+            assert meant(both, at + aside + [0.0, 0.0, 40.0], DOWN, 1e-4) == (side, row)
+        half = one.stage.half
+        corner = aside + np.array([0.98 * half[0], -0.98 * half[1], 40.0])
+        assert meant(both, corner, DOWN, 1e-4) == (side, None)
+    assert meant(both, np.zeros(3), np.array([1.0, 0.0, 0.0]), 1e-4)[1] is None
+
+
+@pytest.fixture
+def server():
+    made = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield made
+    made.stop()
+
+
+def test_the_second_room_comes_and_goes(server):
+    scene = Scene(server)
+    look = Look(trails=True, reach=True, labels=True)
+    nodes = server.scene._handle_from_node_name
+
+    def beside() -> list[str]:
+        return [name for name in nodes if name.startswith(ROOT)]
+
+    for size in ((8.0, 8.0), (62.0, 18.0), (4.0, 5.0, 2.0)):
+        one = frame(size, edge="open")
+        scene.show(one, look)
+        alone = set(nodes)
+        assert not beside()
+        two = replace(one, tick=1, beside=replace(one, title="Two", position=one.position * 3.0))
+        scene.show(two, look)
+        assert {name.removeprefix(ROOT) for name in beside()} >= {
+            name for name in alone if name.startswith(("/flock/", "/world/"))
+        }
+        assert nodes[f"{ROOT}/titles/first"].text == "One"
+        assert nodes[f"{ROOT}/titles/second"].text == "Two"
+        assert nodes[ROOT].position == pytest.approx(offset(drawn(one)))
+        scene.show(replace(one, tick=2), look)
+        assert not beside()
