@@ -34,8 +34,8 @@ class Builder:
 
     def at(self, x: float, y: float, height: float = 0.0) -> tuple[float, float]:
         """Where on the page a place in the world is, seen from above."""
-        clients = self.laboratory.server.get_clients().values()
-        camera = next(c.camera for c in clients if abs(c.camera.image_width - self.box[2]) < 3)
+        until(lambda: self.camera() is not None, 20, "the browser to tell the size of its picture")
+        camera = self.camera()
         stage = self.laboratory.scene._sights[0].picture.stage
         place = stage.placed(np.array([x, y, height]))
         ahead = camera.look_at - camera.position
@@ -44,6 +44,12 @@ class Builder:
         left, top, width, tall = self.box
         pixels = 0.5 * tall / half
         return left + 0.5 * width + pixels * away[0], top + 0.5 * tall - pixels * away[1]
+
+    def camera(self):
+        """The camera of this page; None until the server has heard of its latest size."""
+        clients = list(self.laboratory.server.get_clients().values())
+        width = self.box[2]
+        return next((c.camera for c in clients if abs(c.camera.image_width - width) < 3), None)
 
     @property
     def box(self) -> list[float]:
