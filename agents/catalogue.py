@@ -8,11 +8,19 @@ from __future__ import annotations
 
 from importlib.metadata import entry_points
 
-from agents.bodies import constant_speed, double_integrator, drone, navigator, steered
+from agents.bodies import (
+    constant_speed,
+    double_integrator,
+    drone,
+    navigator,
+    steered,
+    turning,
+)
 from agents.declare import Rule
 from agents.model import Model
 from agents.rules import (
     boundary_points,
+    couzin,
     hwvem,
     ivem,
     olfati_saber,
@@ -41,6 +49,7 @@ BUILT_IN = [
     Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80),
     Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30),
     drone.tenth(vasarhelyi.VASARHELYI),
+    Model(couzin.COUZIN, turning.BODY, world="meadow"),
 ]
 
 

@@ -36,14 +36,16 @@ GROUPS = {
     "obstacles: in a body that keeps its distance and flies along what is in its way.",
     GOAL: "Every agent knows the goal, the gamma agent, and what is left to do is to keep the "
     "lattice and to get round obstacles.",
-    OTHERS: "Boids and drones, which steer clear of each other and of what is solid.",
+    OTHERS: "Boids, drones and Couzin's zones, with which other work can be compared.",
 }
 
 
 def group(model: Model) -> str:
     """The part of the list that a model is in."""
-    if model.rule.wish == "heading":
-        return MISSION if model.agents else VICSEK
+    if model.body.name == "navigator":
+        return MISSION
+    if model.body.name == "constant-speed":
+        return VICSEK
     return GOAL if "gamma" in model.rule.forces else OTHERS
 
 
@@ -101,8 +103,8 @@ def at_obstacles(model: Model) -> str:
 def home(model: Model) -> str:
     """The world that a model is at home in, with its page."""
     title = str(read_layout(model.world)["title"])
-    many = f" with {model.agents} agents" if model.agents else ""
-    return f"[`{model.world}`](../worlds.md#{model.world}){many}. {title}"
+    where = f"[`{model.world}`](../worlds.md#{model.world})"
+    return f"{where} with {model.agents} agents. {title}"
 
 
 def clock(model: Model) -> str:
@@ -138,9 +140,9 @@ def page(model: Model) -> str:
     options = "".join(f" --set {name}={value}" for name, value in scene.parameters.items())
     keywords = "".join(f", {name}={value}" for name, value in scene.parameters.items())
     agents = flock.spec.agents
-    many = f" --agents {agents}" if model.agents is None else ""
+    many = f" --agents {agents}" if agents != model.agents else ""
     ticks = scene.ticks[-1]
-    measure = "polarisation" if model.agents is None else "inside-obstacles"
+    measure = "inside-obstacles" if model.sees_obstacles else "polarisation"
     if "goal" in read_layout(model.world).get("mission", {}) and group(model) == GOAL:
         measure = "goal-distance"
     if group(model) == MISSION:

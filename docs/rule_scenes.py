@@ -30,7 +30,7 @@ class Scene:
 
 
 ON_TORUS = Scene((0, 5, 15, 60), 0.36, agents=200, seed=4, size=7.0, parameters={"eta": 0.2})
-"""Of models that name no number of agents."""
+"""Of models that are at home on the torus."""
 LEFT_BEHIND = Scene((0, 15, 40, 80), 0.5, tail=15, view=((-9.6, -3.4), (10.4, 8.4)))
 LED = Scene((60, 190, 400, 600), 0.5, tail=30, view=((-2.5, -6.6), (62.0, 13.2)), window=(11, 8.2))
 SCENES = {
@@ -42,6 +42,7 @@ SCENES = {
     "boundary-points": Scene((0, 400, 1000, 3000), 2.2, tail=100, view=((0.0, 0.0), (88.0, 45.0))),
     "reynolds": Scene((0, 300, 900, 1800), 1.3, tail=20),
     "vasarhelyi": Scene((0, 100, 400, 900), 7.0, tail=60),
+    "couzin": Scene((0, 60, 200, 1200), 1.6),
     "vasarhelyi-tenth": Scene((0, 100, 400, 900), 1.3, tail=60),
 }
 """Ticks at which one sees what a model does."""
@@ -49,7 +50,7 @@ SCENES = {
 
 def scene_of(model: Model) -> Scene:
     """What is drawn of a model; of one without a scene of its own, its first 200 ticks."""
-    if model.agents is None:
+    if model.world == "wrap":
         return ON_TORUS
     return SCENES.get(model.name, Scene((0, 50, 100, 200), 1.0))
 
@@ -57,5 +58,6 @@ def scene_of(model: Model) -> Scene:
 def flock_of(model: Model) -> Flock:
     """The flock of a model's scene, at tick 0."""
     scene = scene_of(model)
-    agents = scene.agents or model.agents or 100
-    return Flock(model.name, agents=agents, size=scene.size, rng=scene.seed, **scene.parameters)
+    return Flock(
+        model.name, agents=scene.agents, size=scene.size, rng=scene.seed, **scene.parameters
+    )

@@ -1,0 +1,92 @@
+"""A body that goes at constant speed and turns no faster than it can (Couzin et al. 2002)."""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Body, Parameters, parameter
+from agents.engine.block import Moved
+from worlds.compiled import compiled
+
+
+class Turning(Parameters):
+    """Parameters of the turning body."""
+
+    s: float = parameter(
+        3.0,
+        "Speed of every agent",
+        symbol="s",
+        unit="length/s",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source="Couzin et al. 2002, table 1",
+    )
+    theta: float = parameter(
+        40.0,
+        "Turning rate: how far an agent can turn in a second",
+        symbol="\\theta",
+        unit="deg/s",
+        low=1.0,
+        high=1800.0,
+        step=1.0,
+        source="Couzin et al. 2002, table 1",
+    )
+    tau: float = parameter(
+        0.1,
+        "Time that a tick lasts",
+        symbol="\\tau",
+        unit="s",
+        low=0.01,
+        high=1.0,
+        step=0.01,
+        source="Couzin et al. 2002, table 1",
+    )
+
+
+@compiled
+def towards(ux, uy, uz, x, y, z, most):
+    """The heading u turned towards the direction (x, y, z), both unit vectors, by at most `most`.
+
+    `most` is in rad. A direction straight behind has no shorter side: it is turned to the left, or
+    about the vertical.
+    """
+    along = min(1.0, max(-1.0, ux * x + uy * y + uz * z))
+    if math.acos(along) <= most:
+        return x, y, z
+    ax, ay, az = x - along * ux, y - along * uy, z - along * uz
+    length = math.sqrt(ax * ax + ay * ay + az * az)
+    if length < 1e-9:
+        ax, ay, az = -uy, ux, 0.0
+        length = math.sqrt(ax * ax + ay * ay)
+        if length < 1e-9:
+            ax, length = 1.0, 1.0
+    c, s = math.cos(most), math.sin(most) / length
+    return c * ux + s * ax, c * uy + s * ay, c * uz + s * az
+
+
+@compiled
+def move(me, near, ground, want, p, out):
+    """Turn by at most theta tau towards the wanted heading, then go s tau along the new one."""
+    most = math.radians(p.theta) * p.tau
+    ux, uy, uz = towards(me.ux, me.uy, me.uz, want.x, want.y, want.z, most)
+    length = math.sqrt(ux * ux + uy * uy + uz * uz)
+    ux, uy, uz = ux / length, uy / length, uz / length
+    d = p.s * p.tau
+    return Moved(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, p.s)
+
+
+def lasts(parameters: Turning) -> float:
+    """Seconds that a tick stands for."""
+    return parameters.tau
+
+
+BODY = Body(
+    name="turning",
+    title="Constant speed, limited turning rate",
+    source="Couzin et al. 2002",
+    parameters=Turning,
+    move=move,
+    lasts=lasts,
+    unit="s",
+)

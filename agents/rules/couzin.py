@@ -1,0 +1,183 @@
+"""Couzin's zones: keep away from those too near, else go with the near and to the far.
+
+Couzin, Krause, James, Ruxton and Franks 2002, Collective memory and spatial sorting in animal
+groups, J. theor. Biol. 218, 1 to 11. Repulsion is felt all round; orientation and attraction only
+in the field of view.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Parameters, Rule, parameter
+from agents.engine.block import Wish
+from agents.engine.noise import cos_sin, uniform
+from worlds.compiled import compiled
+
+RADIUS, ANGLE, ROLL = 4, 5, 6
+"""Draws of the rule's own noise."""
+
+
+class Couzin(Parameters):
+    """Parameters of Couzin's zones."""
+
+    r_r: float = parameter(
+        1.0,
+        "Radius of the zone of repulsion",
+        symbol="r_r",
+        unit="length",
+        low=0.05,
+        high=10.0,
+        step=0.05,
+        source="Couzin et al. 2002, table 1",
+    )
+    dr_o: float = parameter(
+        3.0,
+        "Width of the zone of orientation, beyond that of repulsion",
+        symbol="\\Delta r_o",
+        unit="length",
+        low=0.0,
+        high=30.0,
+        step=0.1,
+        source="Couzin et al. 2002, table 1",
+    )
+    dr_a: float = parameter(
+        10.0,
+        "Width of the zone of attraction, beyond that of orientation",
+        symbol="\\Delta r_a",
+        unit="length",
+        low=0.0,
+        high=30.0,
+        step=0.1,
+        source="Couzin et al. 2002, table 1",
+    )
+    alpha: float = parameter(
+        270.0,
+        "Field of view: agents outside of this full angle about the heading are not seen",
+        symbol="\\alpha",
+        unit="deg",
+        low=0.0,
+        high=360.0,
+        step=5.0,
+        source="Couzin et al. 2002, table 1",
+    )
+    sigma: float = parameter(
+        0.05,
+        "Error of movement: standard deviation of the angle by which the direction is missed",
+        symbol="\\sigma",
+        unit="rad",
+        low=0.0,
+        high=2.0,
+        step=0.01,
+        source="Couzin et al. 2002, table 1",
+    )
+
+    @property
+    def range(self) -> float:
+        """Outer radius r_a of the zone of attraction, length."""
+        return self.r_r + self.dr_o + self.dr_a
+
+
+@compiled
+def sums(me, near, p):
+    """The sums of (1), (2) and (3): away from those in the zone of repulsion, headings, towards.
+
+    Returns nine components and the numbers of agents in the three zones.
+    """
+    r_o = p.r_r + p.dr_o
+    r_a = r_o + p.dr_a
+    edge = math.cos(math.radians(0.5 * p.alpha))
+    rx = ry = rz = ox = oy = oz = ax = ay = az = n_r = n_o = n_a = 0.0
+    for j in range(near.n):
+        dx = near.x[j] - me.x
+        dy = near.y[j] - me.y
+        dz = near.z[j] - me.z
+        d2 = dx * dx + dy * dy + dz * dz
+        d = math.sqrt(d2) if d2 > 0.0 else 1.0
+        there = (d2 > 0.0) & (d <= r_a)
+        ahead = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
+        in_r = 1.0 if there & (d < p.r_r) else 0.0
+        in_o = 1.0 if there & ahead & (d >= p.r_r) & (d < r_o) else 0.0
+        in_a = 1.0 if there & ahead & (d >= p.r_r) & (d >= r_o) else 0.0
+        rx -= in_r * dx / d
+        ry -= in_r * dy / d
+        rz -= in_r * dz / d
+        ox += in_o * near.ux[j]
+        oy += in_o * near.uy[j]
+        oz += in_o * near.uz[j]
+        ax += in_a * dx / d
+        ay += in_a * dy / d
+        az += in_a * dz / d
+        n_r += in_r
+        n_o += in_o
+        n_a += in_a
+    return rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, n_o, n_a
+
+
+@compiled
+def missed(me, x, y, z, sigma):
+    """The direction turned by a normal angle of deviation sigma (rad), to any side."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if length < 1e-12:
+        x, y, z, length = me.ux, me.uy, me.uz, 1.0
+    x, y, z = x / length, y / length, z / length
+    if sigma == 0.0:
+        return Wish(x, y, z)
+    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(me.key, me.id, RADIUS)))
+    c, _ = cos_sin(2.0 * math.pi * uniform(me.key, me.id, ANGLE))
+    angle = sigma * radius * c
+    ca, sa = math.cos(angle), math.sin(angle)
+    if z == 0.0 and me.uz == 0.0:
+        return Wish(ca * x - sa * y, sa * x + ca * y, 0.0)
+    # An orthonormal pair across the direction (Duff et al. 2017), and a side by chance.
+    sign = math.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    cr, sr = cos_sin(2.0 * math.pi * uniform(me.key, me.id, ROLL))
+    px, py, pz = 1.0 + sign * x * x * a, sign * b, -sign * x
+    qx, qy, qz = b, sign + y * y * a, -y
+    return Wish(
+        ca * x + sa * (cr * px + sr * qx),
+        ca * y + sa * (cr * py + sr * qy),
+        ca * z + sa * (cr * pz + sr * qz),
+    )
+
+
+@compiled
+def decide(me, near, ground, p):
+    """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
+    rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, n_o, n_a = sums(me, near, p)
+    if n_r > 0.0:
+        return missed(me, rx, ry, rz, p.sigma)
+    half = 0.5 if (n_o > 0.0) & (n_a > 0.0) else 1.0
+    return missed(me, half * (ox + ax), half * (oy + ay), half * (oz + az), p.sigma)
+
+
+@compiled
+def weigh(me, near, p, out):
+    """1 for those that count: the zone of repulsion alone if anyone is in it, else the others."""
+    n_r = sums(me, near, p)[9]
+    edge = math.cos(math.radians(0.5 * p.alpha))
+    for j in range(near.n):
+        dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
+        d = math.sqrt(dx * dx + dy * dy + dz * dz)
+        ahead = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
+        close = 0.0 < d < p.r_r
+        far = ahead and p.r_r <= d <= p.r_r + p.dr_o + p.dr_a
+        out[j] = 1.0 if (close if n_r > 0.0 else far) else 0.0
+
+
+COUZIN = Rule(
+    name="couzin",
+    title="Couzin's zones",
+    summary="Agents keep away from those in the zone of repulsion; with nobody there they align "
+    "with those in the zone of orientation and go to those in the zone of attraction.",
+    equation=r"d_i = \begin{cases} -\sum_{j \in Z_r} \hat{r}_{ij} & n_r > 0 \\ "
+    r"\sum_{j \in Z_o} u_j + \sum_{j \in Z_a} \hat{r}_{ij} & "
+    r"\text{else} \end{cases}",
+    source="Couzin et al. 2002, (1) to (3)",
+    parameters=Couzin,
+    decide=decide,
+    reach="range",
+    weigh=weigh,
+)
