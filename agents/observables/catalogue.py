@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.observables import consistency, groups, layers, neighbours, order
+from agents.observables import consistency, groups, layers, neighbours, order, rotation
 from worlds.clearance import clearance
 
 
@@ -76,6 +76,15 @@ OBSERVABLES = {
             "1",
             "[0, 1]",
             lambda flock: consistency.consistency(flock.heading, flock.reference),
+        ),
+        Observable(
+            "angular-momentum",
+            "How much the flock mills about its centre",
+            "1",
+            "[0, 1]",
+            lambda flock: rotation.angular_momentum(
+                flock.position, flock.heading, flock.world.size, flock.world.images
+            ),
         ),
         Observable(
             "groups",
