@@ -26,6 +26,7 @@ from agents.rules.sigma import (
     sigma_norm,
     stretch,
     weigh,
+    written,
 )
 from worlds.compiled import compiled
 from worlds.ground import solids_around, surface
@@ -133,10 +134,7 @@ def decide(me, near, ground, p):
 @compiled
 def explain(me, near, ground, p, out):
     """The terms of (7) one by one."""
-    force = terms(me, near, ground, p)
-    for row in range(5):
-        for axis in range(3):
-            out[row, axis] = force[row][axis]
+    written(terms(me, near, ground, p), out)
 
 
 RULE = Rule(

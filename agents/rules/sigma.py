@@ -281,3 +281,11 @@ def weigh(me, near, p, out):
 def has_goal(ground):
     """Whether there is a gamma agent."""
     return ground.route.shape[0] > 0
+
+
+@compiled
+def written(force, out):
+    """Write the rows (x, y, z) of FORCES into out (5, 3)."""
+    for row in range(5):
+        for axis in range(3):
+            out[row, axis] = force[row][axis]
