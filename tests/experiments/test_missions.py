@@ -214,6 +214,8 @@ SHORT = {
     "wu2023-fig8": ({"limit": 2.0}, []),
     "wu2023-fig9": ({"limit": 2.0}, [30]),
     "wu2023-fig10": ({}, []),
+    "wu2023-plain": ({"limit": 2.0}, []),
+    "wu2023-senses": ({"limit": 2.0}, []),
     "wu2023-theorem1": ({"limit": 2.0}, []),
 }
 
