@@ -24,7 +24,7 @@ def compiled(function: Callable) -> Any:
     """Compile a rule, a body or a part of the engine; it becomes part of the loop that calls it.
 
     Such a function is never cached by itself: the loop is, under a name made from everything it
-    reaches (see `agents.engine.loop`).
+    reaches (see `agents.engine.cache`).
     """
     return numba.njit(**OPTIONS, forceinline=True)(function)
 
