@@ -12,6 +12,7 @@ from agents.bodies import (
     constant_speed,
     double_integrator,
     drone,
+    flyer,
     navigator,
     steered,
     turning,
@@ -25,9 +26,11 @@ from agents.rules import (
     ivem,
     olfati_saber,
     reynolds,
+    safe_zones,
     vasarhelyi,
     vicsek,
     wvem,
+    zones,
 )
 from worlds.refusal import unknown
 
@@ -49,7 +52,15 @@ BUILT_IN = [
     Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80),
     Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30),
     drone.tenth(vasarhelyi.VASARHELYI),
-    Model(couzin.COUZIN, turning.BODY, world="meadow"),
+    Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
+    Model(
+        zones.ZONES,
+        flyer.FLYER,
+        world="thesis-sky",
+        agents=50,
+        defaults={"contact": "start", "d_0": 2.0},
+    ),
+    Model(safe_zones.SAFE, flyer.FLYER, world="thesis-sky", agents=50),
 ]
 
 

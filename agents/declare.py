@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
@@ -142,6 +143,17 @@ Wished = Literal["heading", "acceleration", "velocity"]
 
 
 @dataclass(frozen=True)
+class Zone:
+    """A zone around an agent, from the one before it outwards to a radius."""
+
+    name: str
+    radius: Callable[[Any], float]
+    """Outer radius (length) from the parameters."""
+    all_round: bool = False
+    """Whether agents outside of the field of view are noticed there too."""
+
+
+@dataclass(frozen=True)
 class Rule:
     """What an agent wants: one file, one declaration. `decide` reads like the paper."""
 
@@ -182,6 +194,10 @@ class Rule:
     """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
     sees_points: bool = False
     """Whether `near` shall hold the boundary points of obstacles within reach."""
+    zones: tuple[Zone, ...] = ()
+    """Where it does what, from the inside out."""
+    view: str = ""
+    """Name of the parameter that is the full angle (deg) of its field of view."""
     informed: int = 0
     """Information agents unless the user says otherwise."""
     led: bool = True
@@ -209,6 +225,17 @@ class Body:
     """What it is told."""
     signals: tuple[str, ...] = ()
     """What bodies tell each other; they follow the rule's signals."""
+    size: str = ""
+    """Name of the parameter that is its diameter; a point by default."""
+    touches: Callable | None = None
+    """Compiled: (me, near, ground, p) -> 1.0 where it touches another agent, 2.0 where it touches
+    what is solid, else 0.0; an agent that touches something crashes. None: it is a point."""
+    measures: tuple[str, ...] = ()
+    """What is measured of each agent within the pass."""
+    measure: Callable | None = None
+    """Compiled: (me, near, p, out). Measures it, on the flock as the tick finds it."""
+    begins: Callable[[Any, np.random.Generator, int], np.ndarray] | None = None
+    """Speeds (n,) at the start, from the parameters; None: 0."""
     deafens: bool = False
     """Whether its last signal is 1.0 for agents whose heading counts and 0.0 for others."""
     sees_obstacles: bool = False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, cast
@@ -12,10 +13,12 @@ import mesa
 import numpy as np
 
 from agents import catalogue
+from agents.aloft import Aloft
+from agents.crashes import Crashes, crashes, flying
 from agents.declare import checked
 from agents.inspection import Inspection, inspect
 from agents.member import Member
-from agents.motion import Motion, whole
+from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.groups import group_labels
 from agents.observables.layers import layers
@@ -26,7 +29,7 @@ from agents.space import FlockSpace
 from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
-from worlds.world import World, layout_names, world_from_layout
+from worlds.world import World, layout_dim, layout_names, world_from_layout
 from worlds.world import world as build_world
 
 DENSITY = 4.102
@@ -43,7 +46,7 @@ class Flock(Motion, mesa.Model):
         top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
-    dim: 2 or 3, by default the layout's own, or 2.
+    dim: 2 or 3, by default the layout's own, or the model's, or 2.
     world: a layout by name (see `worlds.world.layout_names`), a TOML file or a `World`; None for
         the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
@@ -51,6 +54,9 @@ class Flock(Motion, mesa.Model):
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
         `agents` is then not used.
     rng: the run's seed, an integer >= 0; None draws one.
+    spacing: least distance at the start between agents and of agents to obstacles and solid
+        edges, length >= 0; by default the model's own, which may be None: bodies only start clear
+        of what is solid.
     threads: used from 10 000 agents on; the numbers do not depend on it.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
@@ -75,6 +81,7 @@ class Flock(Motion, mesa.Model):
         activation: str = "synchronous",
         noise: str = "angular",
         start: Mapping[str, np.ndarray] | None = None,
+        spacing: float | None = None,
         rng: int | None = None,
         threads: int = 1,
         collect: Sequence[str] = ("polarisation",),
@@ -83,6 +90,7 @@ class Flock(Motion, mesa.Model):
     ):
         self.model = catalogue.model(model)
         seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0)
+        self.seed = seed
         if activation not in ACTIVATIONS:
             raise unknown("activation", activation, ACTIVATIONS)
         if noise not in NOISES:
@@ -96,13 +104,13 @@ class Flock(Motion, mesa.Model):
                 f"informed = {informed} is not allowed: {model} has no information agents"
             )
         super().__init__(rng=seed)
-        self.seed = seed
         self.tick = 0
         self.activation = activation
         self.noise = noise
         self.threads = whole("threads", threads, 1)
+        self.spacing = self.model.spacing if spacing is None else positive("spacing", spacing)
         if start is None:
-            begin, self.given = random_start(self.world, agents, informed, self.rng), False
+            begin, self.given = self._begin(agents, informed), False
         else:
             begin, self.given = given_start(self.world, start), True
         knowing = int(begin.informed.sum())
@@ -121,12 +129,26 @@ class Flock(Motion, mesa.Model):
             found = given
         else:
             name = self.model.world if given is None else given
+            if dim is None and np.ndim(size) == 0 and layout_dim(name) is None:
+                dim = self.model.dim
             found = build_world(name, dim, size, lambda d: (n / DENSITY) ** (1.0 / d))
+        if found.random is not None:
+            found = found.drawn(self.seed)
         if found.dim not in self.model.dimensions:
             allowed = " and ".join(f"{d}-D" for d in self.model.dimensions)
             name = self.model.name
             raise Refusal(f"dim = {found.dim!r} is not allowed: {name} is defined in {allowed}")
         return found
+
+    def _begin(self, agents: int, informed: int) -> Start:
+        """A random start, with the speeds that the body begins with. Raises Refusal."""
+        size = self.model.body.size
+        gap = 0.5 * getattr(self.parameters, size) if size else 0.0
+        begin = random_start(self.world, agents, informed, self.rng, self.spacing, gap)
+        begins = self.model.body.begins
+        if begins is None or begin.speed.any():
+            return begin
+        return replace(begin, speed=begins(self.parameters, self.rng, len(begin.speed)))
 
     def _lay_out(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""
@@ -145,6 +167,26 @@ class Flock(Motion, mesa.Model):
     def observe(self, name: str) -> Any:
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`."""
         return observed(self, known(name))
+
+    @property
+    def can_crash(self) -> bool:
+        """Whether agents that touch something crash."""
+        return self.model.body.touches is not None
+
+    @property
+    def flying(self) -> np.ndarray:
+        """Which agents have not crashed, (N,) bool."""
+        return flying(self.arrays)
+
+    @property
+    def crashes(self) -> Crashes:
+        """Who has crashed so far: when, where and against what."""
+        return crashes(self.arrays)
+
+    @property
+    def aloft(self) -> Flock | Aloft:
+        """The flock as observables see it: without those that have crashed."""
+        return self if self.flying.all() else Aloft(self)
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
@@ -230,6 +272,7 @@ class Flock(Motion, mesa.Model):
             activation=cast(Activation, self.activation),
             noise=cast(Noise, self.noise),
             start="given" if self.given else "random",
+            spacing=self.spacing,
             parameters=self.parameters.model_dump(),
             layout=None if self.world.name in layout_names() else self.world.to_layout(),
             versions=versions(),
@@ -252,6 +295,7 @@ class Flock(Motion, mesa.Model):
             world=spec.world if spec.layout is None else world_of(spec),
             activation=spec.activation,
             noise=spec.noise,
+            spacing=spec.spacing,
             rng=spec.seed,
             **more,
             **dict[str, Any](spec.parameters),
@@ -290,4 +334,4 @@ def known(name: str) -> str:
 
 def observed(flock: Flock, name: str) -> Any:
     """The value of an observable now."""
-    return OBSERVABLES[name].measure(flock)
+    return OBSERVABLES[name].measure(flock.aloft)

@@ -16,6 +16,19 @@ if TYPE_CHECKING:
     from agents.flock import Flock
 
 NO_POINTS = np.empty((0, 2))
+UNSEEN = -1
+"""Instead of a zone: a neighbour that is not noticed."""
+
+
+@dataclass(frozen=True)
+class Shell:
+    """A zone of a rule (`agents.declare.Zone`) with the parameters as they are."""
+
+    name: str
+    radius: float
+    """Outer radius, length."""
+    all_round: bool
+    """Whether agents outside of the field of view are noticed there too."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +49,13 @@ class Inspection:
     """The terms of its wish, then those of its body's velocity, by name, (dim,) each."""
     points: np.ndarray = field(default_factory=lambda: NO_POINTS)
     """Boundary points of obstacles that it perceives, (P, 2), length."""
+    zone: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+    """Which of `shells` each neighbour is in, (M,) int, UNSEEN where it is not noticed; (0,)
+    where the rule has no zones."""
+    shells: tuple[Shell, ...] = ()
+    """The zones of its rule from the inside out."""
+    view: float = 360.0
+    """Full angle of its field of view, deg."""
 
 
 def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
@@ -106,6 +126,42 @@ def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
     return found
 
 
+def shells(flock: Flock) -> tuple[Shell, ...]:
+    """The zones of a flock's rule, with its parameters as they are; none where it has none."""
+    parameters = flock.parameters
+    return tuple(
+        Shell(zone.name, float(zone.radius(parameters)), zone.all_round)
+        for zone in flock.model.rule.zones
+    )
+
+
+def field_of_view(flock: Flock) -> float:
+    """The full angle (deg) of a flock's field of view; 360 where its rule has none."""
+    name = flock.model.rule.view
+    return float(getattr(flock.parameters, name)) if name else 360.0
+
+
+def zones_of(
+    apart: np.ndarray, heading: np.ndarray, shells: tuple[Shell, ...], view: float
+) -> np.ndarray:
+    """Which of `shells` the places `apart` (M, dim) from an agent are in, (M,) int.
+
+    A place at a zone's outer radius is in the next one, but at that of the last one within. UNSEEN
+    is what lies beyond all, or outside of the field of view (deg) about the `heading` (dim,) in a
+    zone that is not all round.
+    """
+    distance = np.linalg.norm(apart, axis=1)
+    ahead = apart @ heading >= np.cos(np.deg2rad(0.5 * view)) * distance
+    found = np.full(len(apart), UNSEEN)
+    inner = 0.0
+    for index, shell in enumerate(shells):
+        last = index == len(shells) - 1
+        within = (distance <= shell.radius) if last else (distance < shell.radius)
+        found[(distance >= inner) & within & (ahead | shell.all_round)] = index
+        inner = max(inner, shell.radius)
+    return found
+
+
 def warm(flock: Flock) -> None:
     """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
     rule, body = flock.model.rule, flock.model.body
@@ -130,14 +186,15 @@ def inspect(flock: Flock, row: int) -> Inspection:
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
-    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2))
+    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & flock.flying)
     apart = apart[rows]
     signals = flock.signals()
     own = signals[:, row].copy()
     seen = perceived(flock, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
-    if flock.informed[row]:
+    own_shells, view = shells(flock), field_of_view(flock)
+    if flock.informed[row] or not flock.flying[row]:
         weights[:] = 0.0
     else:
         set_goal(flock.engine.ground, flock.elapsed)
@@ -155,4 +212,7 @@ def inspect(flock: Flock, row: int) -> Inspection:
         dict(zip(flock.model.columns, own.tolist(), strict=True)),
         forces,
         seen,
+        zones_of(apart, flock.heading[row], own_shells, view) if own_shells else np.empty(0, int),
+        own_shells,
+        view,
     )

@@ -32,6 +32,10 @@ class Model:
     """Defaults that differ from those of the rule and the body."""
     world: str = "wrap"
     """The world that it is at home in."""
+    dim: int | None = None
+    """The dimensions that it starts in, where its world fits several."""
+    spacing: float | None = None
+    """At the start, least distance between agents and of agents to what is solid, length."""
     agents: int = 100
     """How many ordinary agents a flock has unless the user says otherwise."""
 
@@ -74,16 +78,15 @@ class Model:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The rows of a flock's memory: signals, then what agents keep to themselves."""
-        return self.signals + self.rule.memory
+        """The rows of a flock's memory: signals, what agents keep to themselves, measures."""
+        return self.signals + self.rule.memory + self.body.measures
 
     @cached_property
     def beginning(self) -> np.ndarray:
-        """What the columns begin at: layers unknown, everyone heard, nothing remembered."""
+        """What the columns begin at: layers unknown, all heard, nothing remembered or measured."""
         rule, body = self.rule, self.body
-        return np.repeat(
-            [UNKNOWN, 1.0, 0.0], [len(rule.signals), len(body.signals), len(rule.memory)]
-        )
+        lengths = len(rule.signals), len(body.signals), len(rule.memory), len(body.measures)
+        return np.repeat([UNKNOWN, 1.0, 0.0, np.nan], lengths)
 
     @property
     def sees_obstacles(self) -> bool:
@@ -112,11 +115,15 @@ class Model:
             "HEADS": rule.wish == "heading",
             "DEAFENS": body.deafens,
             "SEES_POINTS": rule.sees_points,
+            "MEASURES": len(body.measures),
+            "CRASHES": body.touches is not None,
             "BOUNCES": solid and not self.sees_obstacles,
             "perceive": rule.perceive,
             "decide": rule.decide,
             "show": rule.show,
             "remember": rule.remember,
             "prepare": rule.prepare,
+            "measure": body.measure,
+            "touches": body.touches,
             "move": body.move,
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 from types import ModuleType
@@ -85,6 +86,7 @@ class Motion:
             np.pad(np.array(self.world.size), (0, missing)),
             np.pad(self.world.wraps.astype(np.int64), (0, missing)),
             np.pad(self.world.images.astype(np.int64), (0, missing)),
+            self.world.low[2] if self.world.dim == 3 else 0.0,
         )
         place = Place(space, survey(self.world, self.sight))
         if self.activation == "synchronous":
@@ -245,6 +247,13 @@ def loop_of(model: Model, dim: int, solid: bool) -> ModuleType:
     """The module of the compiled loop of a model, in a world where something is solid or not."""
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
     return sweep_module(model.parts(dim, solid), tuple(fields))
+
+
+def positive(name: str, value: Any) -> float:
+    """`value` as a finite number >= 0. Raises Refusal."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
+        raise Refusal(f"{name} = {value!r} is not allowed: a finite number >= 0 is needed")
+    return float(value)
 
 
 def whole(name: str, value: Any, least: int) -> int:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agents.engine.arrays import Arrays
+from agents.rows import unhurt
 from agents.spec import Spec
 from worlds.refusal import Refusal
 
@@ -113,6 +114,9 @@ class Recorder:
         columns["informed"] = flock.informed.copy()
         if flock.world.mission is not None and flock.world.mission.path is not None:
             columns["leg"] = flock.arrays.leg.copy()
+        if flock.can_crash:
+            fate = flock.arrays.fate
+            columns |= {name: fate[:, k].copy() for k, name in enumerate(fates(flock.world.dim))}
         for name, values in zip(flock.model.columns, flock.signals(), strict=True):
             columns[name] = values.copy()
         return pa.RecordBatch.from_pydict(columns)
@@ -138,6 +142,11 @@ class Recorder:
             self.stream.write_table(table)
             self.file.flush()
         self.waiting, self.rows = [], 0
+
+
+def fates(dim: int) -> list[str]:
+    """Columns of an agent's fate: the tick of its crash or -1, what it touched, and where."""
+    return ["crash_tick", "crash_cause", *("crash_" + letter for letter in AXES[:dim])]
 
 
 def refused(path: Path, error: OSError) -> Refusal:
@@ -229,7 +238,10 @@ def arrays_of(table, spec: Spec, path) -> Arrays:
     axes = AXES[: spec.dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        signals = [column[name] for name in model(spec.model).columns]
+        one = model(spec.model)
+        signals = [column[name] for name in one.columns]
+        mortal = one.body.touches is not None
+        fate = [column[name] for name in fates(spec.dim)] if mortal else []
         arrays = Arrays(
             np.column_stack([column[a] for a in axes]),
             np.column_stack([column["u" + a] for a in axes]),
@@ -238,6 +250,7 @@ def arrays_of(table, spec: Spec, path) -> Arrays:
             column["id"].copy(),
             column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
+            np.column_stack(fate) if mortal else unhurt(0, spec.dim),
         )
     except KeyError as missing:
         raise Refusal(f"{str(path)!r} has no column {missing}") from None

@@ -20,17 +20,28 @@ def begun(start: Start, model: Model, first_id: int) -> Arrays:
         np.arange(first_id, first_id + n),
         np.zeros(n, np.int32),
         np.tile(model.beginning[:, None], n),
+        unhurt(n if model.body.touches else 0, start.position.shape[1]),
     )
+
+
+def unhurt(n: int, dim: int) -> np.ndarray:
+    """The fate (n, 2 + dim) of agents that have not crashed."""
+    return np.full((n, 2 + dim), -1.0)
 
 
 def joined(arrays: Arrays, more: Arrays) -> Arrays:
     """The rows of both; agents are the last axis of the memory and the first of all else."""
-    *columns, memory = zip(arrays, more, strict=True)
-    return Arrays._make([*(np.concatenate(pair) for pair in columns), np.hstack(memory)])
+    both = {
+        name: np.concatenate(pair, axis=name == "memory")
+        for name, *pair in zip(Arrays._fields, arrays, more, strict=True)
+    }
+    return Arrays(**both)
 
 
 def without(arrays: Arrays, row: int) -> Arrays:
     """The arrays without one row; those behind it move up."""
-    *columns, memory = arrays
-    kept = [np.delete(column, row, axis=0) for column in columns]
-    return Arrays._make([*kept, np.delete(memory, row, axis=1)])
+    kept = {
+        name: np.delete(column, row, axis=name == "memory") if name != "fate" or len(column) else column
+        for name, column in arrays._asdict().items()
+    }
+    return Arrays(**kept)

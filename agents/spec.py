@@ -43,6 +43,8 @@ class Spec(BaseModel):
     activation: Activation = "synchronous"
     noise: Noise = "angular"
     start: Literal["random", "given"] = "random"
+    spacing: float | None = Field(default=None, ge=0.0)
+    """Least distance at the start between agents and of agents to what is solid; None: none."""
     parameters: dict[str, bool | float | str] = Field(default_factory=dict)
     layout: dict[str, Any] | None = None
     """The world itself, where it is none of the built-in ones."""

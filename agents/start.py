@@ -48,19 +48,27 @@ def goal_heading(dim: int) -> np.ndarray:
     return np.full(3, 3.0**-0.5)
 
 
-def random_start(world: World, agents: int, informed: int, rng: np.random.Generator) -> Start:
+def random_start(
+    world: World,
+    agents: int,
+    informed: int,
+    rng: np.random.Generator,
+    spacing: float | None = None,
+    gap: float = 0.0,
+) -> Start:
     """`agents` ordinary and `informed` information agents, as Liu et al. 2021, section 3.1.
 
     Positions are uniform in the box and headings uniform; the first information agent is in the
     corner (0, 0), and all of them head for theta^d. Rows are numbered along space, so that agents
     near each other start near each other in memory; the information agents come first. No agent
-    starts inside an obstacle. A world with a mission may have a start region of its own, where all
-    are spread alike. Raises Refusal where there is no room.
+    starts inside an obstacle, or nearer than `gap` to one; with `spacing`, ordinary agents keep
+    that distance to each other and to what is solid. A world with a mission may have a start region of its own, where all are
+    spread alike. Raises Refusal where there is no room.
     """
     n = agents + informed
     if world.mission is not None and world.mission.start is not None:
-        return mission_start(world, n, informed, rng)
-    position = free_positions(world, agents, rng)
+        return mission_start(world, n, informed, rng, spacing, gap)
+    position = free_positions(world, agents, rng, spacing or 0.0, gap)
     heading = random_headings(rng, agents, world.dim)
     position = position[along_space(position, np.array(world.size))]
     first = free_positions(world, informed, rng)
@@ -75,36 +83,53 @@ def random_start(world: World, agents: int, informed: int, rng: np.random.Genera
     )
 
 
-def free_positions(world: World, n: int, rng: np.random.Generator) -> np.ndarray:
-    """n positions uniform in the box where nothing is solid, (n, dim). Raises Refusal."""
-    return spread(world, np.array(world.low), np.array(world.size), n, 0.0, rng)
+def free_positions(
+    world: World, n: int, rng: np.random.Generator, spacing: float = 0.0, gap: float = 0.0
+) -> np.ndarray:
+    """n positions uniform in the box where nothing is solid, (n, dim).
+
+    They keep at least `spacing` to each other and to what is solid, and `gap` to the latter. Raises
+    Refusal.
+    """
+    low, size = np.array(world.low), np.array(world.size)
+    return spread(world, low, size, n, spacing, rng, max(gap, spacing))
 
 
-def spread(world: World, low, size, n: int, spacing: float, rng) -> np.ndarray:
+def spread(
+    world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float = 0.0
+) -> np.ndarray:
     """n positions uniform in the box [low, low + size), clear of what is solid, (n, dim).
 
-    They keep at least `spacing` to each other. Raises Refusal if they do not fit.
+    They keep at least `spacing` to each other and `gap` to what is solid. Raises Refusal if they do
+    not fit.
     """
     position = rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
     for _ in range(TRIES):
         bad = np.zeros(n, bool)
         if world.is_solid:
-            bad |= clearance(world, position) <= 0.0
+            bad |= clearance(world, position) <= gap
         if spacing > 0.0:
-            bad |= too_close(position, spacing)
+            bad |= too_close(world, position, spacing)
         if not bad.any():
             return position
         position[bad] = rng.uniform(0.0, 1.0, (int(bad.sum()), world.dim)) * size + low
-    gap = f", {spacing:g} from each other," if spacing > 0.0 else ""
+    apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
+    off = f", {gap:g} from them" if gap > 0.0 else ""
     raise Refusal(
-        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{gap} outside the "
-        f"obstacles of {world.name}"
+        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
+        f"the obstacles of {world.name}{off}"
     )
 
 
-def too_close(position: np.ndarray, spacing: float) -> np.ndarray:
+def too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
     """Rows that are nearer than `spacing` to a row before them, (N,) bool."""
-    pairs = cKDTree(position).query_pairs(spacing, output_type="ndarray")
+    if world.images.any():
+        # A side of 0 is one without images.
+        round_ = np.where(world.images, world.size, 0.0)
+        tree = cKDTree(np.where(world.images, position % world.size, position), boxsize=round_)
+    else:
+        tree = cKDTree(position)
+    pairs = tree.query_pairs(spacing, output_type="ndarray")
     close = np.zeros(len(position), bool)
     close[pairs.max(axis=1)] = True
     return close
@@ -118,17 +143,27 @@ def start_box(region: Region, n: int) -> tuple[np.ndarray, np.ndarray]:
     return low, np.full(len(low), (n / region.density) ** (1.0 / len(low)))
 
 
-def mission_start(world: World, n: int, informed: int, rng: np.random.Generator) -> Start:
+def mission_start(
+    world: World,
+    n: int,
+    informed: int,
+    rng: np.random.Generator,
+    spacing: float | None = None,
+    gap: float = 0.0,
+) -> Start:
     """A start from the mission's region; the first `informed` agents head for the first waypoint.
 
-    Raises Refusal where there is no room.
+    The region's spacing holds unless `spacing` is given. Raises Refusal where there is no room.
     """
     mission = world.mission
     assert mission is not None
     region = mission.start
     assert region is not None
     low, size = start_box(region, n)
-    position = spread(world, low, size, n, region.spacing, rng)
+    if spacing is None:
+        position = spread(world, low, size, n, region.spacing, rng, gap)
+    else:
+        position = spread(world, low, size, n, spacing, rng, max(gap, spacing))
     position[informed:] = position[informed:][along_space(position[informed:] - low, size)]
     speed = np.zeros(n)
     heading = random_headings(rng, n, world.dim)

@@ -13,6 +13,7 @@ import numpy as np
 
 from worlds.mission import mission
 from worlds.obstacles import obstacle
+from worlds.random_obstacles import random_obstacles
 from worlds.refusal import Refusal, unknown
 
 EDGES = ("wrap", "open", "solid")
@@ -31,6 +32,7 @@ KEYS = (
     "height",
     "boundary_spacing",
     "obstacle",
+    "random",
     "mission",
 )
 BOUNDARY_SPACING = 0.5
@@ -58,6 +60,11 @@ def read_layout(name: str) -> dict[str, Any]:
         raise Refusal(f"world file {name!r} cannot be read: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Refusal(f"world file {name!r} is not TOML: {error}") from None
+
+
+def layout_dim(name: str) -> int | None:
+    """The dimension that a layout is written in, None where it fits both. Raises Refusal."""
+    return own_dim(read_layout(name), name)
 
 
 def layout_fields(
@@ -91,6 +98,7 @@ def layout_fields(
     task = mission(layout["mission"], name) if "mission" in layout else None
     if task is not None and dim == 3:
         task = task.standing(height or sides[2])
+    drawn = random_obstacles(layout["random"], dim, stands, name) if "random" in layout else None
     return {
         "name": name,
         "size": sides,
@@ -103,6 +111,7 @@ def layout_fields(
         "height": height,
         "boundary_spacing": length(layout, "boundary_spacing", BOUNDARY_SPACING, name),
         "source": str(layout.get("source", "")),
+        "random": drawn,
     }
 
 

@@ -12,6 +12,7 @@ from worlds.ground import Ground
 from worlds.listing import Chunks, list_solids
 from worlds.mission import Goal, Mission
 from worlds.outlines import outlines, spheres
+from worlds.refusal import Refusal
 from worlds.world import World
 
 SMOOTH = np.cos(np.radians(20.0))
@@ -32,8 +33,11 @@ class Edges(NamedTuple):
 def survey(world: World, reach: float) -> Ground:
     """The ground of a world, for queries up to a distance `reach` (length) from a surface.
 
-    Raises Refusal for an obstacle whose outline crosses itself.
+    Raises Refusal for an obstacle whose outline crosses itself, and for a world that has not drawn
+    its random obstacles.
     """
+    if world.random is not None:
+        raise Refusal(f"the random obstacles of {world.name} are not drawn: World.drawn(seed)")
     united = outlines(world, reach)
     solids: list[shapely.Polygon] = []
     spans: list[tuple[float, float]] = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,18 +14,21 @@ from worlds.layout import (
     BOUNDARY_SPACING,
     DISTANCES,
     EDGES,
+    layout_dim,
     layout_fields,
     layout_names,
     read_layout,
 )
 from worlds.mission import Mission
 from worlds.obstacles import Obstacle, Union
+from worlds.random_obstacles import RandomObstacles
 from worlds.refusal import Refusal
 
 __all__ = [
     "DISTANCES",
     "EDGES",
     "World",
+    "layout_dim",
     "layout_names",
     "read_layout",
     "world",
@@ -58,6 +61,8 @@ class World:
     """Most distance between neighbouring boundary points, length."""
     source: str = ""
     """Where the layout is from."""
+    random: RandomObstacles | None = None
+    """Obstacles still to be drawn from a seed; a flock lives in a world that is `drawn`."""
 
     def __post_init__(self) -> None:
         if not self.low:
@@ -89,8 +94,35 @@ class World:
 
     @property
     def is_solid(self) -> bool:
-        """Whether there is anything solid: an obstacle or an edge of the box."""
-        return bool(self.obstacles) or "solid" in self.edges
+        """Whether there is anything solid: an obstacle, also one to be drawn, or an edge."""
+        return bool(self.obstacles) or self.random is not None or "solid" in self.edges
+
+    def drawn(self, seed: int) -> World:
+        """The world with its random obstacles drawn: the same seed >= 0 gives the same ones.
+
+        They come after its own obstacles, and bring a mission where it has none. A world without
+        random obstacles is drawn already. Raises Refusal if they do not fit, or if the world is not
+        sound with them.
+
+        >>> len(world("thesis-blocks").drawn(1).obstacles)
+        20
+        """
+        if self.random is None:
+            return self
+        made = self.random.draw(seed, self.low, self.size)
+        task = made.mission
+        if task is not None and self.dim == 3:
+            task = task.standing(self.height)
+        told = f"drawn from seed {seed}: {self.random.told()}"
+        found = replace(
+            self,
+            obstacles=(*self.obstacles, *made.obstacles),
+            random=None,
+            mission=self.mission or task,
+            source=f"{self.source}; {told}" if self.source else told,
+        )
+        demand_sound(found)
+        return found
 
     def to_layout(self) -> dict[str, Any]:
         """The layout that `world_from_layout` makes this world of again, exactly."""
@@ -109,6 +141,8 @@ class World:
             layout["mission"] = as_table(self.mission.model_dump(exclude_none=True))
         if self.obstacles:
             layout["obstacle"] = [as_table(shape_table(o)) for o in self.obstacles]
+        if self.random is not None:
+            layout["random"] = self.random.to_table()
         return layout
 
     def to_toml(self) -> str:
@@ -160,6 +194,6 @@ def world_from_layout(
     `dim` is 2 or 3, by default the layout's own, or 2. A flat layout stands up in three dimensions:
     its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
     per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
-    layout with obstacles. Raises Refusal.
+    layout with obstacles. Random obstacles are not drawn yet, see `World.drawn`. Raises Refusal.
     """
     return World(**layout_fields(layout, name, dim, size, unsized))

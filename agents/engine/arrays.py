@@ -21,7 +21,11 @@ class Arrays(NamedTuple):
     leg: np.ndarray
     """The waypoint of the mission's path that an information agent heads for, int32."""
     memory: np.ndarray
-    """Signals of the rule, signals of the body, what the rule keeps to itself; shape (K, N)."""
+    """Signals of the rule, signals of the body, what the rule keeps to itself, what is measured;
+    shape (K, N)."""
+    fate: np.ndarray
+    """Of agents that can crash the tick at which they did, or -1, what they touched, and where;
+    (N, 2 + dim), or no rows at all. See `agents.crashes`."""
 
 
 def empty_slots(n: int, dim: int, signals: int) -> Slots:
@@ -66,13 +70,15 @@ class Desk(NamedTuple):
     out: np.ndarray
     own: np.ndarray
     """What one agent keeps to itself."""
+    measured: np.ndarray
+    """What is measured of one agent."""
     found: np.ndarray
     """Boundary points around one agent: indices, int32."""
     points: np.ndarray
     """Their coordinates and a spare row, (3, room)."""
 
 
-def empty_desk(room: int, signals: int, private: int, points: int) -> Desk:
+def empty_desk(room: int, signals: int, private: int, measures: int, points: int) -> Desk:
     """A desk for blocks of up to `room` agents, with up to `points` boundary points around one."""
     return Desk(
         np.zeros((9, room)),
@@ -80,6 +86,7 @@ def empty_desk(room: int, signals: int, private: int, points: int) -> Desk:
         np.zeros(signals),
         np.zeros(signals),
         np.zeros(private),
+        np.zeros(measures),
         np.zeros(points, np.int32),
         np.zeros((3, points)),
     )
@@ -87,7 +94,7 @@ def empty_desk(room: int, signals: int, private: int, points: int) -> Desk:
 
 def empty_grid(n: int, parts: int) -> Grid:
     """Room for as many cells as are worth having for n agents."""
-    room = max(64, n) + 1
+    room = max(64, n) + 2
     return Grid(
         np.zeros(3),
         np.zeros(3),

@@ -27,6 +27,8 @@ class Space(NamedTuple):
     """1 where positions wrap."""
     images: np.ndarray
     """1 where neighbours are seen across the seam (minimum image)."""
+    floor: float
+    """Height on which the fallen lie; of no account in two dimensions."""
 
 
 class Grid(NamedTuple):
@@ -41,9 +43,9 @@ class Grid(NamedTuple):
     shape: np.ndarray
     """Cells along each axis, int64 (3,)."""
     start: np.ndarray
-    """First slot of each cell, int32 (cells + 1 or more,)."""
+    """First slot of each cell, int32 (cells + 2 or more,). The last cell is that of the fallen."""
     tally: np.ndarray
-    """Agents of each part and cell while sorting, int32 (parts, cells + 1 or more)."""
+    """Agents of each part and cell while sorting, int32 (parts, cells + 2 or more)."""
 
 
 class Slots(NamedTuple):
@@ -70,7 +72,7 @@ class Slots(NamedTuple):
 def plan(grid, space, reach, position):
     """Lay cells of at least `reach` over the box, or over the flock along open axes."""
     n, dim = position.shape
-    room = grid.start.shape[0] - 1
+    room = grid.start.shape[0] - 2
     side = reach * MARGIN
     for axis in range(dim):
         if space.wraps[axis]:
@@ -125,21 +127,30 @@ def cell_of(grid, space, position, i):
 
 
 @compiled
-def count_rows(grid, space, slots, position, part, low, high):
+def number_of(grid):
+    """How many cells there are; the cell of that number is that of the fallen, near nobody."""
+    return grid.shape[0] * grid.shape[1] * grid.shape[2]
+
+
+@compiled
+def count_rows(grid, space, slots, flock, part, low, high):
     """First pass of the sort: note the cell of rows low to high, count them for this part.
 
     Returns the first row whose position is not finite, or -1.
     """
-    cells = grid.shape[0] * grid.shape[1] * grid.shape[2]
+    cells = number_of(grid)
+    mortal = flock.fate.shape[0] > 0
     count = grid.tally[part]
-    for cell in range(cells):
+    for cell in range(cells + 1):
         count[cell] = 0
     bad = -1
     for i in range(low, high):
-        cell = cell_of(grid, space, position, i)
+        cell = cell_of(grid, space, flock.position, i)
         if cell < 0:
             bad = i if bad < 0 else bad
             cell = 0
+        if mortal and flock.fate[i, 0] >= 0.0:
+            cell = cells
         slots.cell[i] = cell
         count[cell] += 1
     return bad
@@ -149,19 +160,20 @@ def count_rows(grid, space, slots, position, part, low, high):
 def share_slots(grid, parts):
     """Second pass: turn counts into the first slot of each cell, and of each part in it.
 
-    Returns the number of agents in the fullest cell.
+    Returns the number of agents in the fullest cell, the fallen left out.
     """
-    cells = grid.shape[0] * grid.shape[1] * grid.shape[2]
+    cells = number_of(grid)
     slot = 0
     fullest = 0
-    for cell in range(cells):
+    for cell in range(cells + 1):
         grid.start[cell] = slot
         for part in range(parts):
             here = grid.tally[part, cell]
             grid.tally[part, cell] = slot
             slot += here
-        fullest = max(fullest, slot - grid.start[cell])
-    grid.start[cells] = slot
+        if cell < cells:
+            fullest = max(fullest, slot - grid.start[cell])
+    grid.start[cells + 1] = slot
     return fullest
 
 

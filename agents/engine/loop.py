@@ -39,11 +39,15 @@ def sweep_module(parts: dict[str, Callable | int | None], fields):
 def turns_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule act in turn; `sweep` is its sweep."""
     shared = (
+        "CRASHES",
         "DEAFENS",
+        "MEASURES",
         "PRIVATE",
         "SEES_POINTS",
         "SIGNALS",
         "act",
+        "judge",
+        "myself",
         "nearby",
         "nearest_images",
         "ready",

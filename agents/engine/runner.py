@@ -50,7 +50,8 @@ class Engine:
 
     def widen(self, room: int) -> None:
         """Larger desks."""
-        made = room, self.module.SIGNALS, self.module.PRIVATE, self.ground.most_points
+        loop = self.module
+        made = room, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.ground.most_points
         self.desks = [empty_desk(*made) for _ in range(self.parts)]
 
     def refuse(self, row: int, tick: int) -> None:
@@ -163,6 +164,8 @@ class InTurn(Engine):
     def __init__(self, module, arrays: Arrays, place: Place, seed: int, shuffled: bool):
         super().__init__(module, arrays, place, seed)
         self.shuffled = shuffled
+        if module.CRASHES:
+            self.widen(max(256, len(arrays.ids)))
 
     def call(self, law, tick, order: np.ndarray, opens: bool) -> None:
         """Let the rows of `order` act, after opening the tick if `opens`."""

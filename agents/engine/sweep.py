@@ -21,10 +21,12 @@ from agents.engine.cells import (
     fill_block,
     fill_slots,
     into_box,
+    number_of,
     place_rows,
     plan,
     share_slots,
 )
+from agents.engine.fall import crash, fall
 from agents.engine.flat import ones, zeros
 from agents.engine.guide import guided
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
@@ -36,18 +38,22 @@ from worlds.ground import points_within, set_goal
 if TYPE_CHECKING:
     from agents.engine.template import (
         BOUNCES,
+        CRASHES,
         DEAFENS,
         DIM,
         HEADS,
+        MEASURES,
         PRIVATE,
         SEES_POINTS,
         SIGNALS,
         decide,
+        measure,
         move,
         perceive,
         prepare,
         remember,
         show,
+        touches,
     )
 
 KEEP = 1e-12
@@ -107,12 +113,16 @@ def settle(flock, space, ground, i, me, moved):
 
 
 @compiled
-def act(flock, space, ground, i, me, near, law, out):
-    """One agent's tick: perceive, decide, add noise, move, remember.
+def act(flock, space, ground, i, me, near, law, desk):
+    """One agent's tick: perceive, decide, add noise, move, remember; or fall, if it has crashed.
 
     An information agent listens to nobody: it follows the mission's path, or keeps its heading.
     """
     p = law.parameters
+    if CRASHES and flock.fate[i, 0] >= 0.0:
+        fall(flock, space, ground, i, law.lasts)
+        return
+    out = desk.out
     for k in range(SIGNALS):
         out[k] = me.signal[k]
     if me.informed:
@@ -130,6 +140,18 @@ def act(flock, space, ground, i, me, near, law, out):
         flock.memory[k, i] = out[k]
     for k in range(PRIVATE):
         flock.memory[SIGNALS + k, i] = me.memory[k]
+    if MEASURES > 0:
+        measure(me, near, p, desk.measured)
+        for k in range(MEASURES):
+            flock.memory[SIGNALS + PRIVATE + k, i] = desk.measured[k]
+
+
+@compiled
+def judge(flock, ground, i, me, near, p):
+    """Crash the agent of row i if it touches another agent or what is solid."""
+    cause = touches(me, near, ground, p)
+    if cause > 0.0:
+        crash(flock, i, me.tick, cause)
 
 
 @compiled
@@ -223,8 +245,13 @@ def sweep(flock, space, ground, grid, slots, desk, law, tick, key, first, last):
         lone = lone or (space.images[axis] == 1 and grid.shape[axis] == 1)
     at = 6 if lone else 0
     slot = first
+    cells = number_of(grid)
     while slot < last:
         cell = slots.cell[slots.row[slot]]
+        if CRASHES and cell == cells:
+            fall(flock, space, ground, slots.row[slot], law.lasts)
+            slot += 1
+            continue
         end = min(last, grid.start[cell + 1])
         m = fill_block(grid, space, slots, cell, block, desk.signals)
         near = nearby(m, desk, at, 0)
@@ -234,7 +261,9 @@ def sweep(flock, space, ground, grid, slots, desk, law, tick, key, first, last):
                 near = nearby(m, desk, at, see_points(ground, law.reach, me, desk))
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z)
-            act(flock, space, ground, slots.row[slot], me, near, law, desk.out)
+            if CRASHES:
+                judge(flock, ground, slots.row[slot], me, near, law.parameters)
+            act(flock, space, ground, slots.row[slot], me, near, law, desk)
             slot += 1
 
 
@@ -273,7 +302,7 @@ def advance(flock, space, ground, grid, slots, desk, law, seed, tick, ticks, wor
             set_goal(ground, now * law.lasts)
             plan(grid, space, law.reach, flock.position)
         if phases & COUNT:
-            bad = count_rows(grid, space, slots, flock.position, part, first, last)
+            bad = count_rows(grid, space, slots, flock, part, first, last)
             if bad >= 0:
                 return done, last_off, bad, 0
         if phases & SHARE:

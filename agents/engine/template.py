@@ -19,6 +19,10 @@ DEAFENS = False
 """Whether the last signal says who is heard: 1.0, or 0.0."""
 SEES_POINTS = False
 """Whether the rule is given the boundary points of obstacles."""
+MEASURES = 0
+"""What is measured of each agent in the pass."""
+CRASHES = False
+"""Whether agents that touch something fall."""
 BOUNCES = False
 """Whether agents bounce off what is solid, because their rule does not see it."""
 
@@ -47,6 +51,17 @@ def remember(me, near, p, out):
 @compiled
 def prepare(flock, space, grid, slots, p, tick):
     """Need nothing of the whole flock."""
+
+
+@compiled
+def measure(me, near, p, out):
+    """Measure nothing."""
+
+
+@compiled
+def touches(me, near, ground, p):
+    """Touch nothing."""
+    return 0.0
 
 
 @compiled

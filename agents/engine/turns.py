@@ -15,22 +15,28 @@ from agents.engine.cells import (
     around,
     cell_of,
     count_rows,
+    fill_block,
     fill_slots,
+    number_of,
     place_rows,
     plan,
     share_slots,
 )
+from agents.engine.fall import fall
 from agents.engine.noise import tick_key
 from worlds.compiled import compiled, entry
 from worlds.ground import set_goal
 
 if TYPE_CHECKING:
     from agents.engine.sweep import (
+        CRASHES,
         DEAFENS,
         PRIVATE,
         SEES_POINTS,
         SIGNALS,
         act,
+        judge,
+        myself,
         nearby,
         nearest_images,
         ready,
@@ -61,19 +67,39 @@ def unlink(grid, slots, i):
 
 
 @compiled
+def judge_all(flock, space, ground, grid, slots, desk, p, tick, key):
+    """Crash those that touch something, all on the flock as the tick finds it.
+
+    They are seen until the tick ends. The desk's block has room for all agents.
+    """
+    cells = number_of(grid)
+    slot = 0
+    while slot < grid.start[cells]:
+        cell = slots.cell[slots.row[slot]]
+        m = fill_block(grid, space, slots, cell, desk.block, desk.signals)
+        while slot < grid.start[cell + 1]:
+            me = myself(flock, slots, slot, desk, tick, key)
+            nearest_images(space, grid, desk.block, m, me.x, me.y, me.z)
+            judge(flock, ground, slots.row[slot], me, nearby(m, desk, 6, 0), p)
+            slot += 1
+
+
+@compiled
 def open_tick(flock, space, ground, grid, slots, desk, law, tick, key):
     """Sort the flock, do what needs all of it, and link the lists; returns a bad row or -1."""
     n = flock.ids.shape[0]
     set_goal(ground, tick * law.lasts)
     plan(grid, space, law.reach, flock.position)
-    bad = count_rows(grid, space, slots, flock.position, 0, 0, n)
+    bad = count_rows(grid, space, slots, flock, 0, 0, n)
     if bad >= 0:
         return bad
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
     fill_slots(slots, flock.position, flock.heading, flock.memory, 0, n)
     ready(flock, space, grid, slots, desk, law.parameters, tick, key)
-    for cell in range(grid.shape[0] * grid.shape[1] * grid.shape[2]):
+    if CRASHES:
+        judge_all(flock, space, ground, grid, slots, desk, law.parameters, tick, key)
+    for cell in range(number_of(grid) + 1):
         grid.start[cell] = -1
     for i in range(n - 1, -1, -1):
         link(grid, slots, i, slots.cell[i])
@@ -151,6 +177,9 @@ def advance(flock, space, ground, grid, slots, desk, law, seed, tick, order, fir
             return first, bad
     for at in range(first, order.shape[0]):
         i = order[at]
+        if CRASHES and flock.fate[i, 0] >= 0.0:
+            fall(flock, space, ground, i, law.lasts)
+            continue
         m = gather(flock, space, grid, slots, desk, p, i, tick, key)
         if m < 0:
             return at, -1
@@ -163,7 +192,7 @@ def advance(flock, space, ground, grid, slots, desk, law, seed, tick, order, fir
                 desk.mine[k] = desk.out[k]
         nearest_images(space, grid, desk.block, m, me.x, me.y, me.z)
         points = see_points(ground, law.reach, me, desk) if SEES_POINTS else 0
-        act(flock, space, ground, i, me, nearby(m, desk, 6, points), law, desk.out)
+        act(flock, space, ground, i, me, nearby(m, desk, 6, points), law, desk)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:

@@ -2,155 +2,184 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from agents.observables import consistency, fluctuations, groups, layers, of_flocks, order, rotation
+from agents.observables.observable import Observable, over_a_run
+from agents.observables.per_group import size_histogram
 
-import numpy as np
-
-from agents.observables import consistency, groups, layers, neighbours, order, rotation
-from worlds.clearance import clearance
-
-
-@dataclass(frozen=True)
-class Observable:
-    """One measured quantity."""
-
-    name: str
-    title: str
-    unit: str
-    range: str
-    measure: Callable[[Any], Any]
-    """Takes a flock."""
-
-
-def nearest(flock) -> float:
-    """Least distance between two agents of the flock."""
-    world = flock.world
-    found = neighbours.nearest_neighbour(flock.position, world.size, world.images)
-    return float(np.min(found, initial=np.inf))
-
-
-def obstacle_distance(flock) -> float:
-    """Least signed distance of an agent to what is solid."""
-    return float(np.min(clearance(flock.world, flock.position), initial=np.inf))
-
-
-def inside(flock) -> int:
-    """How many agents are inside an obstacle or beyond a solid edge."""
-    return int((clearance(flock.world, flock.position) < 0.0).sum())
-
-
-def goal_distance(flock) -> float:
-    """Distance of the flock's centre to the goal, or to the end of the path; nan without."""
-    mission = flock.world.mission
-    if mission is None or (mission.goal is None and mission.path is None):
-        return float("nan")
-    if mission.goal is not None:
-        end = flock.goal_at([flock.tick])[0]
-    else:
-        end = np.array(mission.path.waypoints[-1])
-    return float(np.linalg.norm(flock.position.mean(axis=0) - end))
-
-
-def following(flock) -> float:
-    """Share of agents in the component of an information agent; nan without one."""
-    if not flock.informed.any():
-        return float("nan")
-    return float((flock.layers() <= len(flock.ids)).mean())
-
-
-OBSERVABLES = {
-    one.name: one
-    for one in [
-        Observable(
-            "polarisation",
-            "Length of the mean heading",
-            "1",
-            "[0, 1]",
-            lambda flock: order.polarisation(flock.heading),
+ORDER = [
+    Observable(
+        "polarisation",
+        "Length of the mean heading",
+        "1",
+        "[0, 1]",
+        lambda flock: order.polarisation(flock.heading),
+    ),
+    Observable(
+        "consistency",
+        "Degree of consistency with the information agent's heading, or with the mean heading",
+        "1",
+        "[0, 1]",
+        lambda flock: consistency.consistency(flock.heading, flock.reference),
+    ),
+    Observable(
+        "angular-momentum",
+        "How much the flock mills about its centre",
+        "1",
+        "[0, 1]",
+        lambda flock: rotation.angular_momentum(
+            flock.position, flock.heading, flock.world.size, flock.world.images
         ),
-        Observable(
-            "consistency",
-            "Degree of consistency with the information agent's heading, or with the mean heading",
-            "1",
-            "[0, 1]",
-            lambda flock: consistency.consistency(flock.heading, flock.reference),
-        ),
-        Observable(
-            "angular-momentum",
-            "How much the flock mills about its centre",
-            "1",
-            "[0, 1]",
-            lambda flock: rotation.angular_momentum(
-                flock.position, flock.heading, flock.world.size, flock.world.images
-            ),
-        ),
-        Observable(
-            "groups",
-            "Connected groups of the r-graph",
-            "groups",
-            "[0, N]",
-            lambda flock: len(groups.group_sizes(flock.group_labels())),
-        ),
-        Observable(
-            "largest-group",
-            "Agents in the largest group",
-            "agents",
-            "[0, N]",
-            lambda flock: int(np.max(groups.group_sizes(flock.group_labels()), initial=0)),
-        ),
-        Observable(
-            "mean-neighbours",
-            "Mean number of neighbours within r",
-            "agents",
-            "[0, N - 1]",
-            lambda flock: 2.0 * len(flock.links()) / max(1, len(flock.position)),
-        ),
-        Observable(
-            "nearest-neighbour", "Least distance between agents", "length", "[0, inf]", nearest
-        ),
-        Observable(
-            "obstacle-distance",
-            "Least distance of an agent to an obstacle or a solid edge",
-            "length",
-            "[-inf, inf]",
-            obstacle_distance,
-        ),
-        Observable(
-            "inside-obstacles",
-            "Agents inside an obstacle or beyond a solid edge",
-            "agents",
-            "[0, N]",
-            inside,
-        ),
-        Observable(
-            "goal-distance",
-            "Distance of the flock's centre to the goal or to the end of the path",
-            "length",
-            "[0, inf]",
-            goal_distance,
-        ),
-        Observable(
-            "following",
-            "Share of agents linked to an information agent",
-            "1",
-            "[0, 1]",
-            following,
-        ),
-        Observable(
-            "connectivity",
-            "Algebraic connectivity of the r-graph",
-            "1",
-            "[0, N]",
-            lambda flock: groups.algebraic_connectivity(len(flock.position), flock.links()),
-        ),
-        Observable(
-            "layers",
-            "Agents in each layer below the information agents",
-            "agents",
-            "layer -> [0, N]",
-            lambda flock: layers.layer_histogram(flock.layers()),
-        ),
-    ]
-}
+    ),
+    Observable(
+        "correlation-length",
+        "How far velocity fluctuations hang together",
+        "length",
+        "[0, inf]",
+        of_flocks.correlation_length,
+    ),
+    over_a_run(
+        "susceptibility",
+        "Variance of the polarisation over a run, times N",
+        "1",
+        "[0, N / 4]",
+        fluctuations.susceptibility,
+    ),
+    over_a_run(
+        "binder",
+        "Binder's cumulant of the polarisation over a run",
+        "1",
+        "[-inf, 2/3]",
+        lambda series, _: fluctuations.binder(series),
+    ),
+]
+GROUPS = [
+    Observable(
+        "groups",
+        "Connected groups of the r-graph",
+        "groups",
+        "[0, N]",
+        of_flocks.number_of_groups,
+    ),
+    Observable(
+        "largest-group",
+        "Agents in the largest group",
+        "agents",
+        "[0, N]",
+        of_flocks.largest_group,
+    ),
+    Observable(
+        "group-polarisation",
+        "Length of the mean heading of the largest group",
+        "1",
+        "[0, 1]",
+        of_flocks.group_polarisation,
+    ),
+    Observable(
+        "group-angular-momentum",
+        "How much the largest group mills about its own centre",
+        "1",
+        "[0, 1]",
+        of_flocks.group_angular_momentum,
+    ),
+    Observable(
+        "group-sizes",
+        "Groups of each size",
+        "groups",
+        "size -> [0, N]",
+        lambda flock: size_histogram(flock.group_labels()),
+        is_table=True,
+    ),
+    Observable(
+        "group-table",
+        "Agents, polarisation and angular momentum of each group, 0 the largest",
+        "1",
+        "group -> [0, N], [0, 1], [0, 1]",
+        of_flocks.group_table,
+        is_table=True,
+    ),
+]
+NEIGHBOURS = [
+    Observable(
+        "mean-neighbours",
+        "Mean number of neighbours within r",
+        "agents",
+        "[0, N - 1]",
+        lambda flock: 2.0 * len(flock.links()) / max(1, len(flock.position)),
+    ),
+    Observable(
+        "nearest-neighbour",
+        "Least distance between agents",
+        "length",
+        "[0, inf]",
+        of_flocks.nearest,
+    ),
+    Observable(
+        "connectivity",
+        "Algebraic connectivity of the r-graph",
+        "1",
+        "[0, N]",
+        lambda flock: groups.algebraic_connectivity(len(flock.position), flock.links()),
+    ),
+    Observable(
+        "layers",
+        "Agents in each layer below the information agents",
+        "agents",
+        "layer -> [0, N]",
+        lambda flock: layers.layer_histogram(flock.layers()),
+        is_table=True,
+    ),
+]
+WORLD = [
+    Observable(
+        "obstacle-distance",
+        "Least distance of an agent to an obstacle or a solid edge",
+        "length",
+        "[-inf, inf]",
+        of_flocks.obstacle_distance,
+    ),
+    Observable(
+        "inside-obstacles",
+        "Agents inside an obstacle or beyond a solid edge",
+        "agents",
+        "[0, N]",
+        of_flocks.inside,
+    ),
+    Observable(
+        "crashes",
+        "Agents that have crashed",
+        "agents",
+        "[0, N]",
+        of_flocks.crashes,
+    ),
+    Observable(
+        "goal-distance",
+        "Distance of the flock's centre to the goal or to the end of the path",
+        "length",
+        "[0, inf]",
+        of_flocks.goal_distance,
+    ),
+    Observable(
+        "following",
+        "Share of agents linked to an information agent",
+        "1",
+        "[0, 1]",
+        of_flocks.following,
+    ),
+]
+FLIGHT = [
+    Observable(
+        "drag-saved",
+        "Induced drag saved by the others' upwash, mean",
+        "%",
+        "[-inf, inf]",
+        of_flocks.drag_saved,
+    ),
+    Observable(
+        "energy-saved",
+        "Power saved by the others' upwash, mean, if 35 % of it is induced",
+        "%",
+        "[-inf, inf]",
+        of_flocks.energy_saved,
+    ),
+]
+OBSERVABLES = {one.name: one for one in [*ORDER, *GROUPS, *NEIGHBOURS, *WORLD, *FLIGHT]}

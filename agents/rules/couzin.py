@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, parameter
+from agents.declare import Parameters, Rule, Zone, parameter
 from agents.engine.block import Wish
 from agents.engine.noise import cos_sin, uniform
+from agents.rules.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, ROLL = 4, 5, 6
@@ -80,38 +81,9 @@ class Couzin(Parameters):
 
 @compiled
 def sums(me, near, p):
-    """The sums of (1), (2) and (3): away from those in the zone of repulsion, headings, towards.
-
-    Returns nine components and the numbers of agents in the three zones.
-    """
+    """The sums of (1), (2) and (3): away from those in the zone of repulsion, headings, towards."""
     r_o = p.r_r + p.dr_o
-    r_a = r_o + p.dr_a
-    edge = math.cos(math.radians(0.5 * p.alpha))
-    rx = ry = rz = ox = oy = oz = ax = ay = az = n_r = n_o = n_a = 0.0
-    for j in range(near.n):
-        dx = near.x[j] - me.x
-        dy = near.y[j] - me.y
-        dz = near.z[j] - me.z
-        d2 = dx * dx + dy * dy + dz * dz
-        d = math.sqrt(d2) if d2 > 0.0 else 1.0
-        there = (d2 > 0.0) & (d <= r_a)
-        ahead = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
-        in_r = 1.0 if there & (d < p.r_r) else 0.0
-        in_o = 1.0 if there & ahead & (d >= p.r_r) & (d < r_o) else 0.0
-        in_a = 1.0 if there & ahead & (d >= p.r_r) & (d >= r_o) else 0.0
-        rx -= in_r * dx / d
-        ry -= in_r * dy / d
-        rz -= in_r * dz / d
-        ox += in_o * near.ux[j]
-        oy += in_o * near.uy[j]
-        oz += in_o * near.uz[j]
-        ax += in_a * dx / d
-        ay += in_a * dy / d
-        az += in_a * dz / d
-        n_r += in_r
-        n_o += in_o
-        n_a += in_a
-    return rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, n_o, n_a
+    return zone_sums(me, near, p.r_r, r_o, r_o + p.dr_a, ALL_ROUND, edge_of(p.alpha))
 
 
 @compiled
@@ -146,25 +118,17 @@ def missed(me, x, y, z, sigma):
 @compiled
 def decide(me, near, ground, p):
     """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
-    rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, n_o, n_a = sums(me, near, p)
-    if n_r > 0.0:
-        return missed(me, rx, ry, rz, p.sigma)
-    half = 0.5 if (n_o > 0.0) & (n_a > 0.0) else 1.0
-    return missed(me, half * (ox + ax), half * (oy + ay), half * (oz + az), p.sigma)
+    s = sums(me, near, p)
+    if s.n_r > 0.0:
+        return missed(me, s.rx, s.ry, s.rz, p.sigma)
+    return missed(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
 
 
 @compiled
 def weigh(me, near, p, out):
     """1 for those that count: the zone of repulsion alone if anyone is in it, else the others."""
-    n_r = sums(me, near, p)[9]
-    edge = math.cos(math.radians(0.5 * p.alpha))
-    for j in range(near.n):
-        dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
-        d = math.sqrt(dx * dx + dy * dy + dz * dz)
-        ahead = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
-        close = 0.0 < d < p.r_r
-        far = ahead and p.r_r <= d <= p.r_r + p.dr_o + p.dr_a
-        out[j] = 1.0 if (close if n_r > 0.0 else far) else 0.0
+    r_o = p.r_r + p.dr_o
+    weigh_zones(me, near, p.r_r, r_o, r_o + p.dr_a, ALL_ROUND, edge_of(p.alpha), out)
 
 
 COUZIN = Rule(
@@ -180,4 +144,10 @@ COUZIN = Rule(
     decide=decide,
     reach="range",
     weigh=weigh,
+    zones=(
+        Zone("repulsion", lambda p: p.r_r, all_round=True),
+        Zone("orientation", lambda p: p.r_r + p.dr_o),
+        Zone("attraction", lambda p: p.range),
+    ),
+    view="alpha",
 )

@@ -1,0 +1,199 @@
+"""A flapping-wing aircraft as a point with limits: it turns and gains speed only so fast.
+
+Its body is a ball that crashes where it touches another, a block or a wall (thesis, section 5).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from agents.bodies.turning import towards
+from agents.bodies.upwash import saved
+from agents.declare import Body, Parameters, parameter
+from agents.engine.block import Moved
+from worlds.compiled import compiled
+from worlds.ground import signed_distance
+
+ALWAYS = 0.0
+"""`contact` as compiled code has it."""
+
+
+class Flyer(Parameters):
+    """Parameters of the flapping-wing aircraft."""
+
+    v0: float = parameter(
+        3.0,
+        "Cruise speed, which an agent takes where its rule asks for no other",
+        symbol="v_0",
+        unit="length/s",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source="thesis, table 5.1 (V_max)",
+    )
+    v_min: float = parameter(
+        0.0,
+        "Least speed",
+        symbol="v_{min}",
+        unit="length/s",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source="ours: the thesis has none",
+    )
+    v_max: float = parameter(
+        3.0,
+        "Largest speed",
+        symbol="V_{max}",
+        unit="length/s",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source="thesis, table 5.1",
+    )
+    a_max: float = parameter(
+        1.0,
+        "Largest gain or loss of speed",
+        symbol="a_{max}",
+        unit="length/s^2",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="thesis, table 5.1",
+    )
+    theta_max: float = parameter(
+        120.0,
+        "Turning rate: how far an agent can turn in a second",
+        symbol="\\theta_{max}",
+        unit="deg/s",
+        low=1.0,
+        high=1800.0,
+        step=5.0,
+        source="thesis, table 5.1, taken per second",
+    )
+    tau: float = parameter(
+        0.1,
+        "Time that a tick lasts",
+        symbol="\\tau",
+        unit="s",
+        low=0.01,
+        high=1.0,
+        step=0.01,
+        source="thesis, algorithm 1; found from its figures",
+    )
+    body: float = parameter(
+        0.75,
+        "Diameter of the body, a ball; bodies that touch crash",
+        symbol="d_b",
+        unit="length",
+        low=0.0,
+        high=5.0,
+        step=0.05,
+        source="thesis, table 5.1",
+    )
+    contact: Literal["always", "start"] = parameter(
+        "always",
+        "Whether bodies are solid all the time, or only looked at as the run starts",
+        symbol="contact",
+        source="thesis, section 5.3: it counts crashes at tick 0 only",
+    )
+    d_0: float = parameter(
+        0.0,
+        "At the start, distance below which two agents cannot get out of each other's way: they "
+        "crash at once",
+        symbol="d_0",
+        unit="length",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="thesis, section 5.3.2, without a value; 2 gives the crashes of its tables",
+    )
+    b: float = parameter(
+        0.75,
+        "Wing span, which sets the vortices behind an agent",
+        symbol="b",
+        unit="length",
+        low=0.05,
+        high=10.0,
+        step=0.05,
+        source="ours: the body of table 5.1 is as wide",
+    )
+
+
+@compiled
+def move(me, near, ground, want, p, out):
+    """Turn by at most theta_max tau towards the wanted velocity, take its speed within a_max tau.
+
+    Then go on along the new heading for tau. (0, 0, 0) keeps the heading and aims at v0.
+    """
+    asked = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
+    ux, uy, uz = me.ux, me.uy, me.uz
+    if asked > 1e-12:
+        most = math.radians(p.theta_max) * p.tau
+        ux, uy, uz = towards(ux, uy, uz, want.x / asked, want.y / asked, want.z / asked, most)
+        length = math.sqrt(ux * ux + uy * uy + uz * uz)
+        ux, uy, uz = ux / length, uy / length, uz / length
+    else:
+        asked = p.v0
+    aim = max(min(asked, p.v_max), p.v_min)
+    step = p.a_max * p.tau
+    speed = me.speed + min(max(aim - me.speed, -step), step)
+    d = speed * p.tau
+    return Moved(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, speed)
+
+
+@compiled
+def touches(me, near, ground, p):
+    """1.0 if the body touches another, 2.0 if it touches a block or a wall, else 0.0."""
+    if p.contact != ALWAYS and me.tick > 0:
+        return 0.0
+    least = math.inf
+    for j in range(near.n):
+        dx = near.x[j] - me.x
+        dy = near.y[j] - me.y
+        dz = near.z[j] - me.z
+        d2 = dx * dx + dy * dy + dz * dz
+        least = min(least, d2 if d2 > 0.0 else math.inf)
+    apart = max(p.body, p.d_0) if me.tick == 0 else p.body
+    if least <= apart * apart:
+        return 1.0
+    if ground.solids > 0 and signed_distance(ground, me.x, me.y, me.z) <= 0.5 * p.body:
+        return 2.0
+    return 0.0
+
+
+@compiled
+def measure(me, near, p, out):
+    """The share of its induced drag that the agent saves by the others' upwash."""
+    out[0] = saved(me, near, p.b)
+
+
+def begins(parameters: Flyer, rng: np.random.Generator, n: int) -> np.ndarray:
+    """Random speeds (n,), uniform from the least to the cruise speed (thesis, section 4.1)."""
+    return rng.uniform(min(parameters.v_min, parameters.v0), parameters.v0, n)
+
+
+def lasts(parameters: Flyer) -> float:
+    """Seconds that a tick stands for."""
+    return parameters.tau
+
+
+FLYER = Body(
+    name="flyer",
+    title="Flapping-wing aircraft",
+    source="thesis, section 3.2 and table 5.1",
+    parameters=Flyer,
+    move=move,
+    takes="velocity",
+    size="body",
+    touches=touches,
+    measures=("saved",),
+    measure=measure,
+    begins=begins,
+    sight="sight",
+    lasts=lasts,
+    unit="s",
+)

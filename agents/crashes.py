@@ -1,0 +1,47 @@
+"""Who has crashed: when, where, and against what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from agents.engine.arrays import Arrays
+
+CAUSES = {1: "another agent", 2: "an obstacle or a wall"}
+"""What an agent can have touched, as `agents.declare.Body.touches` answers it."""
+
+
+@dataclass(frozen=True)
+class Crashes:
+    """The crashes of a run, in the order of ticks and then of rows; (M,) each."""
+
+    tick: np.ndarray
+    """The tick at whose beginning it touched something, int."""
+    id: np.ndarray
+    row: np.ndarray
+    place: np.ndarray
+    """Where it was then, (M, dim), length."""
+    cause: np.ndarray
+    """A key of CAUSES, int."""
+
+    def __len__(self) -> int:
+        return len(self.tick)
+
+
+def crashes(arrays: Arrays) -> Crashes:
+    """The crashes that a flock's arrays tell of."""
+    fate = arrays.fate
+    row = np.flatnonzero(fate[:, 0] >= 0.0)
+    row = row[np.argsort(fate[row, 0], kind="stable")]
+    tick, cause = fate[row, :2].astype(int).T
+    return Crashes(tick, arrays.ids[row], row, fate[row, 2:], cause)
+
+
+def flying(arrays: Arrays) -> np.ndarray:
+    """Which agents have not crashed, (N,) bool."""
+    if not len(arrays.fate):
+        return np.ones(len(arrays.ids), bool)
+    return arrays.fate[:, 0] < 0.0

@@ -1,0 +1,167 @@
+"""Formation flight: what birds save by each other's upwash, from their positions and headings.
+
+The pair of a bird and another is `agents.bodies.upwash.relief`; here it is for arrays: the share
+as a map, the best spacing beside (2.8) of the thesis, and the sum over a flock or over tracks.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from agents.bodies.upwash import CORE, WITHIN, relief, saved_within
+from agents.engine.block import Me, Near
+from worlds.compiled import entry
+from worlds.refusal import Refusal
+
+FAR = 1e9
+"""Spans behind a bird at which its wake is as good as infinitely long."""
+INDUCED = 0.35
+"""Share of a bird's power that is induced, as assumed in the reading of the thesis (2.3)."""
+THESIS_SPACING = 0.5 * (math.pi / 4.0 - 1.0)
+"""(2.8): the best wing-tip spacing in spans, -0.107; negative where wings overlap."""
+
+
+class Spacing(NamedTuple):
+    """Where beside another a bird saves most."""
+
+    tip: float
+    """Wing-tip spacing, spans; negative where wings overlap."""
+    saved: float
+    """Share of its induced drag saved there."""
+
+
+@entry
+def relieve(dx, dy, dz, core, out):
+    """`relief` for arrays (M,) of lengths in spans."""
+    for i in range(dx.shape[0]):
+        out[i] = relief(dx[i], dy[i], dz[i], core)
+
+
+@entry
+def sum_up(position, heading, size, images, b, block, none, out):
+    """Each bird's `saved` (N,); `block` (3, N) holds the others' nearest images, `none` nothing."""
+    n = position.shape[1]
+    x, y, z = position[0], position[1], position[2]
+    ux, uy, uz = heading[0], heading[1], heading[2]
+    for i in range(n):
+        for axis in range(3):
+            for j in range(n):
+                apart = position[axis, j] - position[axis, i]
+                if images[axis]:
+                    apart -= size[axis] * math.floor(apart / size[axis] + 0.5)
+                block[axis, j] = position[axis, i] + apart
+        me = Me(
+            x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
+        )
+        near = Near(
+            n, block[0], block[1], block[2], ux, uy, uz, none, none[0], 0, none[0], none[0], none[0]
+        )
+        out[i] = saved_within(me, near, b, WITHIN * b)
+
+
+def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
+    """Share of its induced drag that a bird saves by another, without the fading of wakes.
+
+    It flies `dx` behind (negative: ahead; `math.inf` is allowed), `dy` beside and `dz` above the
+    other, in spans; arrays that broadcast. `core` >= 0 is the radius of the vortices' cores in
+    spans, 0 for line vortices. The share is negative in the downwash. Raises Refusal.
+
+    >>> round(float(upwash_share(math.inf, 1.0 - 0.137)), 3)
+    0.692
+    """
+    if not 0.0 <= core < math.inf:
+        raise Refusal(f"core = {core!r} span is not allowed: a number >= 0 is needed")
+    far = np.clip(np.asarray(dx, float), -FAR, FAR)
+    there = np.broadcast_arrays(far, np.asarray(dy, float), np.asarray(dz, float))
+    out = np.empty(there[0].size)
+    relieve(*(np.ascontiguousarray(one).ravel() for one in there), float(core), out)
+    return out.reshape(there[0].shape)
+
+
+def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.0) -> Spacing:
+    """The wing-tip spacing that saves most, `behind` and `above` the other in spans.
+
+    With line vortices (`core` 0) and no difference in height it is that of (2.8), (pi/4 - 1)/2 =
+    -0.107 exactly: the wing tip is in the vortex. The share has a kink there, which is looked for
+    by golden section between wing tips one span apart and wings that overlap by half. Raises
+    Refusal.
+
+    >>> tuple(round(one, 3) for one in best_spacing())
+    (-0.137, 0.692)
+    """
+    found = minimize_scalar(
+        lambda tip: -float(upwash_share(behind, 1.0 + tip, above, core)),
+        bounds=(-0.5, 1.0),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    return Spacing(float(found.x), -float(found.fun))
+
+
+def saved_shares(
+    position: np.ndarray,
+    heading: np.ndarray,
+    span: float,
+    size: np.ndarray | None = None,
+    images: np.ndarray | None = None,
+) -> np.ndarray:
+    """Share (N,) of its own induced drag that each bird saves; as a flock's `saved` has it.
+
+    `position` (N, dim) and `heading` (N, dim, unit vectors) with dim 2 or 3, `span` > 0 the wing
+    span in the unit of the positions. `size` (dim,) and `images` (dim,) bool: the sides of a box
+    and along which of its axes the nearest image counts; None: open space. See
+    `agents.bodies.upwash.saved` for what is summed; of N birds it costs N^2. Raises Refusal.
+    """
+    position, heading = np.asarray(position, float), np.asarray(heading, float)
+    if not 0.0 < span < math.inf:
+        raise Refusal(f"span = {span!r} is not allowed: a length > 0 is needed")
+    n, dim = position.shape
+    places, ways = np.zeros((3, n)), np.zeros((3, n))
+    places[:dim], ways[:dim] = position.T, heading.T
+    box, wraps = np.ones(3), np.zeros(3, bool)
+    if size is not None and images is not None:
+        box[:dim], wraps[:dim] = size, images
+    out = np.zeros(n)
+    sum_up(places, ways, box, wraps, float(span), np.empty((3, n)), np.zeros((1, 1)), out)
+    return out
+
+
+def vee(birds: int, step: float = 0.5, tip: float | None = None) -> np.ndarray:
+    """Places (N, 3) of a V of birds in spans, that head for +x: one in front, the rest on two arms.
+
+    Each is `step` spans further back than the one before it on its arm and at the wing-tip spacing
+    `tip` (None: the best far behind). Raises Refusal.
+    """
+    if birds < 1:
+        raise Refusal(f"birds = {birds!r} is not allowed: a whole number >= 1 is needed")
+    beside = 1.0 + (best_spacing().tip if tip is None else tip)
+    i = np.arange(birds)
+    rank = (i + 1) // 2
+    side = np.where(i % 2 == 1, 1.0, -1.0)
+    return np.column_stack([-step * rank, beside * side * rank, np.zeros(birds)])
+
+
+def vee_saved(
+    birds: int,
+    jitter: float = 0.0,
+    draws: int = 1,
+    step: float = 0.5,
+    tip: float | None = None,
+    rng: int = 0,
+) -> np.ndarray:
+    """Shares (draws, N) of induced drag saved by the birds of a `vee`, displaced anew each draw.
+
+    Every coordinate of every bird is displaced by a normal error of deviation `jitter` >= 0 spans,
+    drawn from the seed `rng`. Headings stay parallel. Raises Refusal.
+    """
+    if not 0.0 <= jitter < math.inf:
+        raise Refusal(f"jitter = {jitter!r} span is not allowed: a number >= 0 is needed")
+    places = vee(birds, step, tip)
+    ahead = np.tile([1.0, 0.0, 0.0], (birds, 1))
+    chance = np.random.default_rng(rng)
+    moved = [places + jitter * chance.standard_normal(places.shape) for _ in range(draws)]
+    return np.array([saved_shares(one, ahead, 1.0) for one in moved])

@@ -1,0 +1,120 @@
+"""What is measured of a flock in its world, from the functions of plain arrays.
+
+Each takes a flock, or what of it flies (`Flock.aloft`), which may be nobody.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from agents.observables import correlation, groups, neighbours, per_group
+from worlds.clearance import clearance
+
+INDUCED = 0.35
+"""Share of the power of flight that the induced drag costs, as the formation's account has it."""
+SAVED = "saved"
+"""The measure of a body that tells the share of its induced drag an agent saves."""
+
+
+def nearest(flock) -> float:
+    """Least distance between two agents of the flock."""
+    world = flock.world
+    found = neighbours.nearest_neighbour(flock.position, world.size, world.images)
+    return float(np.min(found, initial=np.inf))
+
+
+def obstacle_distance(flock) -> float:
+    """Least signed distance of an agent to what is solid."""
+    return float(np.min(clearance(flock.world, flock.position), initial=np.inf))
+
+
+def inside(flock) -> int:
+    """How many agents are inside an obstacle or beyond a solid edge."""
+    return int((clearance(flock.world, flock.position) < 0.0).sum())
+
+
+def goal_distance(flock) -> float:
+    """Distance of the flock's centre to the goal, or to the end of the path; nan without."""
+    mission = flock.world.mission
+    if mission is None or (mission.goal is None and mission.path is None) or not len(flock.ids):
+        return math.nan
+    if mission.goal is not None:
+        end = flock.goal_at([flock.tick])[0]
+    else:
+        end = np.array(mission.path.waypoints[-1])
+    return float(np.linalg.norm(flock.position.mean(axis=0) - end))
+
+
+def following(flock) -> float:
+    """Share of agents in the component of an information agent; nan without one."""
+    if not flock.informed.any():
+        return math.nan
+    return float((flock.layers() <= len(flock.ids)).mean())
+
+
+def number_of_groups(flock) -> int:
+    """How many connected groups the r-graph has."""
+    return len(groups.group_sizes(flock.group_labels()))
+
+
+def largest_group(flock) -> int:
+    """How many agents the largest group has."""
+    return int(np.max(groups.group_sizes(flock.group_labels()), initial=0))
+
+
+def group_polarisation(flock) -> float:
+    """Polarisation of the largest group; nan for an empty flock."""
+    label = flock.group_labels()
+    return float(per_group.polarisations(label, flock.heading)[0]) if len(label) else math.nan
+
+
+def group_angular_momentum(flock) -> float:
+    """Angular momentum of the largest group about its own centre; nan for an empty flock."""
+    label, world = flock.group_labels(), flock.world
+    if not len(label):
+        return math.nan
+    first = label == 0
+    where, heading = flock.position[first], flock.heading[first]
+    return float(
+        per_group.angular_momenta(label[first], where, heading, world.size, world.images)[0]
+    )
+
+
+def group_table(flock) -> dict[int, dict[str, float]]:
+    """Agents, polarisation and angular momentum of each group, by its label, largest first."""
+    label, world = flock.group_labels(), flock.world
+    return per_group.group_table(label, flock.position, flock.heading, world.size, world.images)
+
+
+def correlation_length(flock) -> float:
+    """xi of the velocity fluctuations; nan if all velocities are the same."""
+    velocity = flock.heading * flock.speed[:, None]
+    world = flock.world
+    return correlation.correlation_length(flock.position, velocity, world.size, world.images)
+
+
+def crashes(flock) -> float:
+    """How many agents have crashed so far; nan for a flock in which nobody can."""
+    return len(flock.crashes) if flock.can_crash else math.nan
+
+
+def drag_saved(flock) -> float:
+    """Induced drag that the agents save by each other's upwash, mean, in percent.
+
+    nan for a model that does not measure it, and before the first tick.
+    """
+    if SAVED not in flock.model.columns:
+        return math.nan
+    share = flock.signal(SAVED)
+    share = share[np.isfinite(share)]
+    return 100.0 * float(share.mean()) if len(share) else math.nan
+
+
+def energy_saved(flock, induced: float = INDUCED) -> float:
+    """Power that the agents save by each other's upwash, mean, in percent.
+
+    `induced` is the share of the power that goes into induced drag, in [0, 1]. nan as `drag_saved`.
+    """
+    return induced * drag_saved(flock)

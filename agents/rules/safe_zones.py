@@ -1,0 +1,168 @@
+"""The thesis's zones made safe: repulsion all round, and of those about to come near.
+
+What was added to the thesis's rule (`agents.rules.zones`): repulsion is felt all round, as in
+Couzin et al. 2002; a neighbour that is about to come close counts as one in the zone of repulsion;
+repulsion weighs the more the more urgent it is; and it is added to orientation and attraction
+instead of silencing them. Obstacles push as in the thesis.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.declare import Rule, Zone, parameter
+from agents.engine.block import Wish
+from agents.rules.couzin import missed
+from agents.rules.potential_field import bent
+from agents.rules.zone_sums import edge_of, zone_sums
+from agents.rules.zones import Zones
+from worlds.compiled import compiled
+
+PACE = 0
+"""Row of `near.signal`: the neighbours' speeds."""
+MOST_CLOSE, MOST_SOON = 4.0, 3.0
+"""Largest weights of a neighbour that is close, and of one that is soon to be."""
+DELAY = 0.1
+"""Keeps the weight of an approach that is due now finite, s."""
+
+
+class SafeZones(Zones):
+    """Parameters of the safe zones: the thesis's, and those of anticipation."""
+
+    d_s: float = parameter(
+        3.0,
+        "Distance within which approaches are foreseen",
+        symbol="d_s",
+        unit="length",
+        low=0.0,
+        high=30.0,
+        step=0.1,
+        source="ours",
+    )
+    t_s: float = parameter(
+        1.5,
+        "How far ahead approaches are foreseen",
+        symbol="t_s",
+        unit="s",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="ours",
+    )
+    miss: float = parameter(
+        1.1,
+        "Foreseen distance below which an approach counts",
+        symbol="d_m",
+        unit="length",
+        low=0.0,
+        high=10.0,
+        step=0.05,
+        source="ours",
+    )
+    g: float = parameter(
+        1.0,
+        "Weight of the direction of orientation and attraction beside repulsion",
+        symbol="g",
+        low=0.0,
+        high=10.0,
+        step=0.1,
+        source="ours: 1 for a field of view of 90 deg, 2 for wider ones",
+    )
+
+    @property
+    def range(self) -> float:
+        """The largest distance at which agents notice each other, length."""
+        return max(self.d_r, self.d_o, self.d_a, self.d_s)
+
+
+@compiled
+def avoidance(me, near, p):
+    """Away from those that are too near, and from those that are about to be, by urgency.
+
+    Weights are d_r / D, at most 4, within d_r; and 1 / (t_c + 0.1 s), at most 3, for those within
+    d_s that come nearer than d_m at a time t_c in (0, t_s], all keeping their velocities.
+    """
+    pace = near.signal[PACE]
+    vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
+    x = y = z = 0.0
+    for j in range(near.n):
+        dx = near.x[j] - me.x
+        dy = near.y[j] - me.y
+        dz = near.z[j] - me.z
+        d2 = dx * dx + dy * dy + dz * dz
+        d = math.sqrt(d2) if d2 > 0.0 else 1.0
+        wx = pace[j] * near.ux[j] - vx
+        wy = pace[j] * near.uy[j] - vy
+        wz = pace[j] * near.uz[j] - vz
+        w2 = wx * wx + wy * wy + wz * wz
+        t = -(dx * wx + dy * wy + dz * wz) / (w2 if w2 > 1e-12 else 1.0)
+        cx, cy, cz = dx + t * wx, dy + t * wy, dz + t * wz
+        missed2 = cx * cx + cy * cy + cz * cz
+        there = d2 > 0.0
+        close = there & (d < p.d_r)
+        soon = there & (d >= p.d_r) & (d <= p.d_s) & (w2 > 1e-12) & (t > 0.0) & (t <= p.t_s)
+        soon = soon & (missed2 < p.miss * p.miss)
+        weight = min(MOST_CLOSE, p.d_r / d) if close else 0.0
+        weight += min(MOST_SOON, 1.0 / (max(t, 0.0) + DELAY)) if soon else 0.0
+        x -= weight * dx / d
+        y -= weight * dy / d
+        z -= weight * dz / d
+    return x, y, z
+
+
+@compiled
+def decide(me, near, ground, p):
+    """Avoidance, and g times the direction of orientation and attraction."""
+    s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, edge_of(p.alpha), edge_of(p.alpha))
+    fx, fy, fz = s.ox + s.ax, s.oy + s.ay, s.oz + s.az
+    length = math.sqrt(fx * fx + fy * fy + fz * fz)
+    share = p.g / length if length > 1e-12 else 0.0
+    x, y, z = avoidance(me, near, p)
+    to = missed(me, x + share * fx, y + share * fy, z + share * fz, p.sigma)
+    x, y, z = bent(me, to.x, to.y, to.z, ground, p)
+    return Wish(x, y, z)
+
+
+@compiled
+def weigh(me, near, p, out):
+    """1 for those in the zone of repulsion, and for those that are seen in the others."""
+    edge = edge_of(p.alpha)
+    for j in range(near.n):
+        dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
+        d = math.sqrt(dx * dx + dy * dy + dz * dz)
+        seen = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
+        out[j] = 1.0 if 0.0 < d < p.d_r or (seen and p.d_r <= d <= max(p.d_o, p.d_a)) else 0.0
+
+
+@compiled
+def show(me, p, out):
+    """Neighbours are told one's speed."""
+    out[PACE] = me.speed
+
+
+SAFE = Rule(
+    name="safe",
+    title="Zones of the thesis, made safe",
+    summary="The thesis's zones for bodies that stay solid. Added to the thesis: repulsion is felt "
+    "all round and weighs by urgency, a neighbour about to come close counts as one that is close, "
+    "and flocking goes on beside it.",
+    equation=r"v_i = -\sum_{D_{ij} < d_r} \min\Big(4, \frac{d_r}{D_{ij}}\Big) \hat r_{ij} - "
+    r"\sum_{\text{soon}} \min\Big(3, \frac{1}{t_c + 0.1}\Big) \hat r_{ij} + g \, "
+    r"\frac{\sum_{zoo} \hat v_j + \sum_{zoa} \hat r_{ij}}{|\cdot|}",
+    source="thesis, (3.6) to (3.12), (4.1), (4.2); repulsion is ours",
+    parameters=SafeZones,
+    decide=decide,
+    wish="velocity",
+    reach="range",
+    signals=("pace",),
+    show=show,
+    weigh=weigh,
+    zones=(
+        Zone("repulsion", lambda p: p.d_r, all_round=True),
+        Zone("orientation", lambda p: p.d_o),
+        Zone("attraction", lambda p: p.d_a),
+    ),
+    view="alpha",
+    sees_obstacles=True,
+    led=False,
+)
