@@ -40,8 +40,10 @@ def joined(arrays: Arrays, more: Arrays) -> Arrays:
 
 def without(arrays: Arrays, row: int) -> Arrays:
     """The arrays without one row; those behind it move up."""
+    there = [row] if len(arrays.fate) else []
     kept = {
-        name: np.delete(column, row, axis=name == "memory") if name != "fate" or len(column) else column
+        name: np.delete(column, row, axis=name == "memory")
         for name, column in arrays._asdict().items()
+        if name != "fate"
     }
-    return Arrays(**kept)
+    return Arrays(**kept, fate=np.delete(arrays.fate, there, axis=0))

@@ -14,6 +14,8 @@ import numpy as np
 
 from worlds.compiled import compiled
 
+FEW = 6
+"""Agents that are copied faster one by one than column by column."""
 MARGIN = 1.0 + 1e-9
 """Cells are wider than the range by this factor, so that rounding never hides a neighbour."""
 
@@ -262,6 +264,18 @@ def copy_column(target, m, source, first, n, shift):
 def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
     """Copy slots first to last behind the m agents already in the block, shifted."""
     n = last - first
+    if n <= FEW:
+        for k in range(n):
+            block[0, m + k] = slots.x[first + k] + sx
+            block[1, m + k] = slots.y[first + k] + sy
+            block[3, m + k] = slots.ux[first + k]
+            block[4, m + k] = slots.uy[first + k]
+            if slots.z.shape[0] > 0:
+                block[2, m + k] = slots.z[first + k] + sz
+                block[5, m + k] = slots.uz[first + k]
+            for q in range(signals.shape[0]):
+                signals[q, m + k] = slots.signal[q, first + k]
+        return m + n
     copy_column(block[0], m, slots.x, first, n, sx)
     copy_column(block[1], m, slots.y, first, n, sy)
     copy_column(block[3], m, slots.ux, first, n, 0.0)

@@ -13,24 +13,22 @@ import math
 from agents.declare import Rule, Zone, parameter
 from agents.engine.block import Wish
 from agents.rules.couzin import missed
-from agents.rules.potential_field import bent
+from agents.rules.potential_field import push
 from agents.rules.zone_sums import edge_of, zone_sums
 from agents.rules.zones import Zones
 from worlds.compiled import compiled
 
 PACE = 0
 """Row of `near.signal`: the neighbours' speeds."""
-MOST_CLOSE, MOST_SOON = 4.0, 3.0
-"""Largest weights of a neighbour that is close, and of one that is soon to be."""
-DELAY = 0.1
-"""Keeps the weight of an approach that is due now finite, s."""
+MOST = 10.0
+"""Largest weight of a neighbour: one in the same place, or due there within 0.1 s."""
 
 
 class SafeZones(Zones):
     """Parameters of the safe zones: the thesis's, and those of anticipation."""
 
     d_s: float = parameter(
-        3.0,
+        5.0,
         "Distance within which approaches are foreseen",
         symbol="d_s",
         unit="length",
@@ -66,7 +64,7 @@ class SafeZones(Zones):
         low=0.0,
         high=10.0,
         step=0.1,
-        source="ours: 1 for a field of view of 90 deg, 2 for wider ones",
+        source="ours",
     )
 
     @property
@@ -79,8 +77,8 @@ class SafeZones(Zones):
 def avoidance(me, near, p):
     """Away from those that are too near, and from those that are about to be, by urgency.
 
-    Weights are d_r / D, at most 4, within d_r; and 1 / (t_c + 0.1 s), at most 3, for those within
-    d_s that come nearer than d_m at a time t_c in (0, t_s], all keeping their velocities.
+    Weights are 10 (1 - D / d_r) within d_r; and 1 / t_c, at most 10, for those within d_s that come
+    nearer than d_m at a time t_c in (0, t_s], all keeping their velocities.
     """
     pace = near.signal[PACE]
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
@@ -99,11 +97,10 @@ def avoidance(me, near, p):
         cx, cy, cz = dx + t * wx, dy + t * wy, dz + t * wz
         missed2 = cx * cx + cy * cy + cz * cz
         there = d2 > 0.0
-        close = there & (d < p.d_r)
-        soon = there & (d >= p.d_r) & (d <= p.d_s) & (w2 > 1e-12) & (t > 0.0) & (t <= p.t_s)
+        close = MOST * (1.0 - d / p.d_r) if there & (d < p.d_r) else 0.0
+        soon = there & (d <= p.d_s) & (w2 > 1e-12) & (t > 0.0) & (t <= p.t_s)
         soon = soon & (missed2 < p.miss * p.miss)
-        weight = min(MOST_CLOSE, p.d_r / d) if close else 0.0
-        weight += min(MOST_SOON, 1.0 / (max(t, 0.0) + DELAY)) if soon else 0.0
+        weight = close + (1.0 / max(t, 1.0 / MOST) if soon else 0.0)
         x -= weight * dx / d
         y -= weight * dy / d
         z -= weight * dz / d
@@ -118,9 +115,11 @@ def decide(me, near, ground, p):
     length = math.sqrt(fx * fx + fy * fy + fz * fz)
     share = p.g / length if length > 1e-12 else 0.0
     x, y, z = avoidance(me, near, p)
-    to = missed(me, x + share * fx, y + share * fy, z + share * fz, p.sigma)
-    x, y, z = bent(me, to.x, to.y, to.z, ground, p)
-    return Wish(x, y, z)
+    bx, by, bz = push(me, ground, p)
+    field = p.tau / (p.m * max(p.v0, 1e-6))
+    x, y, z = x + share * fx + field * bx, y + share * fy + field * by, z + share * fz + field * bz
+    to = missed(me, x, y, z, p.sigma)
+    return Wish(p.v0 * to.x, p.v0 * to.y, p.v0 * to.z)
 
 
 @compiled
@@ -146,8 +145,8 @@ SAFE = Rule(
     summary="The thesis's zones for bodies that stay solid. Added to the thesis: repulsion is felt "
     "all round and weighs by urgency, a neighbour about to come close counts as one that is close, "
     "and flocking goes on beside it.",
-    equation=r"v_i = -\sum_{D_{ij} < d_r} \min\Big(4, \frac{d_r}{D_{ij}}\Big) \hat r_{ij} - "
-    r"\sum_{\text{soon}} \min\Big(3, \frac{1}{t_c + 0.1}\Big) \hat r_{ij} + g \, "
+    equation=r"v_i = -10 \sum_{D_{ij} < d_r} \Big(1 - \frac{D_{ij}}{d_r}\Big) \hat r_{ij} - "
+    r"\sum_{\text{soon}} \min\Big(10, \frac{1}{t_c}\Big) \hat r_{ij} + g \, "
     r"\frac{\sum_{zoo} \hat v_j + \sum_{zoa} \hat r_{ij}}{|\cdot|}",
     source="thesis, (3.6) to (3.12), (4.1), (4.2); repulsion is ours",
     parameters=SafeZones,

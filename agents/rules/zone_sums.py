@@ -50,26 +50,29 @@ def zone_sums(me, near, r_r, r_o, r_a, close_edge, far_edge):
         dy = near.y[j] - me.y
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
-        d = math.sqrt(d2) if d2 > 0.0 else 1.0
-        dx, dy, dz = dx / d, dy / d, dz / d
+        there = d2 > 0.0
+        d = math.sqrt(d2 if there else 1.0)
         along = dx * me.ux + dy * me.uy + dz * me.uz
-        close = (d2 > 0.0) & (d < r_r)
-        far = (d2 > 0.0) & (d >= r_r) & (along >= far_edge)
-        in_r = 1.0 if close & (along >= close_edge) else 0.0
-        in_o = 1.0 if far & (d < r_o) else 0.0
-        in_a = 1.0 if far & (d >= r_o) & (d <= r_a) else 0.0
-        rx -= in_r * dx
-        ry -= in_r * dy
-        rz -= in_r * dz
-        ox += in_o * near.ux[j]
-        oy += in_o * near.uy[j]
-        oz += in_o * near.uz[j]
-        ax += in_a * dx
-        ay += in_a * dy
-        az += in_a * dz
-        n_r += in_r
-        n_o += in_o
-        n_a += in_a
+        far = there & (d >= r_r) & (along >= far_edge * d)
+        in_r = there & (d < r_r) & (along >= close_edge * d)
+        in_o = far & (d < r_o)
+        in_a = far & (d >= r_o) & (d <= r_a)
+        inverse = 1.0 / d
+        away = inverse if in_r else 0.0
+        to = inverse if in_a else 0.0
+        with_ = 1.0 if in_o else 0.0
+        rx -= away * dx
+        ry -= away * dy
+        rz -= away * dz
+        ox += with_ * near.ux[j]
+        oy += with_ * near.uy[j]
+        oz += with_ * near.uz[j]
+        ax += to * dx
+        ay += to * dy
+        az += to * dz
+        n_r += 1.0 if in_r else 0.0
+        n_o += with_
+        n_a += 1.0 if in_a else 0.0
     return Sums(rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, n_o, n_a)
 
 
