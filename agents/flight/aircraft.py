@@ -1,4 +1,4 @@
-"""The aircraft of Yang's thesis, table 2.1, with what is wrong or missing in it put right.
+"""The aircraft of the thesis, table 2.1, with what is wrong or missing in it put right.
 
 Every field says where its value comes from: `thesis` as printed, `thesis, corrected` where the
 print cannot be meant, `DeLaurier 1993` for the aerodynamics, `free choice` where nobody says.
@@ -10,6 +10,7 @@ import math
 from functools import cached_property
 
 from agents.declare import Parameters, parameter
+from worlds.refusal import Refusal
 
 THESIS = "thesis, table 2.1"
 CORRECTED = "thesis, table 2.1, corrected"
@@ -214,3 +215,25 @@ class Aircraft(Parameters):
     def weight(self) -> float:
         """N."""
         return self.mass * GRAVITY
+
+
+def demand_possible(craft: Aircraft, origin: str = "") -> None:
+    """Refuse an aircraft whose parts do not fit each other. Raises Refusal.
+
+    >>> demand_possible(Aircraft(mass=0.1, wing_mass=0.06))
+    Traceback (most recent call last):
+    worlds.refusal.Refusal: wing_mass = 0.06 kg is outside [0, 0.0475] kg with mass = 0.1 kg
+    """
+    where = f" ({origin})" if origin else ""
+    for name, most, unit, other in (
+        ("wing_mass", 0.475 * craft.mass, "kg", "mass"),
+        ("wing_centre", craft.half_span, "m", "span"),
+        ("twist_axis", craft.chord, "m", "chord"),
+        ("body_diameter", craft.body_length, "m", "body_length"),
+    ):
+        value = getattr(craft, name)
+        if value > most:
+            raise Refusal(
+                f"{name} = {value:g} {unit} is outside [0, {most:g}] {unit}"
+                f" with {other} = {getattr(craft, other):g} {unit}{where}"
+            )

@@ -76,7 +76,7 @@ def forcing(
 
 
 def hinge_torques(
-    craft: Aircraft, speeds, accelerations, pitch, flap: Swing, tip: Swing, gravity: float = GRAVITY
+    craft: Aircraft, speeds, accelerations, pitch, flap: Swing, tip: Swing
 ) -> tuple[np.ndarray, np.ndarray]:
     """Torques that move the masses of both wings, N m: along the flap, and along the tip's twist.
 
@@ -87,31 +87,8 @@ def hinge_torques(
     sin, cos, arm = np.sin(flap.angle), np.cos(flap.angle), craft.wing_centre
     sideways = arm * (flap.acceleration * sin + flap.rate**2 * cos)
     downward = dw - q * u - arm * flap.acceleration * cos + arm * (q**2 + flap.rate**2) * sin
-    along = arm * (sin * sideways - cos * (downward - gravity * np.cos(pitch)))
+    along = arm * (sin * sideways - cos * (downward - GRAVITY * np.cos(pitch)))
     return (
         2.0 * (craft.wing_mass * along + craft.flap_inertia * flap.acceleration),
         2.0 * craft.wing_inertia * (MEAN_SHARE * dq + MEAN_SQUARE * tip.acceleration),
     )
-
-
-def kinetic_energy(craft: Aircraft, speeds, flap: Swing, tip: Swing) -> np.ndarray:
-    """Kinetic energy of body and wings (...,), J."""
-    u, w, q = np.moveaxis(np.asarray(speeds, float), -1, 0)
-    sin, cos, arm = np.sin(flap.angle), np.cos(flap.angle), craft.wing_centre
-    body = craft.mass - 2.0 * craft.wing_mass
-    wing = (u - q * arm * sin) ** 2 + (arm * flap.rate * sin) ** 2
-    wing = wing + (w - arm * flap.rate * cos) ** 2
-    turning = q**2 + 2.0 * MEAN_SHARE * q * tip.rate + MEAN_SQUARE * tip.rate**2
-    return (
-        0.5 * body * (u**2 + w**2)
-        + craft.wing_mass * wing
-        + 0.5 * craft.body_inertia * q**2
-        + craft.wing_inertia * turning
-        + craft.flap_inertia * flap.rate**2
-    )
-
-
-def height_energy(craft: Aircraft, pitch, down, flap: Swing, gravity: float = GRAVITY):
-    """Energy of height (...,), J; `down` is z of the body's centre of mass, m, downward."""
-    raised = 2.0 * craft.wing_mass * craft.wing_centre * np.sin(flap.angle) * np.cos(pitch)
-    return gravity * (raised - craft.mass * np.asarray(down))

@@ -62,27 +62,35 @@ class Air(NamedTuple):
     """(..., STRIPS): share of the flow that has left."""
 
 
-def partial_velocities(craft: Aircraft, flap, twist, behind: float) -> np.ndarray:
-    """Normal velocity of the point `behind` (m) the leading edge per (u, w, q, phi', eta').
+class Partial(NamedTuple):
+    """What the twist axis of a strip does per unit of (u, w, q, phi', eta'), (..., STRIPS, 5)."""
 
-    `flap` is (..., 1), `twist` (..., STRIPS), rad; returns (..., STRIPS, 5). Upward across the
-    chord.
-    """
+    across: np.ndarray
+    """It moves across the chord, upward."""
+    along: np.ndarray
+    """It moves along the chord, forward."""
+    turning: np.ndarray
+    """The strip turns, nose up."""
+
+
+def partial_velocities(craft: Aircraft, flap, twist) -> Partial:
+    """Partial velocities at flap angles (..., 1) and twists (..., STRIPS), rad."""
     y = SHARE * craft.half_span
     reach = craft.centre_of_mass - craft.twist_axis
     cos, sin, c, s = np.cos(flap), np.sin(flap), np.cos(twist), np.sin(twist)
-    lever = behind - craft.twist_axis
-    rows = (-s, -cos * c, reach * cos * c + y * sin * s - lever * cos, y * c, -lever * SHARE)
-    return np.stack(np.broadcast_arrays(*rows), axis=-1)
-
-
-def chordwise_velocities(craft: Aircraft, flap, twist) -> np.ndarray:
-    """Velocity along the chord per (u, w, q, phi', eta'); as `partial_velocities`."""
-    y = SHARE * craft.half_span
-    reach = craft.centre_of_mass - craft.twist_axis
-    cos, sin, c, s = np.cos(flap), np.sin(flap), np.cos(twist), np.sin(twist)
-    rows = (c, -cos * s, reach * cos * s - y * sin * c, y * s, 0.0 * s)
-    return np.stack(np.broadcast_arrays(*rows), axis=-1)
+    shape = np.broadcast_shapes(np.shape(flap), np.shape(twist))
+    made = Partial(*np.zeros((3, *shape, 5)))
+    made.across[..., 0] = -s
+    made.across[..., 1] = -cos * c
+    made.across[..., 2] = reach * cos * c + y * sin * s
+    made.across[..., 3] = y * c
+    made.along[..., 0] = c
+    made.along[..., 1] = -cos * s
+    made.along[..., 2] = reach * cos * s - y * sin * c
+    made.along[..., 3] = y * s
+    made.turning[..., 2] = cos
+    made.turning[..., 4] = SHARE
+    return made
 
 
 def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> Air:
@@ -109,9 +117,8 @@ def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> Air:
     speed = np.sqrt(u**2 + w**2)
     inflow = -across + rate * (0.75 * chord - craft.twist_axis)
     middle = -across + rate * (0.50 * chord - craft.twist_axis)
-    made = loads(
-        Flow(along, felt(inflow, slowed, ratio), middle, rate, speed), chord, craft
-    )
+    flow = Flow(along, felt(inflow, slowed, ratio), middle, rate, speed)
+    made = loads(flow, chord, craft)
 
     # Apparent mass: d(middle)/dt in two parts, the one of u', w', q' by partial velocities.
     d_ahead = -q * y * dphi * cos
@@ -121,27 +128,23 @@ def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> Air:
     moved = apparent_mass(chord) * (1.0 - 0.5 * made.separated)
     turned = apparent_inertia(chord)
 
-    quarter = partial_velocities(craft, phi, eta, 0.25 * chord)
-    half = partial_velocities(craft, phi, eta, 0.50 * chord)
-    turn = np.stack(
-        np.broadcast_arrays(0.0 * eta, 0.0, cos, 0.0, SHARE), axis=-1
-    )
+    place = partial_velocities(craft, phi, eta)
+    quarter, half = (share * chord - craft.twist_axis for share in (0.25, 0.50))
+    lifted = moved * d_middle
+    couple = turning_moment(rate, speed, chord) - turned * d_rate
+    couple = couple - quarter * made.normal - half * lifted
     width = 2.0 * craft.half_span / STRIPS
     shares = width * (
-        np.einsum("...s,...sk->...k", made.normal, quarter)
-        + np.einsum("...s,...sk->...k", moved * d_middle, half)
-        + np.einsum("...s,...sk->...k", made.chordwise, chordwise_velocities(craft, phi, eta))
-        + np.einsum(
-            "...s,...sk->...k", turning_moment(rate, speed, chord) - turned * d_rate, turn
-        )
+        np.einsum("...s,...sk->...k", made.normal + lifted, place.across)
+        + np.einsum("...s,...sk->...k", made.chordwise, place.along)
+        + np.einsum("...s,...sk->...k", couple, place.turning)
     )
+    centre = place.across - half * place.turning
+    turn = place.turning
     mass = width * (
-        np.einsum("...s,...sk,...sl->...kl", moved, half, half[..., :3])
-        + turned * np.einsum("...sk,...sl->...kl", turn, turn[..., :3])
+        np.swapaxes(centre * moved[..., None], -1, -2) @ centre[..., :3]
+        + turned * (np.swapaxes(turn, -1, -2) @ turn[..., :3])
     )
-    return Air(
-        *(shares[..., k] for k in range(5)),
-        mass,
-        slowing(inflow, slowed, speed, chord, ratio),
-        made.separated,
-    )
+    X, Z, M, flapping, twisting = np.moveaxis(shares, -1, 0)
+    slower = slowing(inflow, slowed, speed, chord, ratio)
+    return Air(X, Z, M, flapping, twisting, mass, slower, made.separated)

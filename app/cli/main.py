@@ -25,8 +25,14 @@ COMMANDS = {
     "lab": Entry("app.cli.lab", "lab", "Open the laboratory in the browser (the default)."),
     "run": Entry("app.cli.run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry("app.cli.paper", "paper", "Repeat a table or a figure of a paper."),
+    "flight": Entry(
+        "app.cli.flight", "flight", "A flapping-wing aircraft: trim, sweep over speed, fly."
+    ),
     "world": Entry(
         "app.cli.world", "world", "Worlds: list, draw, check, read from drawings, make."
+    ),
+    "formation": Entry(
+        "app.cli.formation", "formation", "Formation flight: what birds save by upwash."
     ),
     "list": Entry("app.cli.listing", "listing", "Models, parameters, worlds, observables, papers."),
     "recover": Entry("app.cli.recover", "recover", "Save the recording of a run that was killed."),

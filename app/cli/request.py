@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from agents import Flock
     from worlds.world import World
 
-KEYS = ("model", "agents", "informed", "seed", "world", "size", "activation", "noise")
+KEYS = ("model", "agents", "informed", "seed", "world", "size", "activation", "noise", "spacing")
 """Keys of a spec that an option can override."""
 NAMES = ("model", "world", "activation", "noise")
 """Those whose values are names."""

@@ -1,0 +1,285 @@
+"""Trim by periodic shooting: the flap amplitude and the tail angle at which a flight repeats.
+
+Unknown are the amplitude A, the tail angle and what the state is at the start of a wing beat (u, w,
+q, theta and the slowed inflows); demanded are that all of the state comes back after the beat, that
+the aircraft has not climbed and that it has gone as far as its speed says. Newton's method finds
+them, with derivatives by differences of flights that share their steps; where it does not get there
+at once, it is led there from a flight that is known, one step of speed, frequency and twist after
+another.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from agents.flight.aircraft import Aircraft, demand_possible
+from agents.flight.glide import glide
+from agents.flight.kinematics import Flapping
+from agents.flight.motion import (
+    MOVING,
+    RELATIVE,
+    SIZE,
+    Controls,
+    Track,
+    X,
+    Z,
+    integrate,
+)
+from agents.flight.power import History, history
+from agents.flight.stability import monodromy, multipliers
+from worlds.refusal import Refusal
+
+SPEEDS = (2.0, 15.0)
+"""Speeds that may be asked for, m/s."""
+FREQUENCIES = (0.5, 6.0)
+"""Frequencies of the wing beat, Hz."""
+TWISTS = (0.0, math.radians(45.0))
+"""Twists of the tip, rad."""
+EXACT = 1e-9
+"""What is left of the demands in a trim, m/s, rad/s and rad."""
+ROUGH, NEAR = 1e-6, 1e-3
+"""Tolerance of the integration while more than this is left of the demands."""
+ITERATIONS = 14
+PATIENCE = 3
+"""Iterations without coming nearer after which a search is given up."""
+STEP = 1e-6
+STRIDES = np.array([0.3, 0.3, 1.0, 1.0, 1.0, 0.3])
+"""Furthest step of Newton's method in A, tail (rad), u, w (m/s), q (rad/s) and theta (rad)."""
+STEEP = 1.2
+"""Largest |A|, tail and pitch of a trim, rad."""
+SAMPLES = 512
+"""Instants of a wing beat at which it is read."""
+BEATING = 0.22
+"""Amplitude with which a search begins, rad."""
+STRIDE, SHORTEST = 0.25, 0.05
+"""Share of the way from the known flight that is gone at once, at first and at the least."""
+KNOWN = (3.5, 1.5, math.radians(20.0))
+"""Speed (m/s), frequency (Hz) and twist (rad) of the flight that a search can start from."""
+
+
+@dataclass(frozen=True)
+class Trim:
+    """A flight that repeats itself every wing beat, level, at a mean speed."""
+
+    aircraft: Aircraft
+    speed: float
+    """Mean speed over the ground, m/s."""
+    controls: Controls
+    state: np.ndarray
+    """(SIZE,) at the start of a beat."""
+    residual: float
+    """Largest deviation from the demands, m/s, rad/s and rad."""
+
+    @property
+    def amplitude(self) -> float:
+        """A of the flap, rad."""
+        return float(self.controls.flapping.amplitude)
+
+    @property
+    def tail(self) -> float:
+        """Tail angle, rad, nose up."""
+        return float(self.controls.tail)
+
+    @property
+    def frequency(self) -> float:
+        """Of the wing beat, Hz."""
+        return self.controls.flapping.frequency
+
+    @cached_property
+    def track(self) -> Track:
+        """One wing beat at SAMPLES instants, the end left out."""
+        beat = self.controls.flapping.period
+        times = np.arange(SAMPLES) * beat / SAMPLES
+        states = integrate(self.aircraft, self.controls, self.state[None], beat, times)[:, 0]
+        return Track(self.aircraft, self.controls, times, states)
+
+    @cached_property
+    def beat(self) -> History:
+        """One wing beat as people read it."""
+        return history(self.track)
+
+    @property
+    def power(self) -> float:
+        """Mean power of the shafts, W: what the wings give back counts as regained."""
+        return float(self.beat.power.mean())
+
+    @property
+    def power_without_regain(self) -> float:
+        """Mean power of the shafts, W, of a drive that cannot take anything back."""
+        return float(np.maximum(self.beat.power, 0.0).mean())
+
+    @property
+    def energy_per_metre(self) -> float:
+        """Power over speed, J/m."""
+        return self.power / self.speed
+
+    @property
+    def cost_of_transport(self) -> float:
+        """Energy per metre over weight."""
+        return self.energy_per_metre / self.aircraft.weight
+
+    @cached_property
+    def multipliers(self) -> np.ndarray:
+        """Floquet's multipliers, complex, the largest first (see `agents.flight.stability`)."""
+        return multipliers(monodromy(self.aircraft, self.controls, self.state))
+
+    @property
+    def stable(self) -> bool:
+        """Whether a small push dies out."""
+        return bool(np.abs(self.multipliers[0]) < 1.0)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The flight that is looked for."""
+
+    craft: Aircraft
+    speed: float
+    frequency: float
+    twist: float
+
+    def controls(self, unknown: np.ndarray) -> Controls:
+        """Controls of unknowns (..., 2 + len(MOVING))."""
+        return Controls(Flapping(unknown[..., 0], self.twist, self.frequency), unknown[..., 1])
+
+    def deviation(self, unknown: np.ndarray, relative: float) -> np.ndarray:
+        """What of the demands fails for unknowns (B, M), (B, M), integrated with a tolerance.
+
+        Raises Refusal.
+        """
+        starts = np.zeros((len(unknown), SIZE))
+        starts[:, MOVING] = unknown[:, 2:]
+        beat = 1.0 / self.frequency
+        control, end = self.controls(unknown), np.array([beat])
+        ends = integrate(self.craft, control, starts, beat, end, relative=relative)[0]
+        back = (ends - starts)[:, MOVING]
+        gone = ends[:, X] / beat - self.speed
+        return np.column_stack((back, gone, ends[:, Z] / beat))
+
+    def known(self, share: float) -> Asked:
+        """Between the known flight (0) and this one (1), of the same aircraft."""
+        speed, frequency, twist = KNOWN
+        return Asked(
+            self.craft,
+            speed + share * (self.speed - speed),
+            frequency + share * (self.frequency - frequency),
+            twist + share * (self.twist - twist),
+        )
+
+
+def trim(
+    aircraft: Aircraft | None = None,
+    speed: float = 3.5,
+    *,
+    frequency: float = 1.5,
+    twist: float = math.radians(20.0),
+    near: Trim | None = None,
+    at: Callable[[float], None] | None = None,
+) -> Trim:
+    """The level flight of an aircraft at a mean speed (m/s).
+
+    Parameters
+    ----------
+    aircraft: by default that of the thesis as corrected.
+    speed: m/s, in SPEEDS. frequency: of flap and twist, Hz, in FREQUENCIES. twist: R of the wing
+        tip, rad, in TWISTS.
+    near: a trim to start from, of a flight not far from this one.
+    at: told the share of the search that is done, an estimate in [0, 1].
+
+    Raises Refusal for values out of range and where no such flight is found.
+
+    >>> made = trim(speed=4.0)
+    >>> f"{np.degrees(made.amplitude):.1f} deg, {made.energy_per_metre:.2f} J/m"
+    '12.7 deg, 0.55 J/m'
+    """
+    craft = Aircraft() if aircraft is None else aircraft
+    demand_possible(craft)
+    demand("speed", speed, SPEEDS, "m/s")
+    demand("frequency", frequency, FREQUENCIES, "Hz")
+    demand("twist", twist, TWISTS, "rad")
+    asked = Asked(craft, speed, frequency, twist)
+    first = guess(asked) if near is None else unknowns(near)
+    found = None if first is None else newton(asked, first, at)
+    if found is None:
+        found = led(asked, at)
+    if found is None:
+        raise Refusal(
+            f"no level flight was found at {speed:g} m/s with {frequency:g} Hz and a twist of"
+            f" {math.degrees(twist):g} deg: try another speed, frequency or twist"
+        )
+    unknown, residual = found
+    start = np.zeros(SIZE)
+    start[MOVING] = unknown[2:]
+    controls = Controls(Flapping(float(unknown[0]), twist, frequency), float(unknown[1]))
+    return Trim(craft, speed, controls, start, residual)
+
+
+def demand(name: str, value: float, bounds: tuple[float, float], unit: str) -> None:
+    """Refuse a value out of its bounds. Raises Refusal."""
+    if not bounds[0] <= value <= bounds[1]:
+        raise Refusal(f"{name} = {value:g} {unit} is outside [{bounds[0]:g}, {bounds[1]:g}] {unit}")
+
+
+def unknowns(made: Trim) -> np.ndarray:
+    """The unknowns of a trim."""
+    return np.concatenate(((made.amplitude, made.tail), made.state[MOVING]))
+
+
+def guess(asked: Asked) -> np.ndarray | None:
+    """Unknowns to begin with: a glide at the same speed, and wings that beat; None without one."""
+    try:
+        still = glide(asked.craft, asked.speed)
+    except Refusal:
+        return None
+    return np.concatenate(((BEATING, still.tail), still.state[MOVING]))
+
+
+def newton(
+    asked: Asked, first: np.ndarray, at: Callable[[float], None] | None = None
+) -> tuple[np.ndarray, float] | None:
+    """The unknowns that meet the demands and what is left of these, or None."""
+    now, nearest, relative = first, [np.inf], ROUGH
+    moves = STEP * np.eye(now.size)
+    for done in range(ITERATIONS):
+        if at is not None:
+            at(done / ITERATIONS)
+        try:
+            made = asked.deviation(np.concatenate((now[None], now + moves)), relative)
+            left = float(np.abs(made[0]).max())
+            if left < EXACT and relative == RELATIVE:
+                return (now, left) if now[0] > 0.0 else None
+            relative = RELATIVE if left < NEAR else ROUGH
+            nearest.append(min(left, nearest[-1]))
+            if len(nearest) > PATIENCE and left > nearest[-1 - PATIENCE]:
+                return None
+            step = np.linalg.solve((made[1:] - made[0]).T / STEP, -made[0])
+        except (Refusal, np.linalg.LinAlgError):
+            return None
+        now = now + step * min(1.0, float((STRIDES / np.abs(step[: STRIDES.size])).min()))
+        if not np.abs(now[[0, 1, 5]]).max() < STEEP:
+            return None
+    return None
+
+
+def led(asked: Asked, at: Callable[[float], None] | None = None) -> tuple[np.ndarray, float] | None:
+    """As `newton`, from the known flight towards the asked one by steps that halve on failure."""
+    first = guess(asked.known(0.0))
+    found = None if first is None else newton(asked.known(0.0), first)
+    share, stride = 0.0, STRIDE
+    while found is not None and share < 1.0:
+        if at is not None:
+            at(share)
+        further = min(1.0, share + stride)
+        ahead = newton(asked.known(further), found[0])
+        if ahead is not None:
+            found, share = ahead, further
+        elif stride > SHORTEST:
+            stride *= 0.5
+        else:
+            return None
+    return found

@@ -1,0 +1,28 @@
+"""`flockscope flight aircraft`: the aircraft's values, and who says so."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from app.cli.outcome import as_json
+
+
+def aircraft(
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List what --set can change: value, range, meaning, and whether the thesis says so."""
+    from agents.declare import declared
+    from agents.flight.aircraft import Aircraft
+
+    values = declared(Aircraft)
+    if json_asked:
+        names = ("name", "symbol", "unit", "default", "low", "high", "description", "source")
+        typer.echo(as_json([{name: getattr(one, name) for name in names} for one in values]))
+        return
+    for one in values:
+        typer.echo(
+            f"{one.name:<15} {one.default:<7.4g} in {one.allowed:<18}"
+            f" {one.description} ({one.source})"
+        )

@@ -1,0 +1,1 @@
+"""Flapping flight for people: what is asked, tables, pictures."""

@@ -1,0 +1,67 @@
+"""What a flight command is asked for, checked before anything is computed."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.settings import assignment
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from agents.flight.aircraft import Aircraft
+
+SPEED, FREQUENCY, TWIST = 3.5, 1.5, 20.0
+"""Of the flight that the reading of the thesis measured: m/s, Hz, deg."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A flight that is asked for."""
+
+    aircraft: Aircraft
+    frequency: float
+    """Hz."""
+    twist: float
+    """Of the wing tip, rad."""
+
+
+def within(option: str, value: float, low: float, high: float, unit: str) -> float:
+    """The value, if it is in [low, high]. Raises Refusal naming the option."""
+    if not low <= value <= high:
+        raise Refusal(f"{option} {value:g} {unit} is outside [{low:g}, {high:g}] {unit}")
+    return value
+
+
+def asked_speed(option: str, speed: float) -> float:
+    """A speed in m/s that a trim takes. Raises Refusal."""
+    from agents.flight.trim import SPEEDS
+
+    return within(option, speed, *SPEEDS, "m/s")
+
+
+def demand_folder(option: str, folder: Path) -> None:
+    """Refuse a folder that cannot be made or written to, before time is spent. Raises Refusal."""
+    there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        raise Refusal(
+            f"{option} {str(folder)!r} cannot be written: {str(there)!r} is no folder to write to"
+        )
+
+
+def request(frequency: float, twist: float, settings: list[str] | None) -> Request:
+    """The aircraft with its settings, and how its wings beat (Hz, deg). Raises Refusal."""
+    from agents.declare import checked
+    from agents.flight.aircraft import Aircraft, demand_possible
+    from agents.flight.trim import FREQUENCIES, TWISTS
+
+    within("--frequency", frequency, *FREQUENCIES, "Hz")
+    within("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")
+    given = dict(assignment(setting) for setting in settings or [])
+    craft = checked(Aircraft, given, "--set")
+    assert isinstance(craft, Aircraft)
+    demand_possible(craft, "--set")
+    return Request(craft, frequency, math.radians(twist))
