@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.observables.groups import group_labels
+from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 
@@ -37,7 +37,8 @@ class Aloft:
 
     def group_labels(self) -> np.ndarray:
         """As `Flock.group_labels`."""
-        return group_labels(len(self.ids), self.links())
+        world = self.flock.world
+        return groups_within(self.position, self.flock.reach, world.size, world.images)
 
     def layers(self) -> np.ndarray:
         """As `Flock.layers`."""

@@ -20,7 +20,7 @@ from agents.inspection import Inspection, inspect
 from agents.member import Member
 from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
-from agents.observables.groups import group_labels
+from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 from agents.record import Recorder, read_state
@@ -145,8 +145,12 @@ class Flock(Motion, mesa.Model):
         size = self.model.body.size
         gap = 0.5 * getattr(self.parameters, size) if size else 0.0
         begin = random_start(self.world, agents, informed, self.rng, self.spacing, gap)
+        return begin if begin.speed.any() else self._set_off(begin)
+
+    def _set_off(self, begin: Start) -> Start:
+        """The start with the speeds that the body begins with."""
         begins = self.model.body.begins
-        if begins is None or begin.speed.any():
+        if begins is None:
             return begin
         return replace(begin, speed=begins(self.parameters, self.rng, len(begin.speed)))
 
@@ -198,7 +202,7 @@ class Flock(Motion, mesa.Model):
 
     def group_labels(self) -> np.ndarray:
         """The connected group of each agent, int (N,), 0 the largest."""
-        return group_labels(len(self.ids), self.links())
+        return groups_within(self.position, self.reach, self.world.size, self.world.images)
 
     def layers(self) -> np.ndarray:
         """Hops from an information agent plus 1, as the flock stands; N + 1 unknown; int (N,)."""
@@ -244,7 +248,8 @@ class Flock(Motion, mesa.Model):
         new = given_start(
             self.world, {"position": [position], "heading": [heading], "informed": [informed]}
         )
-        self._use(joined(self.arrays, begun(new, self.model, self.next_id)))
+        more = begun(self._set_off(new), self.model, self.next_id)
+        self._use(joined(self.arrays, more))
         self.next_id += 1
         members.append(member)
         return len(self.ids) - 1

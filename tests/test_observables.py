@@ -13,9 +13,10 @@ from oracles import vicsek_family as family
 from oracles.flocks import at_rest, build
 from oracles.scenes import contacts_are_clear, scene, scenes, unit_vectors
 from oracles.topology import EDGES
+from scipy.sparse.csgraph import laplacian
 
 from agents import Flock
-from agents.observables import consistency, groups, layers, neighbours, order
+from agents.observables import components, consistency, groups, layers, neighbours, order
 
 SOME = settings(max_examples=100, deadline=None, derandomize=True)
 
@@ -125,6 +126,10 @@ def test_links_and_what_follows_from_them(where):
     labels = groups.group_labels(len(touch), links)
     assert labels.tolist() == [ranked.index(g) for g in label]
     assert list(groups.group_sizes(labels)) == sorted(sizes, reverse=True)
+    unlisted = components.groups_within(
+        where.position, where.r, np.array(where.size), images(where)
+    )
+    assert unlisted.tolist() == labels.tolist()
 
     fiedler = naive.algebraic_connectivity(touch)
     assert groups.algebraic_connectivity(len(touch), links) == pytest.approx(fiedler, abs=1e-9)
@@ -153,8 +158,57 @@ def test_links_of_lattices(edges, dim):
     """Distances of exactly r, and boxes of 1 and 2 r in which the two images of an agent tie."""
     for size in itertools.product((1, 2, 3, 5) if dim == 2 else (1, 2, 4), repeat=dim):
         x = np.array(list(itertools.product(*[range(s) for s in size])), dtype=float)
-        links = neighbours.links(x, 1.0, np.array(size, float), np.full(dim, edges == "wrap"))
-        assert np.array_equal(links, pairs(topology.contact(x, 1.0, size, edges)))
+        box, wraps = np.array(size, float), np.full(dim, edges == "wrap")
+        links = neighbours.links(x, 1.0, box, wraps)
+        touch = topology.contact(x, 1.0, size, edges)
+        assert np.array_equal(links, pairs(touch))
+        mean = neighbours.mean_neighbours(x, 1.0, box, wraps)
+        assert mean == pytest.approx(naive.mean_neighbours(touch))
+        for r in (1.0, 0.999, math.sqrt(dim)):
+            label = components.groups_within(x, r, box, wraps)
+            touch = topology.contact(x, r, size, edges)
+            assert label.max() + 1 == len(naive.groups(touch)[1])
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 5])
+def test_agents_on_one_spot_are_groups_of_their_own_until_another_is_near(n):
+    box, plain = np.ones(2), np.zeros(2, bool)
+    x = np.ones((n, 2))
+    assert components.groups_within(x, 1.0, box, plain).tolist() == list(range(n))
+    x = np.concatenate([x, [[1.5, 1.0]]])
+    assert components.groups_within(x, 1.0, box, plain).tolist() == [0] * (n + 1)
+    assert components.groups_within(x, 0.0, box, plain).tolist() == list(range(n + 1))
+
+
+def test_groups_far_apart_and_crowded_groups_are_found():
+    rng = np.random.default_rng(8)
+    crowds = [rng.normal(size=(n, 3)) for n in (200, 300, 100)]
+    x = np.concatenate([crowds[0], crowds[1] + 1e9, crowds[2] - 1e9])
+    label = components.groups_within(x, 8.0, np.ones(3), np.zeros(3, bool))
+    assert label.tolist() == [1] * 200 + [0] * 300 + [2] * 100
+
+
+def test_the_connectivity_of_a_crowd_and_of_a_chain():
+    """More agents than the dense method takes: known for a full graph and for a path."""
+    n = groups.DENSE_UP_TO + 50
+    full = np.argwhere(np.triu(np.ones((n, n)), 1))
+    assert groups.algebraic_connectivity(n, full) == pytest.approx(n)
+    rows = np.arange(n - 1)
+    path = np.c_[rows, rows + 1]
+    expected = 2.0 * (1.0 - math.cos(math.pi / n))
+    assert groups.algebraic_connectivity(n, path) == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_connectivity_is_the_same_whichever_way_it_is_found():
+    n, box = groups.DENSE_UP_TO + 100, np.full(3, 5.0)
+    x = np.random.default_rng(3).uniform(0.0, 5.0, (n, 3))
+    links = neighbours.links(x, 1.2, box, np.ones(3, bool))
+    matrix = laplacian(groups.graph(n, links).toarray())
+    expected = np.linalg.eigvalsh(matrix)[1]
+    assert expected > 0.1
+    for dim in (2, 3):
+        found = groups.algebraic_connectivity(n, links, dim)
+        assert found == pytest.approx(expected, rel=1e-8)
 
 
 def test_nearest_neighbour_of_a_lone_agent_and_of_two_on_one_spot():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agents.observables import consistency, fluctuations, groups, layers, of_flocks, order, rotation
+from agents.observables import consistency, fluctuations, of_flocks, order, rotation
 from agents.observables.observable import Observable, over_a_run
 from agents.observables.per_group import size_histogram
 
@@ -104,7 +104,7 @@ NEIGHBOURS = [
         "Mean number of neighbours within r",
         "agents",
         "[0, N - 1]",
-        lambda flock: 2.0 * len(flock.links()) / max(1, len(flock.position)),
+        of_flocks.mean_neighbours,
     ),
     Observable(
         "nearest-neighbour",
@@ -118,14 +118,14 @@ NEIGHBOURS = [
         "Algebraic connectivity of the r-graph",
         "1",
         "[0, N]",
-        lambda flock: groups.algebraic_connectivity(len(flock.position), flock.links()),
+        of_flocks.connectivity,
     ),
     Observable(
         "layers",
         "Agents in each layer below the information agents",
         "agents",
         "layer -> [0, N]",
-        lambda flock: layers.layer_histogram(flock.layers()),
+        of_flocks.layer_histogram,
         is_table=True,
     ),
 ]

@@ -38,8 +38,8 @@ def binder(series: np.ndarray) -> float:
     >>> round(binder(np.array([0.7, 0.7, 0.7])), 12)
     0.666666666667
     """
-    square = np.square(np.asarray(series, float))
-    if not square.any():
+    series = np.abs(np.asarray(series, float))
+    if not series.any():
         return math.nan
-    share = square / square.max()
-    return float(1.0 - np.mean(share**2) / (3.0 * np.mean(share) ** 2))
+    square = np.square(series / series.max())
+    return float(1.0 - np.mean(square**2) / (3.0 * np.mean(square) ** 2))

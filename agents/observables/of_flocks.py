@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from agents.observables import correlation, groups, neighbours, per_group
+from agents.observables import correlation, groups, layers, neighbours, per_group
 from worlds.clearance import clearance
 
 INDUCED = 0.35
@@ -23,6 +23,12 @@ def nearest(flock) -> float:
     world = flock.world
     found = neighbours.nearest_neighbour(flock.position, world.size, world.images)
     return float(np.min(found, initial=np.inf))
+
+
+def mean_neighbours(flock) -> float:
+    """Mean number of neighbours within reach."""
+    world = flock.world
+    return neighbours.mean_neighbours(flock.position, flock.reach, world.size, world.images)
 
 
 def obstacle_distance(flock) -> float:
@@ -52,6 +58,21 @@ def following(flock) -> float:
     if not flock.informed.any():
         return math.nan
     return float((flock.layers() <= len(flock.ids)).mean())
+
+
+def connectivity(flock) -> float:
+    """Algebraic connectivity of the r-graph; 0 if it is not in one piece."""
+    if number_of_groups(flock) != 1:
+        return 0.0
+    return groups.algebraic_connectivity(len(flock.ids), flock.links(), flock.world.dim)
+
+
+def layer_histogram(flock) -> dict[int, int]:
+    """How many agents are in each layer; without an information agent all are in N + 1."""
+    n = len(flock.ids)
+    if n and not flock.informed.any():
+        return {n + 1: n}
+    return layers.layer_histogram(flock.layers())
 
 
 def number_of_groups(flock) -> int:
@@ -89,8 +110,12 @@ def group_table(flock) -> dict[int, dict[str, float]]:
 
 
 def correlation_length(flock) -> float:
-    """xi of the velocity fluctuations; nan if all velocities are the same."""
-    velocity = flock.heading * flock.speed[:, None]
+    """xi of the velocity fluctuations; nan if all velocities are the same.
+
+    Before the first tick of a model with a constant speed nobody has a speed: headings stand for
+    velocities then, which makes no difference where speeds are equal.
+    """
+    velocity = flock.heading * flock.speed[:, None] if flock.speed.any() else flock.heading
     world = flock.world
     return correlation.correlation_length(flock.position, velocity, world.size, world.images)
 

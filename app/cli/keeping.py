@@ -19,11 +19,18 @@ SHORT, LONG = 0.05, 0.2
 
 
 def run_ticks(
-    flock: Flock, ticks: int, progress: Progress, record: Path | None = None, every: int = 1
+    flock: Flock,
+    ticks: int,
+    progress: Progress,
+    record: Path | None = None,
+    every: int = 1,
+    look: Callable[[], None] = lambda: None,
+    over: int = 0,
 ) -> bool:
     """Run ticks, recording the first, every `every`-th and the last; False if asked to stop.
 
-    A recording is whole in either case. Raises Refusal if it cannot be written.
+    A recording is whole in either case. `look` is called after each of the last `over` ticks.
+    Raises Refusal if the recording cannot be written.
     """
     from agents.record import Recorder
 
@@ -37,9 +44,12 @@ def run_ticks(
         stretch = 1
         while flock.tick < last and not stopping.asked:
             until_frame = every - (flock.tick - first) % every
-            n = min(stretch, last - flock.tick, until_frame if record else ticks)
+            until_looked_at = max(1, last - over - flock.tick) if over else ticks
+            n = min(stretch, last - flock.tick, until_frame if record else ticks, until_looked_at)
             begun = time.monotonic()
             flock.run(n)
+            if flock.tick > last - over:
+                look()
             stretch = next_stretch(stretch, time.monotonic() - begun)
             if record and ((flock.tick - first) % every == 0 or flock.tick == last):
                 write()

@@ -10,10 +10,18 @@ import typer
 
 if TYPE_CHECKING:
     from agents import Flock
+    from agents.series import Series
+
+CRASHES = 10
+"""Crashes that are shown to people one by one."""
+CELLS = 12
+"""Entries of a table that are shown to people."""
 
 
 def telling(flock: Flock) -> list[str]:
     """The observables that tell how a flock does in its world."""
+    from agents.observables.of_flocks import SAVED
+
     names = ["polarisation", "consistency"]
     mission = flock.world.mission
     if flock.world.is_solid:
@@ -22,6 +30,10 @@ def telling(flock: Flock) -> list[str]:
         names += ["goal-distance"]
     if mission is not None and mission.path is not None and flock.informed.any():
         names += ["following"]
+    if flock.can_crash:
+        names += ["groups", "crashes"]
+    if SAVED in flock.model.columns:
+        names += ["energy-saved"]
     return names
 
 
@@ -43,17 +55,55 @@ def as_json(values: Any) -> str:
     return json.dumps(plain(values), allow_nan=False)
 
 
-def outcome(flock: Flock, observe: list[str], ticks: int, seconds: float) -> dict[str, Any]:
-    """What a run has given, as one value."""
-    return {
+def outcome(
+    flock: Flock, observe: list[str], ticks: int, seconds: float, series: Series | None = None
+) -> dict[str, Any]:
+    """What a run has given, as one value; `series` of its last ticks, if there is one."""
+    from agents.observables.catalogue import OBSERVABLES
+
+    made = {
         "spec": flock.spec.model_dump(mode="json"),
         "tick": flock.tick,
         "time": flock.elapsed,
         "time_unit": flock.model.body.unit,
         "ticks": ticks,
         "seconds": round(seconds, 6),
-        "observables": {name: flock.observe(name) for name in observe},
+        "observables": {
+            name: series.over(name) if series and OBSERVABLES[name].over else flock.observe(name)
+            for name in observe
+        },
     }
+    if series is not None:
+        made["over"] = course(series)
+    if flock.can_crash:
+        made["crashes"] = crash_list(flock)
+    return made
+
+
+def course(series: Series) -> dict[str, Any]:
+    """Mean and standard deviation of each observable over the last ticks."""
+    import numpy as np
+
+    with np.errstate(invalid="ignore"):
+        deviation = {name: float(values.std()) for name, values in series.values.items()}
+    return {
+        "ticks": len(series.tick),
+        "mean": {name: float(values.mean()) for name, values in series.values.items()},
+        "deviation": deviation,
+    }
+
+
+def crash_list(flock: Flock) -> list[dict[str, Any]]:
+    """Who has crashed, when, where and against what, in the order of ticks."""
+    from agents.crashes import CAUSES
+
+    found = flock.crashes
+    return [
+        {"tick": int(tick), "id": int(one), "place": place.tolist(), "against": CAUSES[int(cause)]}
+        for tick, one, place, cause in zip(
+            found.tick, found.id, found.place, found.cause, strict=True
+        )
+    ]
 
 
 def show(made: dict[str, Any], flock: Flock) -> None:
@@ -73,14 +123,39 @@ def show(made: dict[str, Any], flock: Flock) -> None:
         f"tick {made['tick']}{now}; {made['ticks']} ticks took {made['seconds']:.3g} s"
         f" ({rate:.2g} agent-steps per second)"
     )
+    wide = max((len(name) for name in made["observables"]), default=0)
     for name, value in made["observables"].items():
         one = OBSERVABLES[name]
-        unit = "" if one.unit == "1" else f" {one.unit}"
-        typer.echo(f"  {name:<18} {shown(value)}{unit}   in {one.range}")
+        unit = "" if one.unit == "1" or one.is_table else f" {one.unit}"
+        typer.echo(f"  {name:<{wide}} {shown(value)}{unit}   in {one.range}")
+    for name, mean in made.get("over", {}).get("mean", {}).items():
+        off = shown(made["over"]["deviation"][name])
+        typer.echo(
+            f"  {name:<{wide}} {shown(mean)} +- {off} over the last {made['over']['ticks']} ticks"
+        )
+    show_crashes(made.get("crashes", []))
+
+
+def show_crashes(crashes: list[dict[str, Any]]) -> None:
+    """Print the first crashes, and how many more there are."""
+    for one in crashes[:CRASHES]:
+        place = ", ".join(f"{x:.2f}" for x in one["place"])
+        typer.echo(
+            f"  tick {one['tick']}: agent {one['id']} crashed against {one['against']} at ({place})"
+        )
+    if len(crashes) > CRASHES:
+        typer.echo(f"  and {len(crashes) - CRASHES} more; --json has all of them")
 
 
 def shown(value: Any) -> str:
     """A measured value for people."""
     if isinstance(value, dict):
-        return ", ".join(f"{key}: {one}" for key, one in value.items())
+        cells = [f"{key}: {inner(one)}" for key, one in value.items()]
+        more = [f"and {len(cells) - CELLS} more; --json has all of them"][: len(cells) > CELLS]
+        return ", ".join([*cells[:CELLS], *more])
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def inner(value: Any) -> str:
+    """A value within a table for people; a row of a table in brackets."""
+    return f"({shown(value)})" if isinstance(value, dict) else shown(value)

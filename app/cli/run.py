@@ -47,6 +47,10 @@ def run(
         str | None, typer.Option(help="synchronous, random or sequential.")
     ] = None,
     noise: Annotated[str | None, typer.Option(help="angular or vectorial.")] = None,
+    spacing: Annotated[
+        float | None,
+        typer.Option(help="Least distance at the start between agents, and to what is solid."),
+    ] = None,
     threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
     spec: Annotated[Path | None, typer.Option(help="TOML file that describes the run.")] = None,
     state: Annotated[
@@ -66,6 +70,13 @@ def run(
             "model and its world ask for]"
         ),
     ] = None,
+    over: Annotated[
+        int | None,
+        typer.Option(
+            help="Observe each of the last OVER ticks too: means, and what is measured over a run, "
+            "such as susceptibility."
+        ),
+    ] = None,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
 ) -> None:
@@ -75,8 +86,14 @@ def run(
     """
     at_least("--ticks", ticks, 0)
     at_least("--every", every, 1)
+    at_least("--over", over, 1)
+    if over is not None and over > ticks:
+        raise Refusal(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
     if record and record.exists() and not overwrite:
         raise Refusal(f"--record {str(record)!r} exists already: name another, or --overwrite")
+    from agents.observables.catalogue import OBSERVABLES
+    from agents.series import Follower
+
     made_of: dict[str, Any] = {
         "model": model,
         "agents": agents,
@@ -87,8 +104,9 @@ def run(
         "informed": informed,
         "activation": activation,
         "noise": noise,
+        "spacing": spacing,
     }
-    asked = None if observe is None else known_observables(observe)
+    asked = None if observe is None else known_observables(observe, over)
     given = settings or []
     if state:
         flock = loaded(state, spec, made_of, given, threads)
@@ -97,15 +115,17 @@ def run(
     if save_spec:
         write_spec(flock, save_spec)
     compile_loop(flock, None if quiet else tell)
+    observed = told(flock, over) if asked is None else asked
+    follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     first, begun = flock.tick, time.perf_counter()
     with Progress(f"{flock.model.name}, {len(flock.ids)} agents", quiet) as progress:
-        whole = run_ticks(flock, ticks, progress, record, every)
+        whole = run_ticks(flock, ticks, progress, record, every, follower.look, over or 0)
     seconds = time.perf_counter() - begun
     if save:
         flock.save(save)
     if not whole:
         stopped(flock, first + ticks, record, save, every)
-    made = outcome(flock, telling(flock) if asked is None else asked, ticks, seconds)
+    made = outcome(flock, observed, ticks, seconds, follower.series if over else None)
     if json_asked:
         files = {"recording": record, "state": save}
         typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
@@ -113,12 +133,26 @@ def run(
         show(made, flock)
 
 
-def known_observables(text: str) -> list[str]:
-    """The observables of a list with commas. Raises Refusal."""
+def known_observables(text: str, over: int | None) -> list[str]:
+    """The observables of a list with commas; `over` as --over has it. Raises Refusal."""
     from agents.flock import known
     from agents.observables.catalogue import OBSERVABLES
 
-    return list(OBSERVABLES) if text == "all" else [known(name) for name in names(text)]
+    if text == "all":
+        return [one.name for one in OBSERVABLES.values() if over or not one.over]
+    found = [known(name) for name in names(text)]
+    for name in found:
+        if OBSERVABLES[name].over and not over:
+            raise Refusal(f"--observe {name} is measured over a run: give --over TICKS too")
+    return found
+
+
+def told(flock: Flock, over: int | None) -> list[str]:
+    """What is observed where nothing is asked for."""
+    from agents.observables.catalogue import OBSERVABLES
+
+    measured = [one.name for one in OBSERVABLES.values() if one.over] if over else []
+    return telling(flock) + measured
 
 
 def built(
