@@ -32,7 +32,7 @@ def unhurt(n: int, dim: int) -> np.ndarray:
 def joined(arrays: Arrays, more: Arrays) -> Arrays:
     """The rows of both; agents are the last axis of the memory and the first of all else."""
     both = {
-        name: np.concatenate(pair, axis=name == "memory")
+        name: np.concatenate(pair, axis=int(name == "memory"))
         for name, *pair in zip(Arrays._fields, arrays, more, strict=True)
     }
     return Arrays(**both)
@@ -42,7 +42,7 @@ def without(arrays: Arrays, row: int) -> Arrays:
     """The arrays without one row; those behind it move up."""
     there = [row] if len(arrays.fate) else []
     kept = {
-        name: np.delete(column, row, axis=name == "memory")
+        name: np.delete(column, row, axis=int(name == "memory"))
         for name, column in arrays._asdict().items()
         if name != "fate"
     }

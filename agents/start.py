@@ -62,8 +62,8 @@ def random_start(
     corner (0, 0), and all of them head for theta^d. Rows are numbered along space, so that agents
     near each other start near each other in memory; the information agents come first. No agent
     starts inside an obstacle, or nearer than `gap` to one; with `spacing`, ordinary agents keep
-    that distance to each other and to what is solid. A world with a mission may have a start region of its own, where all are
-    spread alike. Raises Refusal where there is no room.
+    that distance to each other and to what is solid. A world with a mission may have a start region
+    of its own, where all are spread alike. Raises Refusal where there is no room.
     """
     n = agents + informed
     if world.mission is not None and world.mission.start is not None:

@@ -68,7 +68,7 @@ def test_every_tick_is_the_papers(seed, n, dim, spread, alpha):
 def pair(gap, **given):
     """Two agents side by side, both heading for +x."""
     begin = {"position": [[0.0, 0.0], [0.0, gap]], "heading": [[1.0, 0.0], [1.0, 0.0]]}
-    return Flock("couzin", start=begin, sigma=0.0, **OPEN, **given)
+    return Flock("couzin", start=begin, sigma=0.0, dim=2, **OPEN, **given)
 
 
 def test_two_that_are_too_near_turn_apart_by_the_turning_rate():
@@ -88,7 +88,7 @@ def test_two_in_the_zone_of_attraction_turn_to_each_other():
 
 def test_one_behind_is_not_seen():
     begin = {"position": [[0.0, 0.0], [-6.0, 0.5]], "heading": [[1.0, 0.0], [0.0, 1.0]]}
-    flock = Flock("couzin", start=begin, sigma=0.0, **OPEN)
+    flock = Flock("couzin", start=begin, sigma=0.0, dim=2, **OPEN)
     flock.run(1)
     np.testing.assert_allclose(flock.heading[0], [1.0, 0.0], atol=1e-12)
     assert flock.heading[1, 0] > 0.0
