@@ -72,7 +72,7 @@ def draw(text: str) -> None:
     """Every layout under its name, every generator as make-KIND, and the page's own examples."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in layout_names():
-        draw_world(world(name, unsized=lambda _: SIDE), PICTURES / f"{name}.png")
+        draw_world(world(name, unsized=lambda _: SIDE).drawn(SEED), PICTURES / f"{name}.png")
     for kind in GENERATORS:
         draw_world(generate(kind, SEED, (60.0, 40.0)), PICTURES / f"make-{kind}.png")
     yard = world_from_layout(tomllib.loads(code(text, "toml")), "yard")

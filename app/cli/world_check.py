@@ -14,13 +14,14 @@ from app.cli.world_file import given_world, size_text
 def check(
     name: Annotated[str, typer.Argument(help="A layout file or a built-in world.")],
     dim: Annotated[int | None, typer.Option(min=2, max=3, help="2 or 3 dimensions.")] = None,
+    seed: Annotated[int, typer.Option(help="Run whose random obstacles to draw, if any.")] = 0,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Check a layout: print its problems, one a line, and what it holds if it is sound.
 
     The exit code is 2 if it has an error, and 0 if it has warnings only.
     """
-    made = given_world(name, dim)
+    made = given_world(name, dim, seed=seed)
     from app.worlds.contents import contents
     from worlds.checks import problems
 

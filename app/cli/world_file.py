@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.settings import names, numbers
+from app.cli.settings import at_least, names, numbers
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -15,15 +15,17 @@ SIDE = 10.0
 """Side of the box of a layout that leaves it open, m."""
 
 
-def given_world(name: str, dim: int | None = None, size: str | None = None) -> World:
+def given_world(name: str, dim: int | None = None, size: str | None = None, seed: int = 0) -> World:
     """The world of a built-in name or a layout file, sound or not. Raises Refusal.
 
-    Without `size` it is the layout's own, else SIDE.
+    Without `size` it is the layout's own, else SIDE. Random obstacles are drawn from `seed`.
     """
     from worlds.layout import read_layout
     from worlds.world import world_from_layout
 
-    return world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
+    made = world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
+    at_least("--seed", seed, 0)
+    return made.drawn(seed)
 
 
 def sides(text: str | None) -> float | tuple[float, ...] | None:

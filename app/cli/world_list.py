@@ -23,7 +23,10 @@ def list_worlds(
 
 
 def worlds() -> list[dict[str, Any]]:
-    """Name, title, sides and number of obstacles of each; sides are null where they are open."""
+    """Name, title, sides and number of obstacles of each; sides are null where they are open.
+
+    `random` is what is drawn from the seed of a run on top of them, null if nothing is.
+    """
     from worlds.layout import layout_names, read_layout
 
     found = []
@@ -36,6 +39,7 @@ def worlds() -> list[dict[str, Any]]:
                 "size": layout.get("size"),
                 "edges": layout.get("edges", "wrap"),
                 "obstacles": len(layout.get("obstacle", [])),
+                "random": layout.get("random"),
                 "mission": sorted(layout.get("mission", {})),
             }
         )

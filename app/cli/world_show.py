@@ -21,6 +21,7 @@ def show(
     size: Annotated[
         str | None, typer.Option(help="Side of the box, or one per axis, if the layout has none.")
     ] = None,
+    seed: Annotated[int, typer.Option(help="Run whose random obstacles to draw, if any.")] = 0,
     points: Annotated[bool, typer.Option("--points", help="Show the boundary points.")] = False,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Let --out replace a file.")
@@ -32,7 +33,7 @@ def show(
     if path.suffix.lower() not in PICTURES:
         raise Refusal(f"--out {str(path)!r} is not allowed: {' or '.join(PICTURES)} is needed")
     demand_new("--out", path, overwrite)
-    made = given_world(name, dim, size)
+    made = given_world(name, dim, size, seed)
     if points and made.dim == 3:
         raise Refusal("--points is not allowed in space: boundary points are made in the plane")
     from app.worlds.contents import points as boundary_points

@@ -69,6 +69,22 @@ def test_every_built_in_world_is_sound_and_can_be_drawn(tmp_path, name):
         assert len(image.convert("RGB").getcolors(1 << 24)) > 10
 
 
+def test_a_world_with_random_obstacles_is_drawn_from_a_seed(tmp_path):
+    (row,) = [r for r in json.loads(made("list", "--json").stdout) if r["random"]]
+    assert row["name"] == "thesis-blocks"
+    assert row["random"]["count"] == 20
+    free = {
+        json.loads(made("check", "thesis-blocks", "--json", *seed).stdout)["holds"]["free"]
+        for seed in ((), ("--seed", 0), ("--seed", 1))
+    }
+    assert len(free) == 2
+    pictures = [tmp_path / f"{seed}.png" for seed in (1, 1, 2)]
+    for seed, path in zip((1, 1, 2), pictures, strict=True):
+        made("show", "thesis-blocks", "--seed", seed, "--out", path, "--overwrite")
+    assert pictures[0].read_bytes() == pictures[1].read_bytes() != pictures[2].read_bytes()
+    assert "--seed -1 is not allowed" in refusal("world", "check", "thesis-blocks", "--seed", -1)
+
+
 def test_import_makes_a_layout_that_is_read_as_it_was_drawn(hall, tmp_path):
     layout = tmp_path / "hall.toml"
     result = made("import", hall, "--out", layout, "--json")
