@@ -23,10 +23,11 @@ ARTICLES = {
     "acceleration": "an acceleration",
     "velocity": "a velocity",
 }
-VICSEK, MISSION, GOAL, OTHERS = (
+VICSEK, MISSION, GOAL, ZONES, OTHERS = (
     "The Vicsek family",
     "The Vicsek family on a mission",
     "Followers of a goal",
+    "Zones and flapping wings",
     "Other well-known flocks",
 )
 GROUPS = {
@@ -36,7 +37,9 @@ GROUPS = {
     "obstacles: in a body that keeps its distance and flies along what is in its way.",
     GOAL: "Every agent knows the goal, the gamma agent, and what is left to do is to keep the "
     "lattice and to get round obstacles.",
-    OTHERS: "Boids, drones and Couzin's zones, with which other work can be compared.",
+    ZONES: "Zones of repulsion, orientation and attraction with a field of view, as Couzin et al. "
+    "published them and as a thesis gave them to flapping-wing aircraft, whose bodies crash.",
+    OTHERS: "Boids and drones, with which other work can be compared.",
 }
 
 
@@ -46,6 +49,8 @@ def group(model: Model) -> str:
         return MISSION
     if model.body.name == "constant-speed":
         return VICSEK
+    if model.rule.zones:
+        return ZONES
     return GOAL if "gamma" in model.rule.forces else OTHERS
 
 
@@ -79,15 +84,34 @@ def facts(model: Model) -> list[tuple[str, str]]:
         made.append(("Its velocity is the sum of", listed(body.forces)))
     hear = tuple(plainly(one) for one in ("position", "heading", *model.signals))
     made.append(("Agents tell each other", listed(hear)))
+    if rule.zones:
+        made.append(("Zones", zones(model)))
+    if body.touches:
+        made.append(("Crashes", "an agent that touches another, an obstacle or a wall falls"))
+    if body.measures:
+        made.append(("Measured of each", listed(tuple(plainly(one) for one in body.measures))))
     if rule.memory:
         made.append(("Each remembers", listed(tuple(plainly(one) for one in rule.memory))))
     made.append(("Obstacles and walls", at_obstacles(model)))
     informed = {0: "none", 1: "one"}.get(rule.informed, str(rule.informed))
     made.append(("Information agents", f"{informed} by default" if rule.led else "none"))
-    made.append(("Dimensions", " and ".join(f"{d}-D" for d in rule.dimensions)))
+    starts = f"; {model.dim}-D unless told otherwise" if model.dim else ""
+    made.append(("Dimensions", " and ".join(f"{d}-D" for d in rule.dimensions) + starts))
+    if model.spacing is not None:
+        made.append(("At the start", f"at least {model.spacing:g} from each other and all else"))
     made.append(("At home in", home(model)))
     made.append(("Unit of time", clock(model)))
     return made
+
+
+def zones(model: Model) -> str:
+    """The zones of a model with their outer radii, and how far round they are seen."""
+    parameters = model.parameters()
+    return "; ".join(
+        f"{zone.name} to {zone.radius(parameters):g}"
+        + (" all round" if zone.all_round else f" within {getattr(parameters, model.rule.view):g}°")
+        for zone in model.rule.zones
+    )
 
 
 def at_obstacles(model: Model) -> str:
@@ -126,6 +150,8 @@ def caption(model: Model, flock: Flock) -> str:
         )
         return said + (" The dashed line is its path." if scene.window else "")
     said += " Colour is heading" + ("; the information UAV red." if leaders else ".")
+    said += " Seen from above." if flock.world.dim == 3 else ""
+    said += " Those that have crashed are grey." if flock.can_crash else ""
     if "seek" in model.rule.forces:
         said += " The star is the goal, which goes round the dotted line."
     return said + (" The star is the goal." if "gamma" in model.rule.forces else "")

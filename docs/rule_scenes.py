@@ -43,6 +43,10 @@ SCENES = {
     "reynolds": Scene((0, 300, 900, 1800), 1.3, tail=20),
     "vasarhelyi": Scene((0, 100, 400, 900), 7.0, tail=60),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
+    "thesis": Scene((0, 100, 500, 3000), 1.6, seed=3),
+    "safe": Scene((0, 100, 500, 3000), 1.6, seed=3, parameters={"alpha": 270.0, "v0": 2.0}),
+    "guarded": Scene((0, 100, 500, 3000), 1.6, seed=3),
+    "echelon": Scene((0, 100, 500, 2000), 4.0),
     "vasarhelyi-tenth": Scene((0, 100, 400, 900), 1.3, tail=60),
 }
 """Ticks at which one sees what a model does."""
