@@ -112,9 +112,9 @@ def run(
         flock = loaded(state, spec, made_of, given, threads)
     else:
         flock = built(spec, made_of, given, threads, quiet)
+    compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_spec(flock, save_spec)
-    compile_loop(flock, None if quiet else tell)
     observed = told(flock, over) if asked is None else asked
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     first, begun = flock.tick, time.perf_counter()
