@@ -22,6 +22,7 @@ from agents.model import Model
 from agents.rules import (
     boundary_points,
     couzin,
+    echelon,
     hwvem,
     ivem,
     olfati_saber,
@@ -61,6 +62,15 @@ BUILT_IN = [
         defaults={"contact": "start", "d_0": 2.0},
     ),
     Model(safe_zones.SAFE, flyer.FLYER, world="thesis-sky", agents=50),
+    Model(
+        echelon.ECHELON,
+        flyer.FLYER,
+        world="high-sky",
+        dim=3,
+        agents=30,
+        spacing=3.0,
+        defaults={"v0": 3.5, "v_min": 3.0, "v_max": 5.0, "body": 0.5, "b": 2.5},
+    ),
 ]
 
 

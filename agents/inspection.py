@@ -182,19 +182,23 @@ def warm(flock: Flock) -> None:
 
 
 def inspect(flock: Flock, row: int) -> Inspection:
-    """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come."""
+    """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come.
+
+    One that has crashed has no neighbours, and is nobody's.
+    """
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
-    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & flock.flying)
+    aloft = bool(flock.flying[row])
+    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & flock.flying & aloft)
     apart = apart[rows]
     signals = flock.signals()
     own = signals[:, row].copy()
     seen = perceived(flock, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
-    own_shells, view = shells(flock), field_of_view(flock)
-    if flock.informed[row] or not flock.flying[row]:
+    own_shells, view = shells(flock) if aloft else (), field_of_view(flock)
+    if flock.informed[row] or not aloft:
         weights[:] = 0.0
     else:
         set_goal(flock.engine.ground, flock.elapsed)

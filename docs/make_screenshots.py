@@ -12,9 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from playwright.sync_api import sync_playwright
 
 from app.viewer.laboratory import Laboratory
+from app.viewer.scene import STEP_OFF
 from app.viewer.start import Start, at_home
 
 HERE = Path(__file__).parent
@@ -31,6 +33,9 @@ def main(only: tuple[str, ...] = ()) -> None:
     """The plane, an agent from close, space; then missions. `only` these, or all."""
     plane = Start("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
     space = Start("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
+    zones = at_home("couzin", dim=3, agents=150, seed=3, parameters={"dr_a": 4.0})
+    riders = at_home("couzin", dim=3, agents=100, seed=3)
+    echelons = at_home("echelon", seed=4)
     mission = at_home("hwvem-nav", seed=3)
     yard = at_home("hwvem-nav", world="obstacles", agents=80, seed=3)
     pocket = at_home("boundary-points", seed=3)
@@ -40,7 +45,10 @@ def main(only: tuple[str, ...] = ()) -> None:
     for name, *scene in (
         ("laboratory.png", plane, 15.0, 45, in_layers),
         ("laboratory-agent.png", plane, 15.0, 45, from_close),
-        ("laboratory-3d.png", space, 5.0, 6, in_space),
+        ("laboratory-3d.png", space, 10.0, 20, in_space),
+        ("laboratory-zones.png", zones, 50.0, 160, with_zones),
+        ("laboratory-ride.png", riders, 50.0, 240, on_a_bird),
+        ("laboratory-echelons.png", echelons, 200.0, 430, with_wakes),
         ("laboratory-mission.png", mission, 60.0, 245, on_a_mission),
         ("laboratory-obstacles.png", yard, 60.0, 150, among_obstacles),
         ("laboratory-forces.png", pocket, 100.0, 254, with_forces),
@@ -69,6 +77,37 @@ def from_close(laboratory: Laboratory, page: Any) -> None:
 def in_space(_laboratory: Laboratory, page: Any) -> None:
     """Colours are headings; the Setup tab is open."""
     page.get_by_role("tab", name="Setup").click()
+
+
+def with_zones(laboratory: Laboratory, _page: Any) -> None:
+    """An agent behind others is inspected, and the camera is near."""
+    laboratory.select(in_company(laboratory))
+    point(laboratory, "follow")
+
+
+def on_a_bird(laboratory: Laboratory, page: Any) -> None:
+    """The camera rides along; the View tab is open."""
+    page.get_by_role("tab", name="View").click()
+    point(laboratory, STEP_OFF)
+    for client in laboratory.server.get_clients().values():
+        laboratory.scene.ride(client, in_company(laboratory))
+
+
+def with_wakes(laboratory: Laboratory, _page: Any) -> None:
+    """Colours are what each bird saves; the camera is near one that has others ahead."""
+    laboratory.view.colour.value = "energy saved"
+    laboratory.view.wake.value = True
+    for client in laboratory.server.get_clients().values():
+        laboratory.scene.follow(client, in_company(laboratory))
+
+
+def in_company(laboratory: Laboratory) -> int:
+    """The row of the agent that has most others ahead of it and near."""
+    frame = laboratory.simulation.frame
+    away = frame.position - frame.position[:, None]
+    distance = np.linalg.norm(away, axis=2)
+    ahead = np.einsum("ijk,ik->ij", away, frame.heading) > 0.8 * distance
+    return int(np.argmax(np.count_nonzero(ahead & (distance < 0.6 * frame.reach), axis=1)))
 
 
 def on_a_mission(laboratory: Laboratory, _page: Any) -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from agents import Flock
-from agents.inspection import warm
+from agents.inspection import UNSEEN, Shell, shells, warm, zones_of
 
 LINEAR = ["vem", "vem-a", "wvem", "hwvem"]
 
@@ -105,3 +107,80 @@ def test_warming_leaves_the_flock_as_it_is():
     flock.run(50)
     twin.run(150)
     assert np.array_equal(flock.position, twin.position)
+
+
+def zone_of(apart: np.ndarray, heading: np.ndarray, rings: tuple[Shell, ...], view: float) -> int:
+    """The zone that one place is in, by an angle and an if for each case."""
+    distance = float(np.sqrt(sum(float(c) ** 2 for c in apart)))
+    off = np.degrees(np.arccos(np.clip(float(apart @ heading) / distance, -1.0, 1.0)))
+    for index, ring in enumerate(rings):
+        closed = index == len(rings) - 1
+        if distance < ring.radius or (closed and distance == ring.radius):
+            return index if ring.all_round or 2.0 * off <= view else UNSEEN
+    return UNSEEN
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([2, 3]),
+    st.floats(1.0, 359.0),
+    st.lists(st.tuples(st.floats(0.0, 3.0), st.booleans()), min_size=1, max_size=4),
+)
+def test_every_place_is_in_the_zone_that_its_distance_and_angle_say(seed, dim, view, wide):
+    rng = np.random.default_rng(seed)
+    heading = rng.standard_normal(dim)
+    heading /= np.linalg.norm(heading)
+    radii = np.cumsum([width for width, _ in wide])
+    rings = tuple(
+        Shell(f"zone {k}", float(radius), round_)
+        for k, (radius, (_, round_)) in enumerate(zip(radii, wide, strict=True))
+    )
+    apart = rng.standard_normal((60, dim)) * rng.uniform(0.1, 5.0, (60, 1))
+    expected = [zone_of(place, heading, rings, view) for place in apart]
+    assert zones_of(apart, heading, rings, view).tolist() == expected
+
+
+def test_a_place_on_a_border_is_in_the_outer_zone_and_on_the_last_within():
+    rings = (Shell("near", 1.0, False), Shell("far", 2.0, False))
+    ahead = np.array([1.0, 0.0])
+    apart = np.array([[1.0, 0.0], [2.0, 0.0], [0.01, 1.5], [-0.5, 0.0], [2.5, 0.0]])
+    assert zones_of(apart, ahead, rings, 180.0).tolist() == [1, 1, 1, UNSEEN, UNSEEN]
+    assert zones_of(apart, ahead, rings, 360.0).tolist() == [1, 1, 1, 0, UNSEEN]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_those_that_count_in_couzins_rule_are_those_of_the_zones(dim):
+    flock = Flock("couzin", agents=60, dim=dim, size=9.0, rng=5, dr_a=3.0, alpha=200.0)
+    assert [(one.name, one.radius) for one in shells(flock)] == [
+        ("repulsion", 1.0),
+        ("orientation", 4.0),
+        ("attraction", 7.0),
+    ]
+    repelled = 0
+    for row in range(60):
+        seen = flock.inspect(row)
+        assert seen.view == 200.0
+        close = seen.zone == 0
+        repelled += close.any()
+        wanted = close if close.any() else seen.zone > 0
+        assert np.array_equal(seen.weights > 0.0, wanted)
+    assert 0 < repelled < 60
+
+
+def test_a_rule_without_zones_has_none():
+    seen = Flock("vem", agents=20, rng=1).inspect(0)
+    assert (len(seen.zone), seen.shells, seen.view) == (0, (), 360.0)
+
+
+def test_the_crashed_are_nobodys_neighbours_and_listen_to_nobody():
+    position = [[5.0, 5.0, 5.0], [5.2, 5.0, 5.0], [9.5, 5.0, 5.0]]
+    heading = [[1.0, 0.0, 0.0]] * 3
+    start = {"position": position, "heading": heading}
+    flock = Flock("thesis", start=start, rng=1, d_a=6.0, alpha=360.0)
+    assert flock.inspect(2).neighbours.tolist() == [0, 1]
+    flock.run(1)
+    assert flock.flying.tolist() == [False, False, True]
+    assert flock.inspect(2).neighbours.tolist() == []
+    fallen = flock.inspect(0)
+    assert len(fallen.neighbours) == len(fallen.weights) == len(fallen.zone) == 0
+    assert (fallen.forces, fallen.shells) == ({}, ())

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from app.viewer.frame import Frame
 from app.viewer.scene import Look, Scene
+from app.viewer.scene.picture import as_birds
 
 PANELS = 0.25
 """Time between two refreshments of the panels, s."""
@@ -20,9 +21,11 @@ BANDWIDTH = 16e6
 """What all browsers together may be sent, bytes/s."""
 AGENT_BYTES = 28
 """What one agent takes in one frame, bytes."""
+BIRD_BYTES = 74
+"""What a bird takes: a body and wings of its own."""
 
 
-def period(agents: int, browsers: int) -> float:
+def period(agents: float, browsers: int) -> float:
     """Time between two frames, s: longer for a large flock and for many browsers.
 
     >>> round(1 / period(1000, 1)), round(1 / period(1000, 40))
@@ -31,6 +34,12 @@ def period(agents: int, browsers: int) -> float:
     if browsers == 0:
         return SLOWEST
     return min(max(FASTEST, agents * AGENT_BYTES * browsers / BANDWIDTH), SLOWEST)
+
+
+def load(frame: Frame, look: Look) -> float:
+    """What a frame takes to send, as a number of agents."""
+    count = len(frame.ids)
+    return count * (BIRD_BYTES / AGENT_BYTES if as_birds(count, frame.dim, look) else 1.0)
 
 
 class Drawing:
@@ -82,9 +91,11 @@ class Drawing:
 
     def period(self) -> float:
         """Time between two frames now, s."""
-        frame = None if self.drawn is None else self.drawn[0]
-        flocks = [one for one in (frame, frame and frame.beside) if one is not None]
-        return period(sum(len(one.ids) for one in flocks), self.browsers())
+        if self.drawn is None:
+            return period(0, self.browsers())
+        frame, look = self.drawn
+        flocks = [one for one in (frame, frame.beside) if one is not None]
+        return period(sum(load(one, look) for one in flocks), self.browsers())
 
     def draw(self) -> bool:
         """Draw the latest frame if it, or the look, is new; whether there was one."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from agents.crashes import Crashes
 from agents.inspection import Inspection
 from worlds.world import World
 
@@ -43,6 +44,8 @@ class Frame:
     """(N,) bool: information agents."""
     ids: np.ndarray
     """(N,) int: identity of each row."""
+    kept: float = float("inf")
+    """Distance that agents keep from each other, length; infinite where their rule has no zones."""
     dt: float = 1.0
     """Time that a tick stands for."""
     unit: str = "ticks"
@@ -59,6 +62,12 @@ class Frame:
     links: np.ndarray | None = None
     """(M, 2) int: rows of neighbouring pairs, if asked for."""
     inspected: Inspection | None = None
+    flying: np.ndarray | None = None
+    """(N,) bool: agents that have not crashed; None where nobody can."""
+    crashes: Crashes | None = None
+    """Who has crashed, where they can."""
+    saved: np.ndarray | None = None
+    """(N,) share of its induced drag that each saves, NaN unknown; None: it is not measured."""
     title: str = ""
     """What its model is called, if there is another flock beside it."""
     beside: Frame | None = None
@@ -68,6 +77,11 @@ class Frame:
     def dim(self) -> int:
         """2 or 3."""
         return self.world.dim
+
+    @property
+    def down(self) -> np.ndarray:
+        """Agents that have crashed, (N,) bool."""
+        return np.zeros(len(self.ids), bool) if self.flying is None else ~self.flying
 
     @property
     def low(self) -> np.ndarray:

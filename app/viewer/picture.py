@@ -8,12 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
-from agents.inspection import Inspection, warm
+from agents.inspection import Inspection, shells, warm
 from agents.start import start_box
 from app.viewer.aside import Aside
 from app.viewer.crowd import refuse_too_many_links
 from app.viewer.frame import Errand, Frame
 from app.viewer.ration import Ration
+
+SAVED = "saved"
+"""The measure of a body that is the share of its induced drag that each agent saves."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,8 @@ class Camera:
         """A frame of the flock now; layers, groups and links are as last examined."""
         flock = self.flock
         speed = flock.speed.copy()
-        self.fastest = max(self.fastest, float(speed.max(initial=0.0)))
+        flying = flock.flying if flock.can_crash else None
+        self.fastest = max(self.fastest, float(np.max(speed, initial=0.0, where=flock.flying)))
         return Frame(
             run=self.run,
             tick=flock.tick,
@@ -71,6 +75,7 @@ class Camera:
             speed=speed,
             informed=flock.informed.copy(),
             ids=flock.ids.copy(),
+            kept=distance_kept(flock),
             dt=flock.dt,
             unit=flock.model.body.unit,
             room=room(flock),
@@ -80,6 +85,9 @@ class Camera:
             group=self.group,
             links=self.links,
             inspected=self.inspected,
+            flying=flying,
+            crashes=flock.crashes if flock.can_crash else None,
+            saved=flock.signal(SAVED) if SAVED in flock.model.columns else None,
         )
 
     def examine(self) -> None:
@@ -119,6 +127,12 @@ class Camera:
                 self.aside.begin(lambda: warm(self.flock))
             self.warm = self.aside.finished() is not None
         return self.warm
+
+
+def distance_kept(flock: Flock) -> float:
+    """Radius of the innermost zone of a flock's rule, length; infinite where it has none."""
+    inner = shells(flock)[:1]
+    return inner[0].radius if inner else float("inf")
 
 
 def errand(flock: Flock) -> Errand:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from agents.crashes import Crashes
 from agents.declare import Parameters, checked, parameter
 from app.viewer.start import Start
 from worlds.refusal import Refusal
@@ -41,10 +42,16 @@ class StubFlock:
         self.ids = np.arange(n)
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
-            rule=SimpleNamespace(weigh=None, explain=None),
-            body=SimpleNamespace(unit="ticks", explain=None),
+            rule=SimpleNamespace(weigh=None, explain=None, zones=(), view=""),
+            body=SimpleNamespace(unit="ticks", explain=None, measures=()),
+            columns=(),
         )
         self.dt = 1.0
+        self.seed = start.seed
+        self.spacing = start.spacing
+        self.can_crash = False
+        self.flying = np.ones(n, bool)
+        self.crashes = Crashes(*np.empty((3, 0), int), np.empty((0, start.dim)), np.empty(0, int))
         self.reach = 1.0
         self.tick = 0
         self.parameters = checked(Knobs, start.parameters)
@@ -61,6 +68,14 @@ class StubFlock:
 
     def set(self, **values) -> None:
         self.parameters = checked(Knobs, self.parameters.model_dump() | values)
+
+    @property
+    def aloft(self) -> StubFlock:
+        return self
+
+    @property
+    def reference(self) -> None:
+        return None
 
     def observe(self, _name: str) -> float:
         return 1.0

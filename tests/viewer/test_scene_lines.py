@@ -17,8 +17,9 @@ from app.viewer.scene.picking import picked
 from app.viewer.scene.picture import picture
 from app.viewer.scene.stage import Stage
 from app.viewer.scene.static_files import static_folder
+from app.viewer.scene.streaks import carried, chosen
 from app.viewer.scene.surroundings import floor_under, left_the_box
-from app.viewer.scene.trails import Trails, carried, chosen
+from app.viewer.scene.trails import Trails
 from worlds.world import World
 
 TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))

@@ -18,22 +18,26 @@ KEYS = {
     "2": "Camera: perspective",
     "3": "Camera: side",
     "F": "Camera: follow the clicked agent",
+    "B": "Camera: ride along on the clicked agent, and off again",
     "C": "Colour by the next quantity",
     "L": "Links on or off",
     "H": "Guide",
     "Z": "World: undo",
     "Y": "World: redo",
     "delete": "World: delete the selected obstacle",
-    "escape": "World: a click selects again",
+    "escape": "World: a click selects again; camera: the ride ends",
 }
-"""Key -> what it does; every one has an action in `add_hotkeys`."""
+"""Key -> what it does; every one has an action in some call of `add_hotkeys`."""
 
 
 def add_hotkeys(gui: viser.GuiApi, actions: dict[str, Callable[[viser.ClientHandle], Any]]) -> None:
-    """Give every key of KEYS its action, which takes the browser where it was pressed."""
-    for key, words in KEYS.items():
-        command: Any = gui.add_command(words, hotkey=key)  # type: ignore[arg-type]
-        command.on_trigger(triggered(actions[key]))
+    """Give keys of KEYS actions, which take the browser where they were pressed.
+
+    A key may have several actions.
+    """
+    for key, action in actions.items():
+        command: Any = gui.add_command(KEYS[key], hotkey=key)  # type: ignore[arg-type]
+        command.on_trigger(triggered(action))
 
 
 def triggered(action: Callable[[viser.ClientHandle], Any]) -> Callable:

@@ -8,9 +8,11 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.inspection import Inspection
+from agents.crashes import CAUSES, Crashes
+from agents.inspection import UNSEEN, Inspection
 from app.viewer.frame import Frame
 from app.viewer.panels.style import block, table
+from app.viewer.picture import SAVED
 from app.viewer.scene import palette
 from app.viewer.scene.reasons import PLACES, force_colours
 
@@ -54,9 +56,44 @@ def card(frame: Frame, seen: Inspection) -> str:
         rows["group"] = str(int(frame.group[seen.row]) + 1)
     rows["neighbours"] = str(len(seen.neighbours))
     kind = " · information agent" if frame.informed[seen.row] else ""
-    heard = pushed(seen) + listened(frame, seen)
+    crashed = frame.down[seen.row]
+    if crashed and frame.crashes is not None:
+        rows["crashed"] = html.escape(fate(frame.crashes, seen.row))
+    heard = "" if crashed else zoned(seen) + pushed(seen) + listened(frame, seen)
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
     return f'<div class="fs-head">Agent {seen.id}{kind}</div>{flock}{table(rows)}{heard}'
+
+
+def fate(crashes: Crashes, row: int) -> str:
+    """When and against what an agent crashed."""
+    (place,) = np.flatnonzero(crashes.row == row)
+    return f"tick {crashes.tick[place]}, {CAUSES[int(crashes.cause[place])]}"
+
+
+def zoned(seen: Inspection) -> str:
+    """How many neighbours are in each zone of its rule, and how many it does not see."""
+    if not seen.shells:
+        return ""
+    inner, rows = 0.0, ""
+    for index, shell in enumerate(seen.shells):
+        count = int(np.count_nonzero(seen.zone == index))
+        extent = f"{min(inner, shell.radius):g} – {shell.radius:g}"
+        rows += entry(palette.ZONES[index % len(palette.ZONES)], shell.name, extent, count)
+        inner = max(inner, shell.radius)
+    unseen = int(np.count_nonzero(seen.zone == UNSEEN))
+    rows += entry(palette.BLIND, "not noticed", "", unseen)
+    view = f'<span class="fs-quiet">sees {seen.view:g}°</span>' if seen.view < 360.0 else ""
+    return (
+        f'<div class="fs-head"><span>Zones</span>{view}</div><table class="fs-table">{rows}</table>'
+    )
+
+
+def entry(colour: np.ndarray, name: str, extent: str, count: int) -> str:
+    """A row of the table of zones."""
+    return (
+        f'<tr><td><i class="fs-dot fs-small" style="background:{palette.css(colour)}"></i>'
+        f"{html.escape(name)}</td><td>{extent}</td><td>{count}</td></tr>"
+    )
 
 
 def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
@@ -79,7 +116,10 @@ def signal_facts(signals: dict[str, float]) -> dict[str, str]:
         stem = name[:-2]
         if name.endswith("_y") and f"{stem}_x" in signals:
             continue
-        if name.endswith("_x") and f"{stem}_y" in signals:
+        if name == SAVED:
+            known = np.isfinite(value)
+            told["drag saved"] = f"{100.0 * value:+.1f} %" if known else "unknown"
+        elif name.endswith("_x") and f"{stem}_y" in signals:
             told[stem] = f"({value:.2f}, {signals[f'{stem}_y']:.2f})"
         else:
             told[name] = f"{value:.4g}" if np.isfinite(value) else "unknown"
@@ -122,7 +162,8 @@ def listened(frame: Frame, seen: Inspection) -> str:
     if not len(weights) or not total > 0:
         return '<div class="fs-quiet">It listens to nobody.</div>'
     rows = ""
-    for place in np.argsort(-weights)[:MOST_NEIGHBOURS]:
+    heard = int(np.count_nonzero(weights > 0.0))
+    for place in np.argsort(-weights)[: min(heard, MOST_NEIGHBOURS)]:
         share = 100 * weights[place] / total
         width = 100 * weights[place] / weights.max()
         rows += (
@@ -130,6 +171,6 @@ def listened(frame: Frame, seen: Inspection) -> str:
             f'<td style="width:60%"><div class="fs-weight" style="width:{width:.1f}%"></div></td>'
             f"<td>{share:.0f} %</td></tr>"
         )
-    more = len(weights) - MOST_NEIGHBOURS
+    more = heard - MOST_NEIGHBOURS
     rest = f'<tr><td colspan="3">and {more} more</td></tr>' if more > 0 else ""
     return f'<div class="fs-head">Listens to</div><table class="fs-table">{rows}{rest}</table>'

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import viser
 
-from app.viewer.scene import CAMERAS, COLOURINGS, Look
+from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.scene import CAMERAS, COLOURINGS, RIDE, STEP_OFF, Look
 
 
 class ViewPanel:
@@ -31,6 +32,17 @@ class ViewPanel:
             look.reach,
             hint="The interaction radius around the clicked agent, or the information agent",
         )
+        self.zones = gui.add_checkbox(
+            "Zones",
+            look.zones,
+            hint="The clicked agent's field of view and zones, if its rule has them; neighbours "
+            "take the colour of their zone, those it does not see are grey",
+        )
+        self.wake = gui.add_checkbox(
+            "Wake",
+            look.wake,
+            hint="The lines that birds' wing tips leave behind them: left cool, right warm",
+        )
         self.labels = gui.add_checkbox("Numbers", look.labels, hint="Each agent's number")
         self.mission = gui.add_checkbox(
             "Path & goal",
@@ -45,6 +57,11 @@ class ViewPanel:
             look.points,
             hint="Points along the obstacles' outlines: all that some models perceive of them",
         )
+        self.birds = gui.add_checkbox(
+            "Birds",
+            look.birds,
+            hint="In space: birds that bank and beat their wings, up to 3 000; off: darts",
+        )
         self.size = gui.add_slider("Agent size", 0.3, 3.0, 0.1, look.agent_size)
         self.shadows = gui.add_checkbox("Shadows", look.shadows, hint="Up to 2 000 agents")
         self.steer = gui.add_checkbox(
@@ -56,10 +73,28 @@ class ViewPanel:
             "Camera", CAMERAS, hint="For this browser only; follow goes after the clicked agent"
         )
         self.camera.on_click(self.pointed)
+        self.ride = gui.add_button(
+            "Ride along",
+            icon=viser.Icon.FEATHER,
+            color="gray",
+            hint="A camera on the clicked agent, for this browser only; again, or Esc, to get off",
+        )
+        self.ride.on_click(self.ridden)
+        add_hotkeys(
+            gui,
+            {
+                "B": lambda client: self.point(client, RIDE),
+                "escape": lambda client: self.point(client, STEP_OFF),
+            },
+        )
 
     async def pointed(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.point(event.client, event.target.value)
+
+    async def ridden(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            self.point(event.client, RIDE)
 
     def look(self) -> Look:
         """The drawing as the controls have it."""
@@ -69,10 +104,13 @@ class ViewPanel:
             trails=self.trails.value,
             trail_length=self.length.value,
             reach=self.reach.value,
+            zones=self.zones.value,
+            wake=self.wake.value,
             labels=self.labels.value,
             mission=self.mission.value,
             start=self.start.value,
             points=self.points.value,
+            birds=self.birds.value,
             agent_size=self.size.value,
             shadows=self.shadows.value,
         )

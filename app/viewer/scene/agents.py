@@ -1,4 +1,4 @@
-"""The agents: darts, or points when there are very many."""
+"""The agents: darts, in space birds, or points when there are very many."""
 
 from __future__ import annotations
 
@@ -6,10 +6,17 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene import tone
-from app.viewer.scene.picture import FEW_LEADERS, POINTS_BEYOND, Changes, Picture
+from app.viewer.scene.birds import Birds
+from app.viewer.scene.flight import Flight
+from app.viewer.scene.picture import (
+    FEW_LEADERS,
+    POINTS_BEYOND,
+    SHADOWS_UP_TO,
+    Changes,
+    Picture,
+)
 from app.viewer.scene.shapes import dart
 
-SHADOWS_UP_TO = 2_000
 POINT_SIZE = {2: 0.6, 3: 0.28}
 """Size of a point as a multiple of the length of a dart, by dimension."""
 
@@ -17,7 +24,8 @@ POINT_SIZE = {2: 0.6, 3: 0.28}
 class Agents:
     """The flock's own nodes in the scene."""
 
-    def __init__(self, scene: SceneApi, root: str = "") -> None:
+    def __init__(self, scene: SceneApi, root: str, flight: Flight) -> None:
+        self._birds = Birds(scene, root, flight)
         nowhere, level = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
         self._darts = scene.add_batched_meshes_simple(
             f"{root}/flock/darts",
@@ -43,8 +51,10 @@ class Agents:
     def draw(self, picture: Picture) -> Changes:
         count = len(picture.at)
         as_points = count > POINTS_BEYOND
+        rows, nobody = as_darts(picture), slice(0, 0)
         return [
-            *self._draw_darts(picture, as_darts(picture)),
+            *self._draw_darts(picture, nobody if picture.as_birds else rows),
+            *self._birds.draw(picture, rows if picture.as_birds else nobody),
             *(self._draw_points(picture) if as_points else []),
             (self._points, "visible", as_points),
         ]

@@ -1,6 +1,6 @@
 """Attitudes: unit quaternions (w, x, y, z) that turn an agent's nose, +x, onto its heading.
 
-No roll: the wings stay level, so left and right can be read at a glance.
+Without a roll the wings stay level, so left and right can be read at a glance.
 """
 
 from __future__ import annotations
@@ -32,6 +32,18 @@ def attitude(heading: np.ndarray) -> np.ndarray:
     wxyz[:, 2] = cos_a * sin_p
     wxyz[:, 3] = sin_a * cos_p
     return wxyz
+
+
+def rolled(wxyz: np.ndarray, roll: np.ndarray) -> np.ndarray:
+    """Quaternions (N, 4) after a roll (N,), rad, about the nose; right wing down above 0.
+
+    >>> rolled(attitude(np.array([[1.0, 0.0]])), np.array([0.0])).tolist()
+    [[1.0, 0.0, 0.0, 0.0]]
+    """
+    w, x, y, z = np.asarray(wxyz, dtype=float).T
+    c, s = np.cos(0.5 * roll), np.sin(0.5 * roll)
+    made = np.column_stack([c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y])
+    return made.astype(np.float32)
 
 
 def nose(wxyz: np.ndarray) -> np.ndarray:

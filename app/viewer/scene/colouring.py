@@ -8,11 +8,15 @@ from app.viewer.frame import Frame
 from app.viewer.scene import palette
 from app.viewer.scene.look import Look
 
+MOST_SAVED = 1.0
+"""Share of the induced drag, saved or paid, from which on colours are full."""
+
 
 def agent_colours(frame: Frame, look: Look) -> np.ndarray:
-    """Colours (N, 3), sRGB in [0, 1]; information agents always wear their own."""
+    """Colours (N, 3), sRGB in [0, 1]; information agents and the crashed always wear their own."""
     colours = _colours(frame, look)
     colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
+    colours[frame.down] = palette.CRASHED
     return colours
 
 
@@ -27,6 +31,8 @@ def _colours(frame: Frame, look: Look) -> np.ndarray:
             return _known(frame.layer, palette.by_layer, count)
         case "group":
             return _known(frame.group, palette.by_group, count)
+        case "energy saved":
+            return _known(frame.saved, lambda saved: palette.by_saving(saved, MOST_SAVED), count)
     return np.tile(palette.PLAIN, (count, 1))
 
 
@@ -39,6 +45,12 @@ def _known(labels: np.ndarray | None, colour, count: int) -> np.ndarray:
 
 def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
     """What the colours mean: (words, CSS colour), in reading order."""
+    crashed = [("crashed", palette.css(palette.CRASHED))] if frame.down.any() else []
+    return _legend(look, frame) + crashed
+
+
+def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
+    """What the colours of those that fly mean."""
     leader = [("information agent", palette.css(palette.LEADER))] if frame.informed.any() else []
     match look.colour:
         case "heading":
@@ -49,6 +61,8 @@ def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
             return _layer_legend(frame)
         case "group":
             return _group_legend(frame) + leader
+        case "energy saved":
+            return _saving_legend(frame) + leader
     return [("agent", palette.css(palette.PLAIN)), *leader]
 
 
@@ -71,6 +85,17 @@ def _speed_legend(full: float, unit: str) -> list[tuple[str, str]]:
     words = [f"{speed:.3g} {unit}" for speed in speeds]
     words[-1] += " or faster"
     return list(zip(words, map(palette.css, palette.by_speed(speeds, full)), strict=True))
+
+
+def _saving_legend(frame: Frame) -> list[tuple[str, str]]:
+    if frame.saved is None:
+        return [("not measured in this model", palette.css(palette.UNKNOWN))]
+    shares = np.array([-1.0, -0.5, 0.0, 0.5, 1.0]) * MOST_SAVED
+    words = [f"{100 * share:+.0f} %" if share else "0" for share in shares]
+    words[0] += " (pays)"
+    words[-1] += " of its induced drag"
+    colours = map(palette.css, palette.by_saving(shares, MOST_SAVED))
+    return [*zip(words, colours, strict=True), ("unknown", palette.css(palette.UNKNOWN))]
 
 
 def _layer_legend(frame: Frame) -> list[tuple[str, str]]:

@@ -1,4 +1,7 @@
-"""The inspected agent: a ring round it, lines to those it listens to, and how far it senses."""
+"""The inspected agent: a ring round it, lines to those it listens to, and how far it senses.
+
+Where its rule has zones, `zones.ZoneMarks` draws these instead of the lines and the reach.
+"""
 
 from __future__ import annotations
 
@@ -55,10 +58,12 @@ class InspectionMarks:
         )
 
     def draw(self, picture: Picture) -> Changes:
-        row = picture.inspected
-        changes = self._draw_ring(picture, row) + self._draw_heard(picture, row)
-        centre = row
-        if centre is None and picture.look.reach:
+        row, seen = picture.inspected, picture.frame.inspected
+        zoned = picture.look.zones and seen is not None and len(seen.shells) > 0
+        changes = self._draw_ring(picture, row)
+        changes += self._draw_heard(picture, None if zoned else row)
+        centre = None if zoned else row
+        if row is None and picture.look.reach:
             centre = picture.leader
         return changes + self._draw_reach(picture, centre)
 

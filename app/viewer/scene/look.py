@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-COLOURINGS = ("heading", "layer", "group", "speed", "plain")
+COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
 
 CAMERAS = ("top-down", "perspective", "side", "follow")
 """The preset points of view."""
+
+RIDE, STEP_OFF = "ride along", "step off"
+"""A camera on a bird, and back to where the camera was."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,10 @@ class Look:
     """How far back a trail reaches, ticks."""
     reach: bool = False
     """Draw the interaction radius around the inspected agent, or else around the leader."""
+    zones: bool = True
+    """Draw the field of view and the zones of the inspected agent, where its rule has them."""
+    wake: bool = False
+    """Draw where the wing tips of birds have been."""
     labels: bool = False
     """Write the identity beside each agent (small flocks)."""
     mission: bool = True
@@ -33,6 +40,8 @@ class Look:
     """Draw the region in which the mission starts."""
     points: bool = False
     """Draw the boundary points of obstacles (needs `Frame.points`)."""
+    birds: bool = True
+    """Draw the agents of a flock in space as birds (up to 3 000 of them)."""
     agent_size: float = 1.0
     """Size of the agents as a multiple of the size that suits their density."""
     shadows: bool = True

@@ -84,6 +84,16 @@ FORCES = np.array(
 )
 """The forces on an agent, in the order in which its rule names them."""
 
+ZONES = np.array([srgb("#d1352b"), srgb("#f0a80e"), srgb("#1b7fc4"), srgb("#12a08a")])
+"""The zones of a rule from the inside out; told apart by their lightness too."""
+BLIND = srgb("#7b8794")
+"""What an agent does not notice."""
+COOL, WARM = srgb("#1d78b5"), srgb("#e07b16")
+"""The left and the right line of a bird's wake."""
+CRASHED = srgb("#a3706c")
+CRASH = srgb("#c9302c")
+"""The place of a crash that has just happened."""
+
 _HUES = 360
 _RISES = 33
 _SMOOTH = 25
@@ -111,7 +121,18 @@ def _speed_table() -> np.ndarray:
     return oklch(0.80 - 0.25 * t, 0.09 + 0.14 * t, hue)
 
 
+def _saving_table() -> np.ndarray:
+    """(257, 3): orange where it costs, over pale grey at 0, to deep teal where it is saved."""
+    t = np.linspace(-1.0, 1.0, 257)
+    strength = np.abs(t) ** 0.8
+    hue = np.deg2rad(np.where(t < 0.0, 48.0, 205.0))
+    lightness = 0.86 - np.where(t < 0.0, 0.23, 0.36) * strength
+    chroma = np.where(t < 0.0, 0.18, 0.105) * strength
+    return oklch(lightness, chroma, hue)
+
+
 HEADINGS = _heading_table()
+SAVINGS = _saving_table()
 SPEEDS = _speed_table()
 
 
@@ -129,6 +150,18 @@ def by_speed(speed: np.ndarray, full: float) -> np.ndarray:
     """Speeds (N,) -> colours (N, 3), the last of the table from `full` on."""
     share = np.clip(speed / full if full > 0.0 else np.zeros_like(speed), 0.0, 1.0)
     return SPEEDS[np.rint(255.0 * share).astype(int)]
+
+
+def by_zone(zone: np.ndarray) -> np.ndarray:
+    """Zones (N,) from the inside out, below 0 unnoticed -> colours (N, 3)."""
+    return np.where((zone < 0)[:, None], BLIND, ZONES[zone % len(ZONES)])
+
+
+def by_saving(saved: np.ndarray, full: float) -> np.ndarray:
+    """Shares (N,) saved, NaN unknown -> colours (N, 3), the last of the table from +-full on."""
+    known = np.isfinite(saved)
+    share = np.clip(np.where(known, saved, 0.0) / full, -1.0, 1.0)
+    return np.where(known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
 
 
 def by_layer(layer: np.ndarray) -> np.ndarray:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from viser import SceneApi
 
 from app.viewer.scene.agents import Agents
+from app.viewer.scene.crashes import CrashMarks
+from app.viewer.scene.flight import Flight
 from app.viewer.scene.halos import Halos
 from app.viewer.scene.inspection import InspectionMarks
 from app.viewer.scene.labels import Labels
@@ -16,7 +18,9 @@ from app.viewer.scene.points import BoundaryPoints
 from app.viewer.scene.reasons import Reasons
 from app.viewer.scene.surroundings import Surroundings
 from app.viewer.scene.trails import Trails
+from app.viewer.scene.wake import Wake
 from app.viewer.scene.walls import Walls
+from app.viewer.scene.zones import ZoneMarks
 
 
 class Parts:
@@ -24,15 +28,19 @@ class Parts:
 
     def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._room = (Surroundings(scene, root), Walls(scene, root), Obstacles(scene, root))
+        self._flight = Flight()
         self._flock = (
-            Agents(scene, root),
+            Agents(scene, root, self._flight),
             Halos(scene, root),
             Labels(scene, root),
             Links(scene, root),
             Trails(scene, root),
+            Wake(scene, root, self._flight),
             MissionMarks(scene, root),
             BoundaryPoints(scene, root),
+            CrashMarks(scene, root),
             InspectionMarks(scene, root),
+            ZoneMarks(scene, root),
             Reasons(scene, root),
         )
 
@@ -47,4 +55,6 @@ class Parts:
 
     def draw_flock(self, picture: Picture) -> Changes:
         """What is to be changed for this frame."""
+        if picture.as_birds:
+            self._flight.follow(picture)
         return [change for part in self._flock for change in part.draw(picture)]

@@ -17,6 +17,10 @@ from app.viewer.scene.stage import Stage
 
 POINTS_BEYOND = 10_000
 """More agents than this are drawn as points."""
+BIRDS_UP_TO = 3_000
+"""More agents than this are darts in space too."""
+SHADOWS_UP_TO = 2_000
+"""More agents than this cast no shadows."""
 
 Changes = list[tuple[Any, str, Any]]
 """Node handle, property, new value: collected first, then assigned in one go."""
@@ -39,6 +43,11 @@ class Picture:
     """Length of a common agent."""
     size: np.ndarray
     """Length of each agent as a multiple of `length`, (N,)."""
+
+    @property
+    def as_birds(self) -> bool:
+        """Whether the agents are drawn as birds, which bank and beat their wings."""
+        return as_birds(len(self.at), self.stage.dim, self.look)
 
     @property
     def backdrop(self) -> np.ndarray:
@@ -76,8 +85,18 @@ CLOSE = {2: 0.35, 3: 0.8}
 """Length of an agent of a flock that starts close together, as a multiple of its mean spacing."""
 LEAST_LENGTH = 0.012
 """Length of an agent of a close flock as a multiple of the world's longest side, at least."""
+LYING = 0.09
+"""How high the middle of one that lies on the floor is, as a multiple of its length."""
+KEPT = 1.15
+"""Length of an agent in space as a multiple of the distance that they keep, at most; but not less
+than half of what it would be without."""
 INSPECTED_SIZE = 1.45
 DIMMED = 0.72
+
+
+def as_birds(count: int, dim: int, look: Look) -> bool:
+    """Whether a flock of so many agents is drawn as birds: in space, if they are not too many."""
+    return dim == 3 and look.birds and count <= BIRDS_UP_TO
 
 
 def agent_length(frame: Frame, stage: Stage) -> float:
@@ -88,7 +107,9 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     """
     count = len(frame.position)
     if frame.room is None:
-        return dart_length(count, stage.half)
+        common = dart_length(count, stage.half)
+        kept = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
+        return float(np.clip(kept, 0.5 * common, common))
     half = np.zeros(3)
     half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])
     packed = min(CLOSE[stage.dim] * spacing(count, half), frame.reach * stage.scale)
@@ -105,12 +126,25 @@ def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
         least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
         size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
     colour = agent_colours(frame, look)
-    made = Picture(frame, look, stage, at, attitude(frame.heading), colour, length, size)
+    down = frame.down
+    heading = laid(frame.heading, down)
+    made = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
     if made.inspected is not None:
         _single_out(made)
     if stage.dim == 2:
         at[:, 2] = 0.22 * length * size
+    else:
+        at[down, 2] += LYING * length * size[down]
     return made
+
+
+def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
+    """Headings (N, dim) with those level that have crashed, `down` (N,) bool."""
+    if heading.shape[1] == 2 or not down.any():
+        return heading
+    level = heading.copy()
+    level[down, 2] = 0.0
+    return level
 
 
 def _single_out(made: Picture) -> None:
@@ -124,6 +158,8 @@ def _single_out(made: Picture) -> None:
     kept[inspected.row] = True
     kept |= made.frame.informed
     made.colour[~kept] = dimmed[~kept]
+    if len(inspected.zone) and made.look.zones:
+        made.colour[near] = palette.by_zone(inspected.zone)
     made.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
     made.size[inspected.row] *= INSPECTED_SIZE
 

@@ -88,12 +88,19 @@ class Scene:
         self._gizmo.show(visible)
 
     def camera(self, client: ClientHandle, name: str) -> None:
-        """Give one browser a preset point of view, one of `CAMERAS`."""
+        """Give one browser a preset point of view, one of `CAMERAS`, or `RIDE` or `STEP_OFF`.
+
+        `RIDE` while riding steps off too; `STEP_OFF` while not riding changes nothing.
+        """
         self._viewpoints.place(client, name)
 
     def follow(self, client: ClientHandle, row: int | None) -> None:
         """Let one browser's camera follow the agent in `row`, or nobody."""
         self._viewpoints.follow(client, row)
+
+    def ride(self, client: ClientHandle, row: int | None) -> None:
+        """Let one browser's camera ride on the agent in `row`; None changes nothing."""
+        self._viewpoints.ride(client, row)
 
     async def _click(self, event: SceneClickEvent) -> None:
         origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)

@@ -1,112 +1,23 @@
-"""Where the agents have been: lines that fade with age and break at the seams.
-
-Past positions are kept for at most `MOST_AGENTS` agents, about `KNOTS` a trail. The older part is
-sent only when a knot is added; each frame sends no more than the stretch from the last knot.
-"""
+"""Where the agents have been."""
 
 from __future__ import annotations
 
-import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene import tone
-from app.viewer.scene.lines import add_lines, segments
 from app.viewer.scene.picture import Changes, Picture
-from app.viewer.scene.seam import jumps
+from app.viewer.scene.streaks import Streaks, chosen
 
-KNOTS = 16
 MOST_AGENTS = 800
-FAINTEST, STRONGEST = 0.80, 0.20
-"""Share of the backdrop in the colour of a trail at its old and at its new end."""
 
 
-class Trails:
-    """The trails of one run; forgotten when the run changes or trails are switched off."""
+class Trails(Streaks):
+    """A line behind each agent, or of very many agents behind some."""
 
     def __init__(self, scene: SceneApi, root: str = "") -> None:
-        self._old = add_lines(scene, f"{root}/flock/trails/old", thickness=1.0, many_coloured=True)
-        self._young = add_lines(
-            scene, f"{root}/flock/trails/young", thickness=1.8, many_coloured=True
-        )
-        self._tip = add_lines(scene, f"{root}/flock/trails/tip", thickness=2.2, many_coloured=True)
-        self.clear()
-
-    def clear(self) -> None:
-        self._run: tuple[int, int] | None = None
-        self._ids = np.empty(0, dtype=int)
-        self._ticks: list[int] = []
-        self._knots: list[np.ndarray] = []
+        super().__init__(scene, f"{root}/flock/trails")
 
     def draw(self, picture: Picture) -> Changes:
         if not picture.look.trails or picture.look.trail_length < 1:
-            self.clear()
-            return [(lines, "visible", False) for lines in (self._old, self._young, self._tip)]
+            return self.hide()
         rows = chosen(picture.frame.informed, MOST_AGENTS)
-        added = self._remember(picture, rows)
-        changes = self._draw_tip(picture, rows)
-        return changes + self._draw_history(picture, rows) if added else changes
-
-    def _remember(self, picture: Picture, rows: np.ndarray) -> bool:
-        """Add a knot when the last is old enough; True if the history changed."""
-        frame, here = picture.frame, picture.at[rows]
-        run = (frame.run, frame.dim)
-        if self._run != run or (self._ticks and frame.tick < self._ticks[-1]):
-            self.clear()
-            self._run = run
-        ids = frame.ids[rows]
-        if not np.array_equal(ids, self._ids):
-            self._knots = [carried(knot, self._ids, ids) for knot in self._knots]
-            self._ids = ids.copy()
-        elif self._ticks and frame.tick - self._ticks[-1] < picture.look.trail_length / KNOTS:
-            return False
-        if self._ticks and self._ticks[-1] == frame.tick:
-            self._knots[-1] = here
-        else:
-            self._ticks.append(frame.tick)
-            self._knots.append(here)
-        while self._ticks[0] < frame.tick - picture.look.trail_length:
-            del self._ticks[0], self._knots[0]
-        return True
-
-    def _draw_history(self, picture: Picture, rows: np.ndarray) -> Changes:
-        knots = np.stack(self._knots)
-        points = np.stack([knots[:-1], knots[1:]], axis=2)
-        kept = ~jumps(points[:, :, 0], points[:, :, 1], picture.stage.period)
-        kept &= np.isfinite(points).all(axis=(2, 3))
-        age = (picture.frame.tick - np.array(self._ticks)) / picture.look.trail_length
-        share = STRONGEST + (FAINTEST - STRONGEST) * np.clip(age, 0.0, 1.0)
-        colour = picture.colour[rows]
-        faded = picture.mixed(colour, share[:, None, None])
-        colours = tone.unlit(np.stack([faded[:-1], faded[1:]], axis=2))
-        half = len(points) // 2
-        old, young = slice(None, half), slice(half, None)
-        return segments(self._old, points[old][kept[old]], colours[old][kept[old]]) + segments(
-            self._young, points[young][kept[young]], colours[young][kept[young]]
-        )
-
-    def _draw_tip(self, picture: Picture, rows: np.ndarray) -> Changes:
-        here = picture.at[rows]
-        points = np.stack([self._knots[-1], here], axis=1)
-        kept = ~jumps(points[:, 0], points[:, 1], picture.stage.period)
-        kept &= np.isfinite(points).all(axis=(1, 2))
-        colours = tone.unlit(picture.mixed(picture.colour[rows], STRONGEST))
-        return segments(self._tip, points[kept], np.repeat(colours[kept][:, None], 2, axis=1))
-
-
-def chosen(informed: np.ndarray, most: int) -> np.ndarray:
-    """Rows whose trails are drawn: all, or evenly spaced ones and the first information agents."""
-    count = len(informed)
-    if count <= most:
-        return np.arange(count)
-    even = np.linspace(0, count - 1, most).astype(int)
-    return np.union1d(even, np.flatnonzero(informed)[: most // 4])
-
-
-def carried(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:
-    """Positions (M, 3) of the identities `before` for the identities `now`; NaN for new ones."""
-    if not len(before):
-        return np.full((len(now), 3), np.nan)
-    order = np.argsort(before)
-    place = np.minimum(np.searchsorted(before, now, sorter=order), len(before) - 1)
-    row = order[place]
-    return np.where((before[row] == now)[:, None], knot[row], np.nan)
+        return self.follow(picture, picture.frame.ids[rows], picture.at[rows], picture.colour[rows])

@@ -10,7 +10,9 @@ import numpy as np
 from viser import ClientHandle, ViserServer
 
 from app.viewer.scene.camera import View, view
+from app.viewer.scene.look import RIDE, STEP_OFF
 from app.viewer.scene.picture import Picture
+from app.viewer.scene.ride import Ride
 from app.viewer.scene.stage import Stage
 
 GLIDE = 0.25
@@ -37,6 +39,8 @@ class Viewpoints:
         self._lock = threading.Lock()
         self._followed: dict[int, tuple[int, int]] = {}
         """Client -> which of the flocks, and identity of the agent its camera follows."""
+        self._riders: dict[int, Ride] = {}
+        """Client -> the ride that it is on."""
         self._sights: tuple[Sight, ...] = ()
         self._entered: tuple[Stage, int] | None = None
         """The stage, and the number of flocks, that the cameras were last pointed at."""
@@ -45,26 +49,31 @@ class Viewpoints:
         server.on_client_disconnect(self._farewell)
 
     def place(self, client: ClientHandle, name: str) -> None:
-        """Give one browser the preset `name`."""
+        """Give one browser the preset `name`, or let it get on a bird or off it."""
         if not self._sights:
             return
-        if name == "follow":
-            looked_at = [one.picture.inspected is not None for one in self._sights]
-            side = looked_at.index(True) if any(looked_at) else 0
-            self.follow(client, _worth_following(self._sights[side].picture), side)
+        if name in (RIDE, STEP_OFF):
+            with self._lock:
+                ride = self._riders.pop(client.client_id, None)
+            if ride is not None:
+                _set(client, ride.before)
+            elif name == RIDE:
+                self.ride(client, *self._worth_following())
             return
-        self.follow(client, None)
+        if name == "follow":
+            self.follow(client, *self._worth_following())
+            return
+        self._forget(client)
         low, high = whole(self._sights)
         _set(client, view(name, self._sights[0].picture.stage.dim, low, high, _aspect(client)))
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Keep the agent now in `row` of the flock `side` in view, or let go of it with None."""
+        self._forget(client)
         if row is None or side >= len(self._sights):
-            self._forget(client)
             return
         picture, aside = self._sights[side]
         if not 0 <= row < len(picture.at):
-            self._forget(client)
             return
         at = picture.at[row] + aside
         low, high = at - CLOSE_UP, at + CLOSE_UP
@@ -74,19 +83,31 @@ class Viewpoints:
         with self._lock:
             self._followed[client.client_id] = side, int(picture.frame.ids[row])
 
+    def ride(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
+        """Put one browser's camera behind the agent now in `row` of the flock `side`."""
+        if row is None or not 0 <= row < len(self._sights[side].picture.at):
+            return
+        self._forget(client)
+        camera = client.camera
+        before = View(camera.position.copy(), camera.look_at.copy(), camera.fov)
+        ride = Ride(self._sights[side].picture, row, self._sights[side].aside, side, before)
+        _set(client, ride.view)
+        with self._lock:
+            self._riders[client.client_id] = ride
+
     def update(self, sights: tuple[Sight, ...]) -> None:
         """Take in a new frame: welcome a new world, and move the cameras that follow."""
         self._sights = sights
         now = time.monotonic()
-        share = 1.0 - float(np.exp(-(now - self._last) / GLIDE))
-        self._last = now
         clients = self._server.get_clients()
         entered = sights[0].picture.stage, len(sights)
         if entered != self._entered:
             self._entered = entered
             self._enter(list(clients.values()))
         with self._lock:
-            followed = dict(self._followed)
+            followed, riders = dict(self._followed), dict(self._riders)
+        passed, self._last = now - self._last, now
+        share = 1.0 - float(np.exp(-passed / GLIDE))
         for client_id, (side, identity) in followed.items():
             if client_id not in clients or side >= len(sights):
                 continue
@@ -94,6 +115,14 @@ class Viewpoints:
             rows = np.flatnonzero(picture.frame.ids == identity)
             if len(rows):
                 _glide(clients[client_id], picture, picture.at[rows[0]] + aside, share)
+        for client_id, ride in riders.items():
+            if client_id not in clients:
+                continue
+            if ride.side < len(sights) and ride.move(*sights[ride.side], passed):
+                _set(clients[client_id], ride.view)
+            else:
+                self._forget(clients[client_id])
+                _set(clients[client_id], ride.before)
 
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
@@ -113,8 +142,16 @@ class Viewpoints:
         self._forget(client)
 
     def _forget(self, client: ClientHandle) -> None:
+        """Neither follow nor ride on anybody any more."""
         with self._lock:
             self._followed.pop(client.client_id, None)
+            self._riders.pop(client.client_id, None)
+
+    def _worth_following(self) -> tuple[int | None, int]:
+        """The inspected agent, else the leader, else the first; and which flock it is in."""
+        looked_at = [one.picture.inspected is not None for one in self._sights]
+        side = looked_at.index(True) if any(looked_at) else 0
+        return _worth_following(self._sights[side].picture), side
 
 
 def _first(picture: Picture) -> str:

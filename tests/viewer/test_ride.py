@@ -1,0 +1,225 @@
+"""Riding along: a camera on an agent, by itself and in the hands of a browser."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from agents.inspection import Inspection
+from app.viewer.frame import Frame
+from app.viewer.scene import RIDE, STEP_OFF, Look
+from app.viewer.scene.camera import View
+from app.viewer.scene.picture import Picture, picture
+from app.viewer.scene.ride import BEHIND, STEEPEST, Ride, straightened
+from app.viewer.scene.stage import Stage
+from app.viewer.scene.viewpoints import Sight, Viewpoints
+from worlds.world import World
+
+HERE = np.zeros(3)
+BEFORE = View(np.array([9.0, 0.0, 5.0]), HERE, 0.8)
+LONG = 1e3
+"""Seconds after which nothing is left to catch up with."""
+
+
+def frame(dim: int, position: np.ndarray, heading: np.ndarray, **changes) -> Frame:
+    known = {
+        "run": 1,
+        "tick": 0,
+        "world": World("wrap", (20.0,) * dim, ("wrap",) * dim),
+        "reach": 5.0,
+        "speed_scale": 3.0,
+        "position": np.atleast_2d(position),
+        "heading": np.atleast_2d(heading),
+        "speed": np.ones(len(np.atleast_2d(position))),
+        "informed": np.zeros(len(np.atleast_2d(position)), bool),
+        "ids": np.arange(1, len(np.atleast_2d(position)) + 1),
+    }
+    return Frame(**(known | changes))
+
+
+def shown(one: Frame) -> Picture:
+    return picture(one, Look(), Stage.of(one))
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_camera_is_behind_and_over_the_agent_and_looks_ahead(dim):
+    ahead = np.eye(dim)[1]
+    made = shown(frame(dim, np.full(dim, 10.0), ahead))
+    ride = Ride(made, 0, HERE, 0, BEFORE)
+    back = ride.view.position - made.at[0]
+    assert back[1] == pytest.approx(-BEHIND[dim] * made.length)
+    assert back[0] == pytest.approx(0.0, abs=1e-12)
+    assert back[2] > 0.0
+    looks = ride.view.target - ride.view.position
+    assert looks[1] > 0.0 > looks[2]
+
+
+def test_it_catches_up_with_place_and_heading():
+    east, north = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    ride = Ride(shown(frame(3, [5.0, 5.0, 10.0], east)), 0, HERE, 0, BEFORE)
+    there = shown(frame(3, [7.0, 6.0, 11.0], north))
+    gaps = []
+    for _ in range(30):
+        assert ride.move(there, HERE, 1 / 40)
+        gaps.append(np.linalg.norm(ride._place - there.at[0]))
+    assert all(later < earlier for earlier, later in pairwise(gaps))
+    ride.move(there, HERE, LONG)
+    at_once = Ride(there, 0, HERE, 0, BEFORE)
+    assert ride.view.position == pytest.approx(at_once.view.position)
+    assert ride.view.target == pytest.approx(at_once.view.target)
+
+
+def test_through_a_seam_the_camera_goes_with_its_agent():
+    east = np.array([1.0, 0.0, 0.0])
+    last = shown(frame(3, [19.9, 5.0, 10.0], east))
+    ride = Ride(last, 0, HERE, 0, BEFORE)
+    before = ride.view.position - last.at[0]
+    after = shown(frame(3, [0.1, 5.0, 10.0], east))
+    ride.move(after, HERE, 1e-9)
+    moved = np.array([-0.2 * after.stage.scale, 0.0, 0.0])
+    assert ride.view.position - after.at[0] == pytest.approx(before + moved, abs=1e-6)
+
+
+def test_it_stays_upright_and_above_the_floor_when_the_agent_crashes():
+    dive = np.array([0.0, 0.0, -1.0])
+    made = shown(frame(3, [10.0, 10.0, 0.3], dive))
+    ride = Ride(made, 0, HERE, 0, BEFORE)
+    looks = ride.view.target - ride.view.position
+    assert np.hypot(*looks[:2]) > 0.3 * np.linalg.norm(looks)
+    down = replace(made.frame, position=np.array([[10.0, 10.0, 0.0]]), flying=np.array([False]))
+    ahead = ride._ahead
+    assert ride.move(shown(down), HERE, LONG)
+    assert np.array_equal(ride._ahead, ahead)
+    assert ride.view.position[2] > made.stage.floor
+
+
+def test_headings_are_straightened_to_the_steepest():
+    assert straightened(np.array([0.0, 1.0])).tolist() == [0.0, 1.0, 0.0]
+    steep = straightened(np.array([0.1, 0.0, 0.995]))
+    assert np.arcsin(steep[2]) == pytest.approx(STEEPEST)
+    assert np.linalg.norm(straightened(np.array([0.0, 0.0, 1.0]))) == pytest.approx(1.0)
+    level = np.array([0.6, 0.0, -0.8]) * 0.5
+    assert straightened(level) == pytest.approx([np.cos(STEEPEST), 0.0, -np.sin(STEEPEST)])
+    assert straightened(np.array([0.8, 0.0, 0.6])) == pytest.approx([0.8, 0.0, 0.6])
+
+
+def test_an_agent_that_is_gone_ends_the_ride():
+    made = shown(frame(2, [[5.0, 5.0], [6.0, 6.0]], np.tile([1.0, 0.0], (2, 1))))
+    ride = Ride(made, 1, HERE, 0, BEFORE)
+    assert ride.move(shown(replace(made.frame, ids=np.array([2, 7]))), HERE, LONG)
+    assert ride._seen == pytest.approx(made.at[0])
+    assert not ride.move(shown(replace(made.frame, ids=np.array([1, 7]))), HERE, LONG)
+
+
+class Browser:
+    """Stands for one of viser's clients."""
+
+    def __init__(self, number: int) -> None:
+        self.client_id = number
+        self.camera = SimpleNamespace(
+            position=np.array([1.0, 2.0, 3.0]),
+            look_at=np.array([0.5, 0.0, 0.0]),
+            fov=0.6,
+            image_width=800,
+            image_height=600,
+        )
+
+    def atomic(self):
+        return self
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+class Server:
+    """Stands for viser's server."""
+
+    def __init__(self, browsers: list[Browser]) -> None:
+        self.browsers = {one.client_id: one for one in browsers}
+        self.initial_camera = SimpleNamespace()
+
+    def on_client_connect(self, _callback) -> None: ...
+
+    def on_client_disconnect(self, _callback) -> None: ...
+
+    def get_clients(self) -> dict[int, Browser]:
+        return self.browsers
+
+
+@pytest.fixture
+def two():
+    browsers = [Browser(1), Browser(2)]
+    seen = Inspection(2, 1, np.empty(0, int), np.empty((0, 3)), np.empty(0), {})
+    ahead = np.tile([1.0, 0.0, 0.0], (2, 1))
+    one = frame(3, [[5.0, 5.0, 5.0], [9.0, 9.0, 9.0]], ahead, inspected=seen)
+    viewpoints = Viewpoints(Server(browsers))
+    viewpoints.update((Sight(shown(one), HERE),))
+    return browsers, viewpoints, one
+
+
+def pose(browser: Browser) -> list[float]:
+    return [*browser.camera.position, *browser.camera.look_at, browser.camera.fov]
+
+
+def test_only_the_rider_moves_and_comes_back_to_where_it_was(two):
+    (rider, other), viewpoints, one = two
+    start, elsewhere = pose(rider), pose(other)
+    viewpoints.place(rider, RIDE)
+    on = pose(rider)
+    assert on != start
+    at = shown(one).at[1]
+    assert np.linalg.norm(rider.camera.position - at) < 3.0
+    later = replace(one, tick=1, position=one.position + 1.0)
+    viewpoints.update((Sight(shown(later), HERE),))
+    assert pose(rider) != on
+    assert pose(other) == elsewhere
+    viewpoints.place(rider, RIDE)
+    assert pose(rider) == pytest.approx(start)
+    viewpoints.update((Sight(shown(replace(one, tick=2)), HERE),))
+    assert pose(rider) == pytest.approx(start)
+
+
+def test_escape_ends_a_ride_and_nothing_else(two):
+    (rider, _), viewpoints, one = two
+    start = pose(rider)
+    viewpoints.place(rider, STEP_OFF)
+    assert pose(rider) == start
+    viewpoints.place(rider, RIDE)
+    viewpoints.place(rider, STEP_OFF)
+    assert pose(rider) == pytest.approx(start)
+    viewpoints.place(rider, "follow")
+    close = pose(rider)
+    viewpoints.place(rider, STEP_OFF)
+    for tick in range(1, 40):
+        moved = replace(one, tick=tick, position=one.position + 0.1 * tick)
+        viewpoints.update((Sight(shown(moved), HERE),))
+        viewpoints._last -= 0.1
+    assert pose(rider) != close
+
+
+def test_a_preset_ends_a_ride(two):
+    (rider, _), viewpoints, one = two
+    viewpoints.place(rider, RIDE)
+    viewpoints.place(rider, "top-down")
+    above = pose(rider)
+    viewpoints.update((Sight(shown(replace(one, tick=1, position=one.position + 1.0)), HERE),))
+    assert pose(rider) == above
+
+
+def test_a_ride_goes_on_after_a_crash_and_ends_with_the_agent(two):
+    (rider, _), viewpoints, one = two
+    start = pose(rider)
+    viewpoints.place(rider, RIDE)
+    fell = one.position - np.array([0.0, 0.0, 5.0])
+    down = replace(one, tick=1, position=fell, flying=np.array([True, False]))
+    viewpoints._last -= LONG
+    viewpoints.update((Sight(shown(down), HERE),))
+    assert np.linalg.norm(rider.camera.position - shown(down).at[1]) < 3.0
+    gone = frame(3, [5.0, 5.0, 5.0], [1.0, 0.0, 0.0], tick=2)
+    viewpoints.update((Sight(shown(gone), HERE),))
+    assert pose(rider) == pytest.approx(start)
