@@ -238,7 +238,8 @@ class Motion:
         names = self.model.columns
         if name not in names:
             raise unknown("signal", name, names)
-        values = self.signals()[names.index(name)]
+        told = name not in self.model.body.measures  # what is measured is there already
+        values = (self.signals() if told else self._memory)[names.index(name)]
         return np.where(np.isinf(values), len(values) + 1.0, values)
 
 

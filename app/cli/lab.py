@@ -41,6 +41,17 @@ def lab(
             help=f"{', '.join(layout_names())}, or a TOML file; by default the model's own."
         ),
     ] = None,
+    activation: Annotated[
+        str | None, typer.Option(help="synchronous, or agents in turn: random, sequential.")
+    ] = None,
+    spacing: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0,
+            help="Least distance at the start, between agents and to what is solid; by default the "
+            "model's own.",
+        ),
+    ] = None,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
@@ -65,6 +76,8 @@ def lab(
         seed=seed,
         dim=dim,
         world=world,
+        activation=activation,
+        spacing=spacing,
         threads=threads,
         parameters=own,
         beside=beside,

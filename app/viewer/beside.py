@@ -101,6 +101,7 @@ def companion(start: Start, first: Flock) -> Flock:
             activation=first.activation,
             noise=first.noise,
             rng=first.seed,
+            spacing=first.spacing,
             threads=first.threads,
             start=arrays,
             **(given | start.beside_parameters),
@@ -117,9 +118,16 @@ class Pair(Run):
 
     second: Run
 
-    def __init__(self, flock: Flock, second: Flock, number: int, wanted: Wanted):
-        self.second = Run(second, number, Wanted())
-        super().__init__(flock, number, wanted)
+    def __init__(
+        self,
+        flock: Flock,
+        second: Flock,
+        number: int,
+        wanted: Wanted,
+        watched: frozenset[str] = frozenset(),
+    ):
+        self.second = Run(second, number, Wanted(), watched)
+        super().__init__(flock, number, wanted, watched)
         self.shared = shared(by_name(type(flock.parameters)), by_name(type(second.parameters)))
         self.owed = 0.0
         """Part of a tick of the second flock by which it is behind the first."""
@@ -166,6 +174,13 @@ class Pair(Run):
         """Raise what the second flock had trouble with, named."""
         with named(self.second.flock):
             raise trouble
+
+    def allowed(self, name: str, value: Any, beside: bool = False) -> Any:
+        """The value nearest to the wanted one that keeps the zones in order, of both if shared."""
+        if beside:
+            return self.second.allowed(name, value)
+        value = super().allowed(name, value)
+        return self.second.allowed(name, value) if name in self.shared else value
 
     def set(self, name: str, value: Any, beside: bool = False) -> None:
         """Give a parameter a value, in both flocks if they share it. Refused by one, by both."""

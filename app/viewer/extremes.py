@@ -25,9 +25,12 @@ class Extremes:
 
     @property
     def wanted(self) -> bool:
-        """Whether the flock is watched: few agents, on a mission or among what is solid."""
+        """Whether the flock is watched: few agents, on a mission or among what is solid.
+
+        Where agents crash there is no need: the crashes tell how close they came.
+        """
         world = self.flock.world
-        few = len(self.flock.ids) <= MOST_AGENTS
+        few = len(self.flock.ids) <= MOST_AGENTS and not self.flock.can_crash
         return few and (world.mission is not None or world.is_solid)
 
     def run(self, ticks: int) -> None:

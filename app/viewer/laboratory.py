@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import queue
 import time
 
 import numpy as np
@@ -12,11 +10,14 @@ import viser
 from app.viewer.drawing import Drawing
 from app.viewer.editing.layout_file import LARGEST
 from app.viewer.frame import Frame
+from app.viewer.notices import Notices
+from app.viewer.panels.crashes import CrashLists
 from app.viewer.panels.downloads import Downloads
 from app.viewer.panels.guide import Guide
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.inspector import Inspector
 from app.viewer.panels.monitors import Monitors
+from app.viewer.panels.more import MoreNumbers
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.plots import Plots
 from app.viewer.panels.run import RunPanel
@@ -25,10 +26,13 @@ from app.viewer.panels.style import CSS
 from app.viewer.panels.view import ViewPanel
 from app.viewer.panels.world import WorldPanel
 from app.viewer.picture import Wanted
+from app.viewer.readings import Readings
 from app.viewer.scene import COLOURINGS, Look, Scene
 from app.viewer.server import close_server, open_server
 from app.viewer.simulation import Simulation
 from app.viewer.start import Start, lively_speed
+from app.viewer.state import State
+from app.viewer.steering import leader, usable_pose
 from app.viewer.uploads import accept_uploads
 from app.viewer.values import show
 
@@ -55,10 +59,12 @@ class Laboratory:
         self.host = host
         start = start or Start()
         self.simulation = Simulation(start, speed or lively_speed(start), running)
+        self.notices = Notices(self.server, self.simulation.notices)
         self.scene = Scene(self.server)
         self.selected: int | None = None
         self.selected_beside = False
         self.wanted = Wanted()
+        self.watched: frozenset[str] = frozenset()
         self.furnish()
         self.listen()
         self.drawing = Drawing(self.scene, self.latest, self.browsers, self.want, self.refresh)
@@ -108,6 +114,8 @@ class Laboratory:
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
             self.monitors = Monitors(gui)
             self.plots = Plots(gui)
+            self.crashes = CrashLists(gui, self.show_crash)
+            self.more = MoreNumbers(gui)
         left.dock_left()
         left.set_width(310)
         gui.main_panel.dock_right()
@@ -189,7 +197,7 @@ class Laboratory:
     def point(self, client: viser.ClientHandle, camera: str) -> None:
         """Point one browser's camera."""
         if camera == "follow" and self.selected is not None:
-            self.scene.follow(client, self.selected)
+            self.scene.follow(client, self.selected, int(self.selected_beside))
         else:
             self.scene.camera(client, camera)
 
@@ -208,31 +216,20 @@ class Laboratory:
 
         client.camera.on_update(reshaped)
 
-    def leader(self) -> int | None:
-        """Row of the information agent; None if there is none."""
-        frame = self.simulation.frame
-        if frame is None or not frame.informed.any():
-            return None
-        return int(np.argmax(frame.informed))
-
     def steer(self, position: np.ndarray, heading: np.ndarray) -> None:
         """Put the information agent where it was dragged, within the world."""
-        frame, row = self.simulation.frame, self.leader()
+        frame = self.simulation.frame
+        row = leader(frame)
         if frame is None or row is None:
             return
-        position, heading = np.asarray(position, float), np.asarray(heading, float)
-        length = float(np.linalg.norm(heading))
-        if position.shape != (frame.dim,) or heading.shape != (frame.dim,):
-            return
-        if not np.isfinite(position).all() or not math.isfinite(length) or length < 1e-9:
-            return
-        far = 100.0 * float(frame.size.max())
-        inside = np.where(
-            frame.wraps,
-            position % frame.size,
-            np.clip(position, frame.low - far, frame.low + far),
-        )
-        self.simulation.place(row, inside, heading / length)
+        pose = usable_pose(frame, position, heading)
+        if pose is not None:
+            self.simulation.place(row, *pose)
+
+    def show_crash(self, client: viser.ClientHandle, row: int, beside: bool) -> None:
+        """Inspect an agent that has crashed, and point one browser's camera at it."""
+        self.select(row, beside)
+        self.scene.follow(client, row, int(beside))
 
     # What the drawing thread asks for.
 
@@ -242,7 +239,7 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
-        self.tell()
+        self.notices.tell()
         self.world.refresh()
         look = self.view.look()
         wanted = Wanted(
@@ -267,10 +264,8 @@ class Laboratory:
         if self.drawing.drawn is None or readings is None:
             return
         frame, look = self.drawing.drawn
-        legend = self.scene.legend(look, frame)
-        beside = self.simulation.readings_beside
-        self.monitors.refresh(state, frame, readings, self.browsers(), look.colour, legend, beside)
-        self.plots.refresh(readings, frame, beside)
+        self.measure(state, frame, readings)
+        self.monitors.colours(look.colour, self.scene.legend(look, frame))
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame
@@ -278,18 +273,19 @@ class Laboratory:
         if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()
 
+    def measure(self, state: State, frame: Frame, readings: Readings) -> None:
+        """Show what has been measured, and say what is to be."""
+        beside = None if frame.beside is None else self.simulation.readings_beside
+        self.plots.refresh(readings, frame, beside)
+        self.more.offer(self.plots.offered)
+        last = self.plots.last
+        self.monitors.refresh(state, frame, readings, self.browsers(), beside, self.more, last)
+        self.crashes.refresh(readings, beside)
+        watched = self.plots.names | self.more.names
+        if watched != self.watched:
+            self.watched = watched
+            self.simulation.watch(watched)
+
     def browsers(self) -> int:
         """Number of browsers that watch."""
         return len(self.server.get_clients())
-
-    def tell(self) -> None:
-        """Show what the simulation has to say in every browser."""
-        notices: set[str] = set()
-        while len(notices) < 3:
-            try:
-                notices.add(self.simulation.notices.get_nowait())
-            except queue.Empty:
-                break
-        for client in self.server.get_clients().values() if notices else ():
-            for notice in notices:
-                client.add_notification("flockscope", notice, color="red", auto_close_seconds=10.0)

@@ -47,6 +47,8 @@ def in_mathtext(latex: str) -> str:
     """LaTeX in the part of it that matplotlib knows."""
     latex = re.sub(r"\\([lgn]e)(?![A-Za-z])", r"\\\1q", latex)
     latex = latex.replace(r"\tfrac", r"\frac")
+    latex = re.sub(r"\\frac(\w)", r"\\frac{\1}", latex)
+    latex = re.sub(r"\\frac\{(\w)\}(\w)", r"\\frac{\1}{\2}", latex)
     latex = re.sub(r"\\[Bb]igg?([(\[])", r"\\left\1", latex)
     latex = re.sub(r"\\[Bb]igg?([)\]])", r"\\right\1", latex)
     return re.sub(r"\\begin\{cases\}(.*?)\\end\{cases\}", cases_in_a_row, latex, flags=re.S)

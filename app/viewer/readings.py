@@ -2,109 +2,63 @@
 
 from __future__ import annotations
 
-import threading
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from agents.crashes import Crashes
 from agents.flock import Flock
+from agents.observables.catalogue import OBSERVABLES
 from agents.observables.following import spread_bound
-from agents.observables.groups import group_labels, group_sizes
-from agents.observables.layers import layers
-from agents.observables.neighbours import links
+from agents.observables.groups import group_sizes
+from agents.observables.observable import SERIES
 from app.viewer.aside import Aside
-from app.viewer.crowd import refuse_too_many_links
+from app.viewer.course import Course
 from app.viewer.extremes import Extremes
+from app.viewer.measured import CRASHES, GRAPH, QUICK, SAVED, measures, offered, says
 from app.viewer.ration import Ration
-from worlds.world import World
+from app.viewer.still import Still
+from worlds.refusal import Refusal
 
-ORDER = ("polarisation", "consistency")
-"""Quick to measure: read many times a second."""
-STRUCTURE = ("mean-neighbours", "groups", "largest-group")
-"""Needs the flock's graph: read a few times a second, less for a large flock."""
-GOAL_DISTANCE = "goal-distance"
-"""Of a mission: read as often as the order."""
-POINTS = 600
-"""Points in a plot at most."""
-
-
-class Course:
-    """How readings went over the run: at most POINTS points, thinned as the run grows."""
-
-    def __init__(self, *names: str):
-        self.names = names
-        self.columns: list[list[float]] = [[] for _ in range(1 + len(names))]
-        self.lock = threading.Lock()
-        self.apart = 1
-        """Ticks that must lie between two points."""
-
-    def add(self, tick: int, values: dict[str, float]) -> None:
-        """Note values at a tick; a second note at one tick replaces the first."""
-        with self.lock:
-            ticks = self.columns[0]
-            if ticks and tick - ticks[-1] < self.apart:
-                if tick != ticks[-1]:
-                    return
-                for column in self.columns:
-                    column.pop()
-            ticks.append(float(tick))
-            for column, name in zip(self.columns[1:], self.names, strict=True):
-                column.append(values[name])
-            if len(ticks) > POINTS:
-                self.columns = [column[::2] for column in self.columns]
-                self.apart = max(2 * self.apart, int(self.columns[0][-1]) // POINTS)
-
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """Ticks, then one array for each name."""
-        with self.lock:
-            return tuple(np.array(column, float) for column in self.columns)
+NOBODY = np.zeros(0, int)
 
 
 @dataclass(frozen=True)
-class Still:
-    """A flock held still: copies of what its graph follows from."""
-
-    tick: int
-    position: np.ndarray
-    informed: np.ndarray
-    ids: np.ndarray
-    reach: float
-    world: World
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What follows from the graph of a flock."""
+class Found:
+    """What has been measured aside."""
 
     tick: int
     values: dict[str, float]
-    layers: np.ndarray
+    sizes: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Agents of each group, largest first."""
+    layers: np.ndarray = field(default_factory=lambda: NOBODY)
     """Number of agents in layers 1, 2, ..."""
-    unknown: int
+    unknown: int = 0
     """Agents that no information reaches."""
+    refusal: Refusal | None = None
+    """Why something could not be measured."""
 
 
-def still(flock: Flock) -> Still:
-    """Hold a flock still."""
-    position, informed, ids = flock.position.copy(), flock.informed.copy(), flock.ids.copy()
-    return Still(flock.tick, position, informed, ids, flock.reach, flock.world)
-
-
-def structure(flock: Still) -> Structure:
-    """Find the graph of a flock, once, and what follows from it. Raises Refusal if it is huge."""
-    refuse_too_many_links(flock)
-    n = len(flock.ids)
-    pairs = links(flock.position, flock.reach, flock.world.size, flock.world.images)
-    sizes = group_sizes(group_labels(n, pairs))
-    found = 2.0 * len(pairs) / max(1, n), float(len(sizes)), float(sizes.max(initial=0))
-    values = dict(zip(STRUCTURE, found, strict=True))
-    if not flock.informed.any():
-        return Structure(flock.tick, values, np.zeros(0, int), 0)
-    layer = layers(pairs, flock.informed)
-    known = layer[layer <= n]
-    return Structure(flock.tick, values, np.bincount(known)[1:], n - known.size)
+def measure(flock: Still, names: Iterable[str]) -> Found:
+    """Measure observables, and what else follows from the graph of a flock."""
+    values, refusal = {}, None
+    for name in names:
+        try:
+            values[name] = float(OBSERVABLES[name].measure(flock))
+        except Refusal as error:
+            refusal = error
+    try:
+        sizes, known = group_sizes(flock.labels), NOBODY
+        if flock.informed.any():
+            layer = flock.layers()
+            known = layer[layer <= len(layer)]
+    except Refusal as error:
+        return Found(flock.tick, values, refusal=refusal or error)
+    unknown = len(flock.ids) - len(known) if len(known) else 0
+    return Found(flock.tick, values, sizes, np.bincount(known)[1:], unknown, refusal)
 
 
 @dataclass
@@ -112,21 +66,35 @@ class Readings:
     """Reads one flock's observables, no more often than is fair to the flock."""
 
     flock: Flock
+    watched: frozenset[str] = frozenset()
+    """Observables to measure beside those that always are."""
     values: dict[str, float] = field(default_factory=dict)
-    layers: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    sizes: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Agents of each group, largest first."""
+    layers: np.ndarray = field(default_factory=lambda: NOBODY)
     """Number of agents in layers 1, 2, ...; agents of unknown layer left out."""
     unknown: int = 0
     """Agents that no information reaches."""
-    order: Course = field(default_factory=lambda: Course(*ORDER))
-    structure: Course = field(default_factory=lambda: Course(*STRUCTURE))
-    errand: Course = field(default_factory=lambda: Course(GOAL_DISTANCE))
+    crashes: Crashes | None = None
+    """Who has crashed so far; None where nobody can."""
+    tick: int = 0
+    """When that was."""
+    courses: dict[str, Course] = field(default_factory=dict)
     extremes: Extremes = field(init=False)
+    offered: tuple[str, ...] = field(init=False)
+    """What can be measured of this flock."""
     quick: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.05))
     slow: Ration = field(default_factory=lambda: Ration(period=1 / 4, share=0.1))
     aside: Aside = field(default_factory=Aside)
 
     def __post_init__(self) -> None:
         self.extremes = Extremes(self.flock)
+        self.offered = offered(self.flock)
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Change what is measured beside what always is."""
+        self.watched = names
+        self.slow.renew()
 
     def read(self, at_once: bool = False) -> None:
         """Read what is due; everything, and now, if `at_once`.
@@ -136,47 +104,78 @@ class Readings:
         now = time.perf_counter()
         if at_once or self.quick.due(now):
             with self.quick.measured():
-                seen = {name: float(self.flock.observe(name)) for name in ORDER}
-                self.order.add(self.flock.tick, seen)
-                self.values = self.values | seen | self.mission()
+                self.look()
         if at_once:
             self.aside.forget()
-            self.take(self.study(still(self.flock)))
+            self.take(self.study(Still(self.flock)))
         elif done := self.aside.finished():
             self.take(done.result)
         elif self.aside.idle and self.slow.due(now):
-            self.aside.begin(self.study(still(self.flock)))
+            self.aside.begin(self.study(Still(self.flock)))
 
-    def mission(self) -> dict[str, float]:
-        """How the mission stands; nothing in a world without one and without anything solid."""
-        found = self.extremes.values()
-        mission = self.flock.world.mission
-        if mission is not None and (mission.goal is not None or mission.path is not None):
-            found[GOAL_DISTANCE] = float(self.flock.observe(GOAL_DISTANCE))
-            self.errand.add(self.flock.tick, found)
+    def look(self) -> None:
+        """Read what is cheap."""
+        flock = self.flock
+        self.offered = offered(flock)
+        seen = {name: observed(flock, name) for name in QUICK if says(flock, name)}
+        self.note(flock.tick, seen)
+        mission = flock.world.mission
         if mission is not None and mission.goal is not None:
-            found["through"] = arrived(self.flock)
-        return found
+            seen["through"] = arrived(flock)
+        if flock.can_crash:
+            self.crashes = flock.crashes
+            seen[CRASHES] = float(len(self.crashes))
+        self.values = self.values | seen | self.extremes.values()
+        self.tick = flock.tick
 
-    def study(self, flock: Still) -> Callable[[], Structure]:
-        """The work of finding the graph, which counts against its ration."""
+    def course(self, name: str) -> Course:
+        """How an observable went; without points if it has not been measured."""
+        return self.courses.setdefault(name, Course())
 
-        def work() -> Structure:
+    def note(self, tick: int, values: dict[str, float]) -> None:
+        """Take values into their courses."""
+        for name, value in values.items():
+            self.course(name).add(tick, value)
+
+    def study(self, flock: Still) -> Callable[[], Found]:
+        """The work of measuring what is costly, which counts against its ration."""
+        wanted = (*GRAPH, *sorted(self.watched.difference(GRAPH, QUICK, [CRASHES])))
+        names = [name for name in wanted if name in self.offered]
+
+        def work() -> Found:
             with self.slow.measured():
-                return structure(flock)
+                return measure(flock, names)
 
         return work
 
-    def take(self, found: Callable[[], Structure]) -> None:
+    def take(self, found: Callable[[], Found]) -> None:
         """Take what was found; without it nothing old is shown."""
-        self.values = {k: v for k, v in self.values.items() if k not in (*STRUCTURE, "following")}
-        self.layers, self.unknown = np.zeros(0, int), 0
+        lasting = (*QUICK, CRASHES)
+        self.values = {
+            name: value
+            for name, value in self.values.items()
+            if name in lasting or name not in self.offered
+        }
+        self.sizes, self.layers, self.unknown = NOBODY, NOBODY, 0
         seen = found()
         self.values = self.values | seen.values
-        if len(seen.layers):
-            self.values["following"] = 1.0 - seen.unknown / (seen.unknown + seen.layers.sum())
-        self.layers, self.unknown = seen.layers, seen.unknown
-        self.structure.add(seen.tick, seen.values)
+        self.sizes, self.layers, self.unknown = seen.sizes, seen.layers, seen.unknown
+        self.note(seen.tick, seen.values)
+        if seen.refusal is not None:
+            raise seen.refusal
+
+    def over(self, name: str, last: float = math.inf) -> float:
+        """An observable that is measured over a run, over its `last` ticks or all of it."""
+        series = self.course(SERIES).arrays(last)[1]
+        take = OBSERVABLES[name].over
+        assert take is not None
+        fallen = 0 if self.crashes is None else len(self.crashes)
+        return take(series, float(len(self.flock.ids) - fallen)) if len(series) > 1 else math.nan
+
+
+def observed(flock: Flock, name: str) -> float:
+    """An observable of a flock; nan if it follows from what has not been measured yet."""
+    return math.nan if name in SAVED and not measures(flock) else float(flock.observe(name))
 
 
 def arrived(flock: Flock) -> float:

@@ -14,6 +14,7 @@ from app.viewer.crowd import refuse_too_dense
 from app.viewer.frame import Frame
 from app.viewer.picture import Camera, Wanted
 from app.viewer.readings import Readings
+from app.viewer.zones import allowed
 from worlds.refusal import Refusal
 
 
@@ -23,10 +24,16 @@ class Run:
     second: Run | None = None
     """The run of the flock beside it, if there is one: see `beside.Pair`."""
 
-    def __init__(self, flock: Flock, number: int, wanted: Wanted):
+    def __init__(
+        self,
+        flock: Flock,
+        number: int,
+        wanted: Wanted,
+        watched: frozenset[str] = frozenset(),
+    ):
         self.flock = flock
         self.number = number
-        self.readings = Readings(flock)
+        self.readings = Readings(flock, watched)
         self.camera = Camera(flock, number, wanted)
         self.compiled = False
         """Whether the flock has run, so that its next tick need not be compiled."""
@@ -56,6 +63,15 @@ class Run:
     def want(self, wanted: Wanted) -> None:
         """Change what frames hold beside positions and headings."""
         self.camera.want(wanted)
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Change which observables are measured beside those that always are."""
+        for one in self.both:
+            one.readings.watch(names)
+
+    def allowed(self, name: str, value: Any, beside: bool = False) -> Any:  # noqa: ARG002 - Pair's
+        """The value nearest to the wanted one that keeps zones in order. Raises Refusal."""
+        return allowed(self.flock, name, value)
 
     def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
         """Give a parameter a value. Raises Refusal, and then changes nothing."""

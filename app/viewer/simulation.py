@@ -8,7 +8,6 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
-from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any
 
@@ -16,8 +15,9 @@ import numpy as np
 
 from agents.flock import Flock
 from app.viewer.beside import Pair, companion
+from app.viewer.commands import Commands, Models
 from app.viewer.crowd import refuse_too_dense
-from app.viewer.edits import Edits, freed
+from app.viewer.edits import freed
 from app.viewer.frame import Frame
 from app.viewer.pace import Pace
 from app.viewer.picture import Wanted
@@ -26,6 +26,7 @@ from app.viewer.run import Run
 from app.viewer.start import Start
 from app.viewer.state import State
 from app.viewer.words import in_words
+from app.viewer.zones import stopped
 from worlds.refusal import Refusal
 
 FRAMES = 1 / 50
@@ -34,12 +35,8 @@ OBEDIENCE = 0.03
 """Longest time for commands before ticks are run again, s."""
 
 
-class Simulation(Edits):
-    """Runs a flock; `frame`, `state` and `readings` are always the latest.
-
-    Commands may come from any thread and return at once; they are carried out in order, between
-    two ticks. What a user must be told is left in `notices`.
-    """
+class Simulation(Commands):
+    """Runs a flock; `frame`, `state` and `readings` are always the latest."""
 
     def __init__(
         self,
@@ -54,90 +51,21 @@ class Simulation(Edits):
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
         self.state = State(start, running=running, busy=True, speed=speed)
-        self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
         self.build = build
         self.build_beside = build_beside
         self.run: Run | None = None
         self.wanted = Wanted()
+        self.watched: frozenset[str] = frozenset()
         self.pace = Pace(speed)
         self.next_start: Start | None = start
         self.stale = False
         """Whether the flock has changed since the last frame."""
         self.next_frame = 0.0
         self.closing = False
-        self.commands: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self.thread = threading.Thread(target=self.live, name="simulation", daemon=True)
         self.thread.start()
-
-    # Commands.
-
-    def tell(self, command: Callable[[], Any]) -> Future:
-        """Carry out a command between two ticks; what it refuses becomes a notice."""
-        answer: Future = Future()
-
-        def carry_out() -> None:
-            try:
-                answer.set_result(command())
-            except Exception as error:
-                self.notices.put(in_words(error))
-                answer.set_exception(error)
-
-        self.commands.put(carry_out)
-        return answer
-
-    def setup(self, start: Start) -> Future:
-        """Build a new flock; of several set-ups at once only the last is built."""
-        return self.tell(lambda: self.schedule(start))
-
-    def reset(self) -> Future:
-        """The same flock again: same seed, same start, the parameters as they are now."""
-        return self.tell(lambda: self.schedule(self.state.again()))
-
-    def go(self) -> Future:
-        """Run."""
-        return self.tell(lambda: self.switch(True))
-
-    def pause(self) -> Future:
-        """Stop running, until told to go."""
-        return self.tell(lambda: self.switch(False))
-
-    def toggle(self) -> Future:
-        """Pause if running, go if not."""
-        return self.tell(lambda: self.switch(not self.state.running))
-
-    def step(self, ticks: int = 1) -> Future:
-        """Pause and run a few ticks."""
-        return self.tell(lambda: self.step_now(ticks))
-
-    def run_at(self, speed: float) -> Future:
-        """Run at so many ticks per second; infinity for as fast as it goes."""
-        return self.tell(lambda: self.change_pace(speed))
-
-    def set(self, name: str, value: Any, beside: bool = False) -> Future:
-        """Give a parameter a new value, in both flocks if they share it; or only `beside`."""
-        return self.tell(lambda: self.set_now(name, value, beside))
-
-    def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
-        """Put an agent somewhere and turn it."""
-        return self.tell(lambda: self.place_now(row, position, heading))
-
-    def want(self, wanted: Wanted) -> Future:
-        """Say what frames should hold beside positions and headings."""
-        return self.tell(lambda: self.want_now(wanted))
-
-    def look_again(self) -> Future:
-        """Take another frame, though nothing has moved."""
-        return self.tell(self.look_again_now)
-
-    def spec(self) -> Future:
-        """The run as TOML, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.sound_run().spec())
-
-    def saved(self) -> Future:
-        """The flock's saved state, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.sound_run().saved())
 
     def close(self, wait: float = 2.0) -> None:
         """Stop for good."""
@@ -256,10 +184,10 @@ class Simulation(Edits):
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
         if start.beside is None:
-            return Run(flock, number, self.wanted)
+            return Run(flock, number, self.wanted, self.watched)
         second = self.build_beside(start, flock)
         refuse_too_dense(second)
-        return Pair(flock, second, number, self.wanted)
+        return Pair(flock, second, number, self.wanted, self.watched)
 
     def fail(self, error: Exception) -> None:
         """A rule went wrong: stop the run, say why and live on."""
@@ -302,12 +230,19 @@ class Simulation(Edits):
         self.pace = Pace(speed)
         self.state = replace(self.state, speed=speed)
 
-    def set_now(self, name: str, value: Any, beside: bool) -> None:
-        run = self.sound_run()
-        run.set(name, value, beside)
+    def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
+        run, start = self.sound_run(), self.state.start
+        if models not in (None, (start.model, start.beside)):
+            return value
+        taken = run.allowed(name, value, beside)
+        run.set(name, taken, beside)
+        if taken != value:
+            flock = run.second.flock if beside and run.second is not None else run.flock
+            self.notices.put(stopped(flock, name, taken))
         self.pace.doubt()
         self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
         self.stale = True
+        return taken
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
         run = self.sound_run()
@@ -316,6 +251,12 @@ class Simulation(Edits):
 
     def look_again_now(self) -> None:
         self.stale = self.run is not None and not self.state.error
+
+    def watch_now(self, names: frozenset[str]) -> None:
+        self.watched = names
+        if self.run is not None:
+            self.run.watch(names)
+            self.stale = not self.state.error
 
     def want_now(self, wanted: Wanted) -> None:
         self.wanted = wanted

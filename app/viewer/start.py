@@ -18,8 +18,10 @@ WORLDS = {
     "wrap": "wraps around",
     "wrap-plain": "wraps, seam is a wall",
     "open": "open plane",
+    "thesis-sky": "thesis: empty, wraps",
+    "thesis-blocks": "thesis: 20 blocks, solid walls",
 }
-"""Short words for the worlds that hold nothing; the others go by their titles."""
+"""Short words for some worlds; the others go by their titles."""
 ACTIVATIONS = {
     "synchronous": "all at once",
     "random": "random order",
@@ -44,6 +46,9 @@ class Start:
     noise: str = "angular"
     informed: int | None = None
     """Number of information agents; None for the model's own."""
+    spacing: float | None = None
+    """Least distance at the start between agents and of agents to what is solid, length; None for
+    the model's own."""
     threads: int = 1
     parameters: dict[str, Any] = field(default_factory=dict)
     beside: str | None = None
@@ -62,6 +67,7 @@ class Start:
             activation=self.activation,
             noise=self.noise,
             informed=self.informed,
+            spacing=self.spacing,
             rng=self.seed,
             threads=self.threads,
             **self.parameters,
@@ -74,7 +80,7 @@ class Start:
     def differs(self, other: Start) -> list[str]:
         """Names of what differs from another start, seed and parameters left out."""
         where = ("model", "beside", "agents", "size", "dim", "world")
-        how = ("activation", "noise", "informed")
+        how = ("activation", "noise", "informed", "spacing")
         return [one for one in (*where, *how) if getattr(self, one) != getattr(other, one)]
 
 
@@ -107,7 +113,8 @@ def at_home(model: str = "hwvem", **given: Any) -> Start:
     given = {name: value for name, value in given.items() if value is not None}
     own = MODELS[model]
     world = given.pop("world", own.world)
-    proposed = {"agents": own.agents, "dim": home(world).dim or own.dimensions[0], "world": world}
+    dim = home(world).dim or own.dim or own.dimensions[0]
+    proposed = {"agents": own.agents, "dim": dim, "world": world}
     return Start(model, **(proposed | given))
 
 

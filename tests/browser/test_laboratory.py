@@ -119,7 +119,7 @@ def test_two_browsers_see_the_same_run_and_the_same_sliders(window, laboratory, 
     other.press("Step")
     until(lambda: window.card("tick") == other.card("tick") == "1")
     other.page.close()
-    until(lambda: window.card("browsers") == "1")
+    until(lambda: window.card("browsers") == "")
 
 
 def test_a_browser_that_lost_its_connection_comes_back(window, laboratory):

@@ -17,10 +17,8 @@ from agents.flock import Flock
 from app.cli.lab import parameters
 from app.viewer.beside import Pair, companion, named, pace_note, ratio, shared_by
 from app.viewer.panels.compared import compared
-from app.viewer.panels.plots import both_runs
 from app.viewer.panels.setup import NOBODY, SetupPanel
 from app.viewer.picture import Wanted
-from app.viewer.readings import Course
 from app.viewer.start import Start, at_home
 from app.viewer.words import Broken
 from tests.viewer.stub_flock import timed_stub
@@ -249,19 +247,6 @@ def test_beside_are_offered_the_models_that_fit_the_dimension():
 
 def test_a_difference_beside_is_one_that_setup_makes():
     assert Start().differs(replace(Start(), beside="vem")) == ["beside"]
-
-
-def test_curves_of_both_are_over_the_time_of_the_first():
-    first, second = Course("x"), Course("x")
-    for tick in (0, 10, 20, 30):
-        first.add(tick, {"x": 1.0 * tick})
-    for tick in (0, 2, 4):
-        second.add(tick, {"x": 100.0 * tick})
-    ticks, own, other = both_runs(first, second, each=5.0)
-    assert ticks.tolist() == own.tolist() == [0, 10, 20, 30]
-    assert other.tolist() == [0.0, 200.0, 400.0, 400.0]
-    assert both_runs(first, Course("x"), 5.0)[2].tolist() == own.tolist()
-    assert both_runs(first, None, 1.0)[2].tolist() == own.tolist()
 
 
 def test_a_table_leaves_open_what_one_of_them_lacks():

@@ -63,6 +63,8 @@ def test_a_busy_port_is_one_line_and_exit_code_2():
         (["--set", "eta"], "--set eta is not of the form NAME=VALUE"),
         (["--set", "etta=1"], "unknown parameter 'etta'"),
         (["--world", "torus"], "torus"),
+        (["--activation", "at-once"], "unknown activation 'at-once'"),
+        (["thesis", "--spacing", "50"], "agents = 20 do not fit"),
         (["--beside", "hwvem"], "beside = 'hwvem' is the model itself"),
         (["--beside", "vem-b"], "unknown model 'vem-b'"),
     ],

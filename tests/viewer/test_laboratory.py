@@ -130,6 +130,30 @@ def test_the_leader_is_not_steered_to_nowhere(laboratory, position, heading):
     np.testing.assert_array_equal(flock.heading, before[1])
 
 
+def test_what_somebody_chooses_is_measured_and_shown(laboratory, browser):
+    simulation, chart = laboratory.simulation, laboratory.plots.charts[2]
+    assert "nearest-neighbour" not in simulation.readings.values
+    turn(browser, chart.choice, "nearest neighbour")
+    until(lambda: "nearest-neighbour" in simulation.readings.values)
+    until(lambda: chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
+    turn(browser, chart.choice, "anything else")
+    turn(browser, laboratory.more.switches["susceptibility"], True)
+    until(lambda: "susceptibility" in laboratory.monitors.more.content)
+    assert chart.names == ("nearest-neighbour",)
+    turn(browser, chart.choice, "nothing")
+    until(lambda: "nearest-neighbour" not in simulation.readings.values)
+    assert not chart.plot.visible
+
+
+def test_what_no_flock_here_can_do_has_no_panel(laboratory):
+    until(lambda: laboratory.plots.offered)
+    assert not laboratory.monitors.crashes.visible
+    assert not laboratory.crashes.first.list.visible
+    assert not laboratory.more.switches["joules-per-metre"].visible
+    assert "crashes" not in laboratory.plots.charts[0].choice.options
+    assert laboratory.more.switches["correlation-length"].visible
+
+
 def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
     gui = laboratory.server.gui
     chance = random.Random(1)

@@ -9,14 +9,16 @@ import pytest
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.observables.neighbours import nearest_neighbour
 from app.viewer.extremes import MOST_AGENTS, Extremes
 from app.viewer.frame import Errand, Frame
 from app.viewer.panels.inspector import signal_facts
-from app.viewer.panels.monitors import clock, errand, mission_numbers
+from app.viewer.panels.monitors import errand_title, headed, mission_numbers, numbers
 from app.viewer.picture import Camera, Wanted
 from app.viewer.readings import Readings, arrived
 from app.viewer.run import Run
 from app.viewer.start import Start, at_home, home, lively_speed, titled, world_titles
+from app.viewer.state import State
 from tests.viewer.waiting import until
 from worlds.clearance import clearance
 from worlds.layout import layout_names
@@ -75,7 +77,7 @@ def test_readings_of_a_mission_have_its_distance_and_who_follows():
     away = np.linalg.norm(flock.position.mean(axis=0) - end)
     assert readings.values["goal-distance"] == pytest.approx(away)
     assert readings.values["following"] == pytest.approx(flock.observe("following"))
-    ticks, distance = readings.errand.arrays()
+    ticks, distance = readings.course("goal-distance").arrays()
     assert ticks.tolist() == [0, 30]
     assert distance[1] == pytest.approx(away)
     assert "through" not in readings.values
@@ -142,7 +144,8 @@ def frame_of(place: World, **more) -> Frame:
 
 def test_monitors_say_only_what_the_world_has():
     plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    assert errand(frame_of(plain), {}) == ""
+    assert (errand_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
+    assert headed("Mission", {}) == ""
     walled = World("box", (5.0, 5.0), ("solid", "solid"))
     told = mission_numbers(frame_of(walled), {"least-clearance": 0.25, "inside": 1.0})
     assert told == {"to obstacle": "0.25", "collisions": "1"}
@@ -170,11 +173,20 @@ def test_monitors_say_only_what_the_world_has():
 
 def test_time_is_told_in_seconds_where_bodies_count_them():
     place = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    assert clock(frame_of(place)) == ""
-    text = clock(frame_of(place, dt=0.02, unit="s"))
-    assert "t = 12.3 s" in text
-    assert "tick 615" in text
-    assert frame_of(place, dt=0.02, unit="s").pace_unit == "m/s"
+    state = State(Start("vem"))
+    assert "time" not in numbers(state, frame_of(place), {}, 1)
+    timed = frame_of(place, dt=0.02, unit="s")
+    told = numbers(state, timed, {}, 1)
+    assert (told["tick"], told["time"]) == ("615", "12.3 s")
+    assert timed.pace_unit == "m/s"
+
+
+def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_are_zones():
+    frame = frame_of(World("wrap", (5.0, 5.0), ("wrap", "wrap")))
+    assert "browsers" not in numbers(State(Start("vem")), frame, {}, 1)
+    told = numbers(State(Start("couzin")), frame, {"angular-momentum": 0.5}, 2)
+    assert (told["browsers"], told["rotation"]) == ("2", "0.500")
+    assert "consistency" not in told
 
 
 def test_places_in_memory_are_told_as_points_and_only_while_they_count():
@@ -194,6 +206,15 @@ def test_a_model_starts_in_the_world_that_it_is_at_home_in():
         assert len(at_home(name, seed=2).build().ids) >= 1
     with pytest.raises(Refusal, match="obstacles"):
         at_home("hwvem", world="obstacle")
+
+
+def test_a_model_starts_in_its_own_dimension_and_at_its_own_spacing():
+    assert (at_home("couzin").dim, at_home("couzin", dim=2).dim) == (3, 2)
+    assert (at_home("thesis").dim, at_home("thesis").world) == (3, "thesis-sky")
+    assert at_home("echelon").build().spacing == MODELS["echelon"].spacing
+    wide = at_home("thesis", spacing=2.0, agents=20, seed=4).build()
+    assert nearest_neighbour(wide.position, wide.world.size, wide.world.images).min() >= 2.0
+    assert at_home("vem").differs(at_home("vem", spacing=1.0)) == ["spacing"]
 
 
 def test_a_world_decides_its_dimension_and_its_side():
@@ -221,3 +242,8 @@ def test_seconds_pass_faster_than_in_life():
         patch.setitem(MODELS, "slow", made)
         assert lively_speed(Start("slow")) == pytest.approx(250.0)
     assert lively_speed(Start("vem")) == 15.0
+
+
+def test_without_a_mission_nobody_is_told_who_follows():
+    plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
+    assert mission_numbers(frame_of(plain), {"following": 0.5}) == {}

@@ -10,37 +10,11 @@ import pytest
 from agents.catalogue import MODELS
 from app.viewer.notation import equation_svg, plain
 from app.viewer.pace import ANSWER, Pace
-from app.viewer.panels.monitors import layer_bars
+from app.viewer.panels.bars import layer_bars
 from app.viewer.ration import Ration
-from app.viewer.readings import POINTS, Course, Readings
+from app.viewer.readings import Readings
 from app.viewer.start import Start
 from tests.viewer.stub_flock import StubFlock
-
-
-def test_a_course_keeps_its_ends_and_never_has_too_many_points():
-    course = Course("order")
-    for tick in range(100_000):
-        course.add(tick, {"order": tick / 10})
-    ticks, values = course.arrays()
-    assert POINTS / 4 < len(ticks) <= POINTS
-    assert ticks[0] == 0
-    assert ticks[-1] > 99_000
-    assert np.all(np.diff(ticks) > 0)
-    np.testing.assert_array_equal(values, ticks / 10)
-
-
-def test_a_course_with_long_strides_is_not_thinned_to_nothing():
-    course = Course("order")
-    for tick in range(0, 10**7, 9973):
-        course.add(tick, {"order": 1.0})
-    assert len(course.arrays()[0]) > POINTS / 4
-
-
-def test_a_second_reading_at_one_tick_replaces_the_first():
-    course = Course("order")
-    course.add(0, {"order": 1.0})
-    course.add(0, {"order": 2.0})
-    assert [column.tolist() for column in course.arrays()] == [[0.0], [2.0]]
 
 
 def test_readings_count_layers_and_leave_the_unknown_out():
@@ -54,6 +28,9 @@ def test_readings_count_layers_and_leave_the_unknown_out():
     assert readings.values["largest-group"] == 3.0
     assert readings.values["mean-neighbours"] == pytest.approx(8 / 5)
     assert readings.values["polarisation"] == 1.0
+    assert readings.values["following"] == pytest.approx(3 / 5)
+    assert readings.sizes.tolist() == [3, 2]
+    assert readings.course("groups").arrays()[1].tolist() == [2.0]
 
 
 def test_deep_layers_share_the_last_bar():

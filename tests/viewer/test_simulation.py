@@ -99,6 +99,17 @@ def test_a_parameter_acts_at_once_and_one_out_of_range_is_refused(simulate):
     assert not simulation.state.error
 
 
+def test_a_control_of_a_model_that_is_gone_sets_nothing(simulate):
+    simulation = simulate()
+    model = simulation.state.start.model
+    assert simulation.set("gone", 1.0, models=("another", None)).result(5) == 1.0
+    assert simulation.set("eta", 1.0, models=(model, "another")).result(5) == 1.0
+    assert simulation.run.flock.parameters.eta == 0.5
+    simulation.set("eta", 1.0, models=(model, None)).result(5)
+    assert simulation.run.flock.parameters.eta == 1.0
+    assert simulation.notices.empty()
+
+
 def test_a_refused_setup_leaves_the_old_flock_running(simulate):
     simulation = simulate(running=True)
     simulation.setup(Start(parameters={"eta": -1.0}))

@@ -7,30 +7,36 @@ import math
 
 import viser
 
+from agents.catalogue import MODELS
 from app.viewer.frame import Frame
+from app.viewer.measured import told as told_value
+from app.viewer.panels.bars import layer_bars, size_bars
 from app.viewer.panels.compared import compared, keeping_up, titled_columns
+from app.viewer.panels.crashes import counted
+from app.viewer.panels.more import SIZES, MoreNumbers
 from app.viewer.panels.style import block, cards, grid, key
 from app.viewer.readings import Readings
-from app.viewer.scene import palette
 from app.viewer.state import State
 from worlds.mission import Mission
 
-MOST_BARS = 12
 COMMON = ("agents", "ticks / s", "browsers")
 """What two flocks side by side have in common."""
+CLOCK = ("tick", "time")
+"""What they have in common where it is the same."""
 
 
 class Monitors:
     """The top of the left panel."""
 
     def __init__(self, gui: viser.GuiApi):
-        self.clock = gui.add_html("", visible=False)
         self.cards = gui.add_html(cards({"tick": "–"}))
         self.titles = gui.add_html("", visible=False)
         self.compared = gui.add_html("", visible=False)
         self.mission = gui.add_html("", visible=False)
+        self.crashes = gui.add_html("", visible=False)
+        self.more = gui.add_html("", visible=False)
         self.key = gui.add_html("")
-        self.layers = gui.add_html("")
+        self.bars = gui.add_html("", visible=False)
 
     def refresh(
         self,
@@ -38,87 +44,130 @@ class Monitors:
         frame: Frame,
         readings: Readings,
         browsers: int,
-        colour: str,
-        legend: list[tuple[str, str]],
-        beside: Readings | None = None,
+        beside: Readings | None,
+        more: MoreNumbers,
+        last: float,
     ) -> None:
-        """Show the latest of everything; of two flocks in two columns."""
-        told = numbers(state, frame, readings.values, browsers)
-        show_block(self.clock, clock(frame))
+        """Show the latest of everything; of two flocks in two columns.
+
+        `more` are the numbers that somebody has chosen, of the `last` ticks if they are of a run.
+        """
         second, name = frame.beside, state.start.beside
-        if second is not None and beside is not None and name is not None:
-            models = state.start.model, name
-            others = numbers(state, second, beside.values, browsers)
-            common = (*COMMON, *(["tick"] if told["tick"] == others["tick"] else []))
-            in_common = {name: text for name, text in told.items() if name in common}
-            self.cards.content = block(grid(in_common, across=len(in_common)))
-            show_block(self.titles, titled_columns(*models) + keeping_up(frame, second))
-            flocks = without(told, common), without(others, common)
-            show_block(self.compared, compared("Flock", models, *flocks))
-            missions = (
-                mission_numbers(frame, readings.values),
-                mission_numbers(second, beside.values),
-            )
-            show_block(self.mission, compared(errand_title(frame), models, *missions))
-        else:
-            self.titles.visible = self.compared.visible = False
-            self.cards.content = cards(told)
-            show_block(self.mission, errand(frame, readings.values))
+        if second is None or beside is None or name is None:
+            self.alone(state, frame, readings, browsers, more, last)
+            return
+        models = state.start.model, name
+        sides = (frame, readings), (second, beside)
+        told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
+        same = (name for name in CLOCK if told.get(name) == others.get(name))
+        common = (*COMMON, *same)
+        in_common = {name: text for name, text in told.items() if name in common}
+        self.cards.content = block(grid(in_common, across=min(4, len(in_common))))
+        show_block(self.titles, titled_columns(*models) + keeping_up(frame, second))
+
+        def table(title: str, first: dict[str, str], second: dict[str, str]) -> str:
+            return compared(title, models, first, second)
+
+        show_block(self.compared, table("Flock", without(told, common), without(others, common)))
+        tasks = (mission_numbers(one, read.values) for one, read in sides)
+        show_block(self.mission, table(errand_title(frame), *tasks))
+        show_block(self.more, table("More", *(more.numbers(read, last) for _, read in sides)))
+        named = zip(models, sides, strict=True)
+        counts = (crash_count(read, len(one.ids), model) for model, (one, read) in named)
+        show_block(self.crashes, "".join(counts))
+        bars = [
+            all_bars(one, read, SIZES in more.chosen, model)
+            for (one, read), model in zip(sides, models, strict=True)
+        ]
+        show_block(self.bars, "".join(bars))
+
+    def alone(
+        self,
+        state: State,
+        frame: Frame,
+        readings: Readings,
+        browsers: int,
+        more: MoreNumbers,
+        last: float,
+    ) -> None:
+        """Show the latest of one flock."""
+        self.titles.visible = self.compared.visible = False
+        self.cards.content = cards(numbers(state, frame, readings.values, browsers))
+        show_block(
+            self.mission, headed(errand_title(frame), mission_numbers(frame, readings.values))
+        )
+        show_block(self.crashes, crash_count(readings, len(frame.ids)))
+        show_block(self.more, headed("More numbers", more.numbers(readings, last)))
+        show_block(self.bars, all_bars(frame, readings, SIZES in more.chosen))
+
+    def colours(self, colour: str, legend: list[tuple[str, str]]) -> None:
+        """Say what the colours mean."""
         entries = [(html.escape(words), css) for words, css in legend]
         self.key.content = block(
             f'<div class="fs-head">Colour: {html.escape(colour)}</div>{key(entries)}'
         )
-        led = frame.informed.any() or (second is not None and second.informed.any())
-        self.layers.visible = bool(led)
-        if led and beside is not None and name is not None:
-            self.layers.content = block(
-                layer_bars(readings.layers.tolist(), readings.unknown, state.start.model)
-                + layer_bars(beside.layers.tolist(), beside.unknown, name)
-            )
-        elif led:
-            self.layers.content = block(layer_bars(readings.layers.tolist(), readings.unknown))
+
+
+def all_bars(frame: Frame, readings: Readings, sizes: bool, model: str = "") -> str:
+    """Bars of the layers of a flock that is led, and of its groups if wanted."""
+    drawn = ""
+    if frame.informed.any():
+        drawn = layer_bars(readings.layers.tolist(), readings.unknown, model)
+    if sizes and len(readings.sizes):
+        drawn += size_bars(readings.sizes, model)
+    return drawn
 
 
 def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int) -> dict[str, str]:
-    """The cards, name -> text."""
+    """The cards, name -> text; consistency only of models that have no zones."""
 
     def shown(name: str, form: str) -> str:
         return format(values[name], form) if name in values else "–"
 
+    zoned = bool(MODELS[state.start.model].rule.zones)
     return {
         "tick": spaced(frame.tick),
+        **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),
         "agents": spaced(len(frame.ids)),
         "ticks / s": rate_text(state.rate),
         "polarisation": shown("polarisation", ".3f"),
-        "consistency": shown("consistency", ".4f"),
+        **({} if zoned else {"consistency": shown("consistency", ".4f")}),
+        "rotation": shown("angular-momentum", ".3f"),
         "neighbours": shown("mean-neighbours", ".1f"),
         "groups": shown("groups", ".0f"),
         "largest group": shown("largest-group", ".0f"),
-        "browsers": str(browsers),
+        **energy_numbers(values),
+        **({"browsers": str(browsers)} if browsers > 1 else {}),
     }
+
+
+def energy_numbers(values: dict[str, float]) -> dict[str, str]:
+    """The cards of what flying in formation saves, name -> text; nothing where it is not known."""
+    named = {"drag-saved": "drag saved", "energy-saved": "power saved"}
+    return {
+        words: told_value(name, values[name]) for name, words in named.items() if name in values
+    }
+
+
+def crash_count(readings: Readings, agents: int, model: str = "") -> str:
+    """How many of so many agents have crashed, and when; nothing where nobody can.
+
+    `model` says which of two flocks it is.
+    """
+    if readings.crashes is None:
+        return ""
+    whose = f"{html.escape(model)}: " if model else ""
+    return f'<div class="fs-count">{whose}{counted(readings.crashes.tick, agents)}</div>'
+
+
+def headed(title: str, values: dict[str, str], across: int = 3) -> str:
+    """Cards under a title; nothing if there are none."""
+    return f'<div class="fs-head">{title}</div>{grid(values, across)}' if values else ""
 
 
 def without(values: dict[str, str], names: tuple[str, ...]) -> dict[str, str]:
     """All values but the named ones."""
     return {name: text for name, text in values.items() if name not in names}
-
-
-def clock(frame: Frame) -> str:
-    """The time, for models whose bodies count it in seconds; else nothing."""
-    if frame.unit == "ticks":
-        return ""
-    return (
-        f'<div class="fs-clock"><b>t = {frame.tick * frame.dt:.1f} {html.escape(frame.unit)}</b>'
-        f" · tick {spaced(frame.tick)}</div>"
-    )
-
-
-def errand(frame: Frame, values: dict[str, float]) -> str:
-    """Cards of how the mission stands and of what the agents have come close to; or nothing."""
-    what = errand_title(frame)
-    if not what:
-        return ""
-    return f'<div class="fs-head">{what}</div>{grid(mission_numbers(frame, values))}'
 
 
 def errand_title(frame: Frame) -> str:
@@ -131,7 +180,9 @@ def errand_title(frame: Frame) -> str:
 def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
     """The cards of a mission, name -> text; only what this world and this flock have."""
     mission = frame.world.mission or Mission()
-    told = {}
+    told: dict[str, str] = {}
+    if not errand_title(frame):
+        return told
     if "goal-distance" in values:
         where = "goal" if mission.goal is not None else "path's end"
         told[f"to {where}"] = length_text(values["goal-distance"])
@@ -171,34 +222,3 @@ def rate_text(rate: float) -> str:
 def spaced(number: int) -> str:
     """A number with its thousands apart."""
     return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-
-
-def layer_bars(counts: list[int], unknown: int, model: str = "") -> str:
-    """Bars of how many agents are in each layer; deep layers go together in the last bar.
-
-    `model` says which of two flocks they are of.
-    """
-    if len(counts) > MOST_BARS:
-        counts = [*counts[: MOST_BARS - 1], sum(counts[MOST_BARS - 1 :])]
-    most = max([*counts, unknown, 1])
-    bars = "".join(
-        bar(
-            str(layer),
-            count,
-            most,
-            palette.css(palette.LAYERS[min(layer, len(palette.LAYERS)) - 1]),
-        )
-        for layer, count in enumerate(counts, start=1)
-    )
-    bars += bar("?", unknown, most, palette.css(palette.UNKNOWN)) if unknown else ""
-    return (
-        '<div class="fs-head">Layers<span class="fs-quiet">'
-        f"{html.escape(model) or 'steps from the information agent'}</span></div>"
-        f'<div class="fs-bars">{bars}</div>'
-    )
-
-
-def bar(label: str, count: int, most: int, colour: str) -> str:
-    """One bar with its count above and its label below."""
-    height = max(2, round(34 * count / most)) if count else 0
-    return f'<div>{count}<i style="height:{height}px;background:{colour}"></i>{label}</div>'

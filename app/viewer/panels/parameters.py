@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import html
+import re
 from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
 import viser
 
 from agents.catalogue import MODELS
 from agents.declare import Declared, declared
+from agents.model import Model
 from app.viewer.beside import shared_by
+from app.viewer.commands import Models
 from app.viewer.notation import plain
 from app.viewer.panels.style import block
 from app.viewer.simulation import Simulation
@@ -27,7 +31,7 @@ class ParametersPanel:
         self.controls: dict[str, Any] = {}
         self.beside_controls: dict[str, Any] = {}
         """Of what only the second of two models has."""
-        self.models: tuple[str | None, ...] = ()
+        self.models: Models | None = None
         self.shown_run = -1
 
     def refresh(self, state: State) -> None:
@@ -50,11 +54,18 @@ class ParametersPanel:
             child.remove()
         model, beside = MODELS[state.start.model], state.start.beside
         own = declared(model.parameters)
+        wants, moves = sides(model, own)
         self.beside_controls = {}
         with self.folder:
             if beside is not None:
                 self.gui.add_html(block(whose(own, shared_by(model.name, beside))))
-            self.controls = {one.name: self.control(one, state.values[one.name]) for one in own}
+            controls = {}
+            for title, part in (("Rule", wants), (f"Body: {model.body.title}", moves)):
+                if part:
+                    self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
+                for one in part:
+                    controls[one.name] = self.control(one, state.values[one.name])
+            self.controls = controls
             if state.beside_values and beside is not None:
                 others = [
                     one
@@ -80,15 +91,19 @@ class ParametersPanel:
         else:
             made = self.slider(one, label, hint, value)
 
+        models = self.models
+
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
-                answer = self.simulation.set(one.name, made.value, beside)
-                answer.add_done_callback(restore)
+                value = made.value
+                answer = self.simulation.set(one.name, value, beside, models)
+                answer.add_done_callback(partial(restore, value))
 
-        def restore(answer: Future) -> None:
-            if answer.exception() is not None:
+        def restore(value: Any, answer: Future) -> None:
+            if answer.exception() is not None or answer.result() != value:
                 state = self.simulation.state
-                made.value = (state.beside_values if beside else state.values)[one.name]
+                values = state.beside_values if beside else state.values
+                made.value = values.get(one.name, value)
 
         made.on_update(changed)
         return made
@@ -104,13 +119,24 @@ class ParametersPanel:
         )
 
 
+def sides(model: Model, own: list[Declared]) -> tuple[list[Declared], list[Declared]]:
+    """The parameters of a model's rule, and those of its body."""
+    wants = model.rule.parameters.model_fields
+    return [one for one in own if one.name in wants], [one for one in own if one.name not in wants]
+
+
 def worded(one: Declared) -> tuple[str, str]:
     """Label and hint of a parameter: a number by its symbol and unit, anything else by name."""
     hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
     if one.kind != "number":
         return one.name.replace("_", " "), hint
-    unit = "" if one.unit == "1" else f" ({one.unit.replace('^2', '²')})"
+    unit = "" if one.unit == "1" else f" ({re.sub(r'\^(\d)', raised, one.unit)})"
     return f"{plain(one.symbol)}{unit}", hint
+
+
+def raised(found: re.Match[str]) -> str:
+    """An exponent in a small figure."""
+    return found[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def whose(own: list[Declared], both: frozenset[str]) -> str:

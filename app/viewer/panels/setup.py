@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from typing import Any
 
 import viser
@@ -34,6 +35,7 @@ NAMES = {
     "activation": "turns",
     "noise": "noise",
     "informed": "informed",
+    "spacing": "spacing",
 }
 """What the fields of a start are called in the panel."""
 
@@ -52,6 +54,7 @@ class SetupPanel:
         self.model = gui.add_dropdown(
             "Model", titles, initial_value=MODELS[start.model].title, hint="The rule agents follow"
         )
+        self.summary = gui.add_html("")
         self.beside = gui.add_dropdown(
             "Beside",
             self.companions(start.model, start.dim),
@@ -96,6 +99,15 @@ class SetupPanel:
             hint="Side of the world (length); 0 keeps the density of the paper. A world with "
             "obstacles or a mission has its own",
         )
+        self.spacing = gui.add_number(
+            "Spacing",
+            0.0,
+            min=0.0,
+            max=100.0,
+            step=0.1,
+            hint="At the start, least distance between two agents and of an agent to obstacles and "
+            "walls (length); 0 as in the paper: nobody starts inside an obstacle",
+        )
         self.activation = gui.add_dropdown(
             "Turns",
             list(ACTIVATIONS.values()),
@@ -115,24 +127,24 @@ class SetupPanel:
         self.new_seed = gui.add_checkbox(
             "New seed", True, hint="Take the next seed at every Setup, for a new random start"
         )
+        show(self.spacing, own_spacing(start.model) if start.spacing is None else start.spacing)
         self.fit()
         self.model.on_update(self.model_chosen)
         self.world.on_update(self.world_chosen)
         self.dim.on_update(self.dim_chosen)
 
     async def model_chosen(self, event: viser.GuiEvent) -> None:
-        """A model brings its own number of information agents, its dimensions and its world."""
+        """A model brings its own number of agents, its dimensions, its world and its spacing."""
         model = MODELS[named(self.model.value)]
         show(self.informed, model.informed)
+        show(self.spacing, own_spacing(model.name))
         if event.client is None:
             return
         if titled(model.world) in self.worlds:
             show(self.world, titled(model.world))
         show(self.agents, model.agents)
+        show(self.dim, f"{model.dim or model.dimensions[0]}-D")
         self.fit()
-        if DIMENSIONS[self.dim.value] not in model.dimensions:
-            show(self.dim, f"{model.dimensions[0]}-D")
-        self.fit_beside()
 
     async def world_chosen(self, event: viser.GuiEvent) -> None:
         """A world may decide the dimension and the side."""
@@ -144,9 +156,11 @@ class SetupPanel:
         self.fit_beside()
 
     def fit(self) -> None:
-        """Let the world and the model decide what is theirs to decide."""
+        """Let the world and the model decide what is theirs to decide, and say what it is."""
+        model = MODELS[named(self.model.value)]
+        self.summary.content = block(f'<div class="fs-quiet">{html.escape(model.summary)}</div>')
         own = home(self.worlds[self.world.value])
-        self.informed.disabled = not MODELS[named(self.model.value)].rule.led
+        self.informed.disabled = not model.rule.led
         self.size.disabled = own.sized
         self.dim.disabled = own.dim == 3
         if own.dim is not None:
@@ -180,6 +194,7 @@ class SetupPanel:
             activation=key_of(ACTIVATIONS, self.activation.value),
             noise=key_of(NOISES, self.noise.value),
             informed=None if self.informed.value == MODELS[model].informed else self.informed.value,
+            spacing=None if self.spacing.value == own_spacing(model) else self.spacing.value,
             threads=self.running.threads,
             beside=None if self.beside.value == NOBODY else named(self.beside.value),
         )
@@ -221,6 +236,11 @@ class SetupPanel:
             if changed
             else '<div class="fs-quiet">Takes effect at Setup.</div>'
         )
+
+
+def own_spacing(model: str) -> float:
+    """The spacing at which a flock of that model starts by itself, length."""
+    return MODELS[model].spacing or 0.0
 
 
 def named(title: str) -> str:

@@ -94,9 +94,9 @@ class Scene:
         """
         self._viewpoints.place(client, name)
 
-    def follow(self, client: ClientHandle, row: int | None) -> None:
-        """Let one browser's camera follow the agent in `row`, or nobody."""
-        self._viewpoints.follow(client, row)
+    def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
+        """Let one browser's camera follow the agent in `row` of the flock `side`, or nobody."""
+        self._viewpoints.follow(client, row, side)
 
     def ride(self, client: ClientHandle, row: int | None) -> None:
         """Let one browser's camera ride on the agent in `row`; None changes nothing."""
