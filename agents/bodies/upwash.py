@@ -28,6 +28,8 @@ FADES = 10.0
 """Distance behind a bird in which its wake fades to 1/e, in spans."""
 NOTHING = 1e-24
 """Keeps a division by the square of a length from being one by 0."""
+FEW = 4
+"""Where more than one of so many in a block counts, all are worked out in vector instructions."""
 ALIGNED = math.cos(math.radians(30.0))
 """Least cosine of the angle between the headings of two birds that are aligned."""
 
@@ -86,29 +88,46 @@ def faded(dx):
 
 
 @compiled
+def counts(me, near, j, limit):
+    """Whether a bird of the block is another one, aligned and at most `limit` (a length) away."""
+    dx, dy, dz = me.x - near.x[j], me.y - near.y[j], me.z - near.z[j]
+    d2 = dx * dx + dy * dy + dz * dz
+    ux, uy, uz = near.ux[j], near.uy[j], near.uz[j]
+    aligned = ux * me.ux + uy * me.uy + uz * me.uz >= ALIGNED
+    return (d2 > 0.0) & (d2 <= limit * limit) & aligned & (ux * ux + uy * uy > NOTHING)
+
+
+@compiled
+def share_of(me, near, j, b):
+    """Share that this bird saves by one of the block, seen in that one's frame."""
+    ux, uy, uz = near.ux[j], near.uy[j], near.uz[j]
+    ex, ey, ez = (me.x - near.x[j]) / b, (me.y - near.y[j]) / b, (me.z - near.z[j]) / b
+    level2 = ux * ux + uy * uy
+    level = math.sqrt(max(level2, NOTHING))
+    dx = -(ex * ux + ey * uy + ez * uz)
+    dy = (ex * uy - ey * ux) / level
+    dz = (level2 * ez - uz * (ex * ux + ey * uy)) / level
+    return relief(dx, dy, dz, CORE) * faded(dx)
+
+
+@compiled
 def saved_within(me, near, b, limit):
     """As `saved`, with the birds up to `limit` away: a length, at most 6 spans."""
-    total = 0.0
+    some = 0
     for j in range(near.n):
-        ux, uy, uz = near.ux[j], near.uy[j], near.uz[j]
-        ex = (me.x - near.x[j]) / b
-        ey = (me.y - near.y[j]) / b
-        ez = (me.z - near.z[j]) / b
-        d2 = ex * ex + ey * ey + ez * ez
-        level2 = ux * ux + uy * uy
-        level = math.sqrt(max(level2, NOTHING))
-        # The other's frame: back along its heading, its right wing, and up from its wings.
-        dx = -(ex * ux + ey * uy + ez * uz)
-        dy = (ex * uy - ey * ux) / level
-        dz = (level2 * ez - uz * (ex * ux + ey * uy)) / level
-        counts = (
-            (d2 > 0.0)
-            & (d2 * b * b <= limit * limit)
-            & (level2 > NOTHING)
-            & (ux * me.ux + uy * me.uy + uz * me.uz >= ALIGNED)
-        )
-        share = relief(dx, dy, dz, CORE) * faded(dx)
-        total += share if counts else 0.0
+        some += 1 if counts(me, near, j, limit) else 0
+    total = 0.0
+    if FEW * some >= near.n:
+        for j in range(near.n):
+            share = share_of(me, near, j, b)
+            total += share if counts(me, near, j, limit) else 0.0
+        return total
+    j = 0
+    while some > 0 and j < near.n:
+        if counts(me, near, j, limit):
+            total += share_of(me, near, j, b)
+            some -= 1
+        j += 1
     return total
 
 
