@@ -22,8 +22,6 @@ TALLEST = 0.05
 what is taller would lean over the agents beside it."""
 LIGHT = 1.45
 """Light on a surface turned up to the sun, as a multiple of its own colour."""
-OPACITY = 0.93
-"""Of what stands in space, so that agents behind it show through."""
 BALL = ball(96, 48)
 
 
@@ -98,7 +96,6 @@ class Piece:
                 stage.placed(vertices).astype(np.float32),
                 faces.astype(np.uint32),
                 color=tone.single(palette.SOLID, LIGHT),
-                opacity=None if stage.dim == 2 else OPACITY,
                 flat_shading=True,
             ),
             self._scene.add_line_segments(
@@ -121,7 +118,6 @@ class Piece:
                 batched_positions=centre.astype(np.float32),
                 batched_scales=radius.astype(np.float32),
                 batched_colors=tone.lit(palette.SOLID, LIGHT),
-                opacity=OPACITY,
                 lod="off",
             )
         )
