@@ -38,7 +38,7 @@ class Aloft:
     def group_labels(self) -> np.ndarray:
         """As `Flock.group_labels`."""
         world = self.flock.world
-        return groups_within(self.position, self.flock.reach, world.size, world.images)
+        return groups_within(self.position, self.flock.together, world.size, world.images)
 
     def layers(self) -> np.ndarray:
         """As `Flock.layers`."""

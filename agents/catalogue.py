@@ -23,6 +23,7 @@ from agents.rules import (
     boundary_points,
     couzin,
     echelon,
+    guarded_zones,
     hwvem,
     ivem,
     olfati_saber,
@@ -62,6 +63,14 @@ BUILT_IN = [
         defaults={"contact": "start", "d_0": 2.0},
     ),
     Model(safe_zones.SAFE, flyer.FLYER, world="thesis-sky", agents=50),
+    Model(
+        guarded_zones.GUARDED,
+        flyer.FLYER,
+        world="thesis-blocks",
+        agents=50,
+        spacing=1.5,
+        defaults={"v0": 1.0, "v_min": 0.5, "v_max": 1.5},
+    ),
     Model(
         echelon.ECHELON,
         flyer.FLYER,

@@ -171,6 +171,8 @@ class Rule:
     """What `decide` answers; a body takes one kind of wish."""
     reach: str = "r"
     """Name of the parameter that is the largest distance at which agents notice each other."""
+    together: str = ""
+    """Name of the parameter within which agents are of one group; by default `reach`."""
     dimensions: tuple[int, ...] = (2, 3)
     signals: tuple[str, ...] = ()
     """What agents tell each other beside position and heading; rows of `near.signal`."""

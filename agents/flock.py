@@ -140,6 +140,16 @@ class Flock(Motion, mesa.Model):
             raise Refusal(f"dim = {found.dim!r} is not allowed: {name} is defined in {allowed}")
         return found
 
+    def _is_built_in(self) -> bool:
+        """Whether the world is the one that its name and the seed make again."""
+        world = self.world
+        if world.name not in layout_names():
+            return False
+        try:
+            return build_world(world.name, world.dim, world.size).drawn(self.seed) == world
+        except Refusal:
+            return False
+
     def _begin(self, agents: int, informed: int) -> Start:
         """A random start, with the speeds that the body begins with. Raises Refusal."""
         size = self.model.body.size
@@ -201,8 +211,8 @@ class Flock(Motion, mesa.Model):
         return links(self.position, self.reach, self.world.size, self.world.images)
 
     def group_labels(self) -> np.ndarray:
-        """The connected group of each agent, int (N,), 0 the largest."""
-        return groups_within(self.position, self.reach, self.world.size, self.world.images)
+        """The connected group within `together` of each agent, int (N,), 0 the largest."""
+        return groups_within(self.position, self.together, self.world.size, self.world.images)
 
     def layers(self) -> np.ndarray:
         """Hops from an information agent plus 1, as the flock stands; N + 1 unknown; int (N,)."""
@@ -279,7 +289,7 @@ class Flock(Motion, mesa.Model):
             start="given" if self.given else "random",
             spacing=self.spacing,
             parameters=self.parameters.model_dump(),
-            layout=None if self.world.name in layout_names() else self.world.to_layout(),
+            layout=None if self._is_built_in() else self.world.to_layout(),
             versions=versions(),
         )
 

@@ -115,6 +115,11 @@ class Motion:
         return float(getattr(self.parameters, self.model.rule.reach))
 
     @property
+    def together(self) -> float:
+        """The distance within which agents are of one group, length."""
+        return float(getattr(self.parameters, self.model.rule.together or self.model.rule.reach))
+
+    @property
     def sight(self) -> float:
         """The largest distance at which agents notice obstacles, length."""
         return float(getattr(self.parameters, self.model.body.sight or self.model.rule.reach))

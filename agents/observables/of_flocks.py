@@ -10,10 +10,9 @@ import math
 import numpy as np
 
 from agents.observables import correlation, groups, layers, neighbours, per_group
+from agents.observables.formation import INDUCED
 from worlds.clearance import clearance
 
-INDUCED = 0.35
-"""Share of the power of flight that the induced drag costs, as the formation's account has it."""
 SAVED = "saved"
 """The measure of a body that tells the share of its induced drag an agent saves."""
 

@@ -217,6 +217,7 @@ ECHELON = Rule(
     decide=decide,
     wish="velocity",
     reach="range",
+    together="d_a",
     signals=("pace",),
     show=show,
     weigh=weigh,

@@ -1,14 +1,21 @@
-"""The room that an agent keeps for itself: the ball in which it could circle for ever.
+"""The room that an agent keeps for itself, so that it always has a way out.
 
-An agent that cannot stop can circle: it turns by theta_max every tick at its present speed, round a
-centre that stays. Its *room* is the ball round that centre that holds the circle and the body. It
-tells the others where that is. Rooms that do not overlap are kept apart by the plane halfway between
-their surfaces; an agent only makes a step after which its next room lies on its own side of the
-planes to all others, and clear of what is solid. As all others do the same, the next rooms do not
-overlap either, even if all decide at once; and as going on in the circle leaves the room where it
-is, there always is such a step. So no two bodies ever touch. Planes that share the space are those
-of buffered Voronoi cells (Zhou et al. 2017, IEEE RA-L 2, 1047); an escape that is kept free is the
-fastest way known to a proof (Schouwenaars et al. 2004).
+An aircraft that cannot stop can slow down and circle. Its *escape* is to turn by theta_max to one
+side in every tick while its speed goes to v_min, and then to go round in that circle for ever. Its
+*room* is a ball round the centre of that last circle which the whole of the escape lies in; round
+it there must be place for the body. Every agent tells the others where its room is.
+
+Between two rooms lies a plane, at right angles to the line through their centres and halfway
+between their surfaces. An agent only makes a step after which its next room lies on its own side of
+the planes to all others, and clear of what is solid. The others do the same, so the next rooms are
+apart again even if all decide at once; and there always is such a step, since going on with the
+escape leaves the room where it is. So from the moment when all rooms are apart no two bodies ever
+touch, and none touches what is solid, whatever the agents wish.
+
+Cells between planes are those of van den Berg et al. 2011 and Zhou et al. 2017 (buffered Voronoi
+cells), who need agents that can stop; a circle in place of a stop is the loiter of Schouwenaars et
+al. 2004. That the escape comes nearer to its last centre all the time is the theorem of Tait and
+Kneser on curves whose curvature grows.
 """
 
 from __future__ import annotations
@@ -19,16 +26,26 @@ from typing import NamedTuple
 from worlds.compiled import compiled
 from worlds.ground import signed_distance
 
-CENTRE_X, CENTRE_Y, CENTRE_Z, RADIUS = 0, 1, 2, 3
-"""Rows of `near.signal`: from an agent to the centre of its circle, and the circle's radius."""
+OUT_X, OUT_Y, OUT_Z, RADIUS = range(4)
+"""Rows of `near.signal`: from an agent to the centre of its room; the radius of the room."""
 SKIN = 0.01
-"""What a room is wider than circle and body, length."""
+"""Air that is kept around bodies, length."""
 ENOUGH = 1e-9
 """An overlap that rounding may make, length."""
+SHARPEST = 0.5 * math.pi
+"""Most of a turn in one tick that an escape makes, rad."""
+
+
+class Direction(NamedTuple):
+    """A unit vector; or a place."""
+
+    x: float
+    y: float
+    z: float
 
 
 class Room(NamedTuple):
-    """A circle that an agent could fly: its centre and radius, length."""
+    """A ball that an agent can stay in: centre and radius, length."""
 
     x: float
     y: float
@@ -36,53 +53,125 @@ class Room(NamedTuple):
     radius: float
 
 
+class Escape(NamedTuple):
+    """Where an escape ends, seen from where it begins, length."""
+
+    along: float
+    """From the agent to the centre of the last circle, along its heading."""
+    across: float
+    """The same at right angles to it, to the side of the turn."""
+    radius: float
+    """The largest distance of the escape from that centre."""
+
+
 @compiled
-def circle_radius(speed, p):
-    """Radius of the circle of positions that a turn by theta_max at a speed goes through, length.
-
-    Positions are the corners of a polygon with sides speed * tau that turn by theta_max tau.
-    """
-    return 0.5 * speed * p.tau / math.sin(0.5 * math.radians(p.theta_max) * p.tau)
+def turn_of(p):
+    """The turn of an escape in one tick, rad."""
+    return min(math.radians(p.theta_max) * p.tau, SHARPEST)
 
 
 @compiled
-def circle(x, y, z, ux, uy, uz, speed, nx, ny, nz, p):
-    """The circle from a place with a heading u and a speed, turning towards the unit vector n.
+def nearer(speed, to, p):
+    """The speed after a tick in which the body brings it towards `to`."""
+    change = p.a_max * p.tau
+    return speed + min(max(to - speed, -change), change)
 
-    n is at right angles to u. The step that comes next is turned already, so the centre lies back
-    from n by half a turn.
+
+@compiled
+def spiral(speed, last, change, theta, tau):
+    """The escape from a speed to the speed `last`, by `change` in every tick of length tau.
+
+    Its circle is a polygon with sides v tau that turn by theta (rad) each. From a corner, with the
+    side before it behind, the centre lies r cos(theta / 2) to the side of the turn and
+    r sin(theta / 2) back, r = v tau / (2 sin(theta / 2)).
     """
-    half = 0.5 * math.radians(p.theta_max) * p.tau
-    r = circle_radius(speed, p)
-    c, s = r * math.cos(half), r * math.sin(half)
-    return Room(x + c * nx - s * ux, y + c * ny - s * uy, z + c * nz - s * uz, r)
+    c, s = math.cos(theta), math.sin(theta)
+    ux, uy = 1.0, 0.0
+    x = y = 0.0
+    v = speed
+    while v != last and change > 0.0:
+        v += min(max(last - v, -change), change)
+        ux, uy = c * ux - s * uy, s * ux + c * uy
+        x, y = x + v * tau * ux, y + v * tau * uy
+    r = 0.5 * v * tau / math.sin(0.5 * theta)
+    side, back = r * math.cos(0.5 * theta), r * math.sin(0.5 * theta)
+    x, y = x - side * uy - back * ux, y + side * ux - back * uy
+    return Escape(x, y, max(math.sqrt(x * x + y * y), r))
+
+
+@compiled
+def escape(speed, p):
+    """The escape of an agent at a speed."""
+    return spiral(speed, p.v_min, p.a_max * p.tau, turn_of(p), p.tau)
+
+
+@compiled
+def room(at, u, n, way):
+    """The room of an agent at a place `at` with heading u that would take the escape `way` to n.
+
+    n is a unit vector at right angles to u.
+    """
+    return Room(
+        at.x + way.along * u.x + way.across * n.x,
+        at.y + way.along * u.y + way.across * n.y,
+        at.z + way.along * u.z + way.across * n.z,
+        way.radius,
+    )
+
+
+@compiled
+def own_room(me):
+    """The room that an agent has told the others."""
+    return Room(
+        me.x + me.signal[OUT_X],
+        me.y + me.signal[OUT_Y],
+        me.z + me.signal[OUT_Z],
+        me.signal[RADIUS],
+    )
+
+
+@compiled
+def beside(u, v):
+    """The unit vector at right angles to the heading u nearest to a vector v, or any if v is along.
+
+    Where u and v are in the plane z = 0, so is it.
+    """
+    along = v.x * u.x + v.y * u.y + v.z * u.z
+    x, y, z = v.x - along * u.x, v.y - along * u.y, v.z - along * u.z
+    length = math.sqrt(x * x + y * y + z * z)
+    if length < 1e-9:
+        x, y, z = -u.y, u.x, 0.0
+        length = math.sqrt(x * x + y * y)
+        if length < 1e-9:
+            x, length = 1.0, 1.0
+    return Direction(x / length, y / length, z / length)
 
 
 @compiled
 def overlap(me, near, ground, own, then, p):
-    """By how much the room `then` oversteps the planes round the room `own`, and solids; length.
+    """By how much the room `then` is over the planes around the room `own`, and in solids; length.
 
-    The sum over all others within reach and the nearest surface; 0 means: the step is safe.
+    The sum over all others, and the nearest surface. 0: the step to it is safe. Nobody beyond
+    reach is in the way, see `agents.rules.guarded_zones.GuardedZones.range`.
     """
-    reach2 = p.range * p.range
-    grown = then.radius - own.radius
     vx, vy, vz = then.x - own.x, then.y - own.y, then.z - own.z
-    signal = near.signal
-    # Both bodies, with their skins.
+    grown = then.radius - own.radius
     apart = own.radius + p.body + 2.0 * SKIN
+    out_x, out_y, out_z = near.signal[OUT_X], near.signal[OUT_Y], near.signal[OUT_Z]
+    radius = near.signal[RADIUS]
     total = 0.0
     for j in range(near.n):
         dx = near.x[j] - me.x
         dy = near.y[j] - me.y
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
-        ex = near.x[j] + signal[CENTRE_X, j] - own.x
-        ey = near.y[j] + signal[CENTRE_Y, j] - own.y
-        ez = near.z[j] + signal[CENTRE_Z, j] - own.z
+        ex = near.x[j] + out_x[j] - own.x
+        ey = near.y[j] + out_y[j] - own.y
+        ez = near.z[j] + out_z[j] - own.z
         e2 = ex * ex + ey * ey + ez * ez
-        e = math.sqrt(e2) if e2 > 0.0 else 1.0
-        gap = e - apart - signal[RADIUS, j]
+        e = math.sqrt(e2 if e2 > 0.0 else 1.0)
+        gap = e - apart - radius[j]
         over = (vx * ex + vy * ey + vz * ez) / e + grown - 0.5 * gap
-        total += over if (d2 > 0.0) & (d2 <= reach2) & (over > ENOUGH) else 0.0
+        total += over if (d2 > 0.0) & (over > ENOUGH) else 0.0
     clear = signed_distance(ground, then.x, then.y, then.z) - then.radius - 0.5 * p.body - SKIN
-    return total + (-clear if clear < -ENOUGH else 0.0)
+    return total - (clear if clear < -ENOUGH else 0.0)

@@ -153,6 +153,7 @@ SAFE = Rule(
     decide=decide,
     wish="velocity",
     reach="range",
+    together="d_a",
     signals=("pace",),
     show=show,
     weigh=weigh,

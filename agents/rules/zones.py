@@ -145,6 +145,7 @@ ZONES = Rule(
     decide=decide,
     wish="velocity",
     reach="range",
+    together="d_a",
     weigh=weigh,
     zones=(
         Zone("repulsion", lambda p: p.d_r),

@@ -4,29 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
-from app.experiments.file import Every, Faster, Order, Said, Sweep
+from app.experiments.claim import Claim
+from app.experiments.file import Every, Faster, Found, Lags, Order, Said, Sweep
+from app.experiments.phase_map import found_claim, lag_claim
 from app.experiments.statistics import difference
 from app.experiments.verdict import LARGE, Verdict, name, of, sweeps_of
-
-
-@dataclass(frozen=True)
-class Claim:
-    """What a paper says, and what was measured."""
-
-    text: str
-    holds: bool
-    why: str = ""
-    """Why it does not hold, where that is known."""
-
-    @property
-    def word(self) -> str:
-        """In a word."""
-        if self.holds:
-            return "holds"
-        return "not reproduced" if self.why else "does not hold"
 
 
 def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
@@ -38,6 +22,10 @@ def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
             found += [claim for n in one.agents for claim in order_claim(one, n, points)]
         elif isinstance(one, Every):
             found += every_claim(one, points)
+        elif isinstance(one, Found):
+            found += found_claim(one, points)
+        elif isinstance(one, Lags):
+            found += lag_claim(one, points)
         else:
             found += faster_claim(one, points)
     return found
@@ -59,8 +47,9 @@ def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[Claim]:
 
 
 def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
-    """Whether a measure is within bounds in every run."""
+    """Whether a measure is within bounds in every run, or in a share of the runs."""
     rows = [row for row in made if not one.labels or row.cell.label in one.labels]
+    rows = [row for row in rows if one.tick is None or row.cell.tick == one.tick]
     values = [value for row in rows for value in row.values]
     if not values:
         return []
@@ -78,8 +67,11 @@ def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
     measure = rows[0].measure
     span = f"{number(min(there))} to {number(max(there))}" if there else measure.absent
     unit = "" if measure.unit == "1" else f" {measure.unit}"
-    text = f"{who}: {measure.symbol} {words}{unit} in every run; {span} in {len(values)} runs"
-    return [Claim(text + (f", {bad} not" if bad else ""), bad == 0, one.not_reproduced)]
+    when = "" if one.tick is None else f" at tick {one.tick}"
+    often = "every run" if one.share == 1.0 else f"{one.share:.0%} of the runs or more"
+    text = f"{who}: {measure.symbol} {words}{unit}{when} in {often}; {span} in {len(values)} runs"
+    holds = len(values) - bad >= one.share * len(values)
+    return [Claim(text + (f", {bad} not" if bad else ""), holds, one.not_reproduced)]
 
 
 def is_within(one: Every, value: float) -> bool:

@@ -48,12 +48,17 @@ class Plan:
         self.seeds = range(seed, seed + runs)
         cells = experiment.cells
         self.prints = [checked_fingerprint(cell, experiment) for cell in cells]
-        self.number = {id(cell): k for k, cell in enumerate(cells)}
+        self.paths = experiment.paths
+        self.number = {id(cells[path[0]]): n for n, path in enumerate(self.paths)}
         self.missing = [
-            [seed for seed in self.seeds if self.key(k, seed) not in store.results]
-            for k in range(len(cells))
+            [seed for seed in self.seeds if not self.has(path, seed)] for path in self.paths
         ]
-        self.costs = Costs([self.guess(cell) for cell in cells], self.left)
+        guesses = [sum(self.guess(cells[k]) for k in path) for path in self.paths]
+        self.costs = Costs(guesses, self.left)
+
+    def has(self, path: list[int], seed: int) -> bool:
+        """Whether the store has a run in all of its cells."""
+        return all(self.key(k, seed) in self.store.results for k in path)
 
     def guess(self, cell: Cell) -> float:
         """Seconds that a run of a cell may take."""
@@ -67,7 +72,7 @@ class Plan:
 
     @property
     def left(self) -> list[int]:
-        """Runs that each cell lacks."""
+        """Runs that each path lacks."""
         return [len(seeds) for seeds in self.missing]
 
     def key(self, cell: int, seed: int) -> Key:
@@ -77,15 +82,17 @@ class Plan:
     @property
     def trials(self) -> list[Trial]:
         """The runs that the store lacks, the longest first."""
-        order = sorted(range(len(self.prints)), key=lambda k: -self.costs.guesses[k])
+        order = sorted(range(len(self.paths)), key=lambda n: -self.costs.guesses[n])
         cells = self.experiment.cells
-        return [Trial(cells[k], seed) for k in order for seed in self.missing[k]]
+        along = [tuple(cells[k] for k in path) for path in self.paths]
+        return [Trial(along[n], seed) for n in order for seed in self.missing[n]]
 
-    def keep(self, trial: Trial, result: Result) -> None:
-        """Keep a result in the store and in the costs."""
-        k = self.number[id(trial.cell)]
-        self.store.add(self.key(k, trial.seed), result)
-        self.costs.add(k, result.seconds)
+    def keep(self, trial: Trial, results: list[Result]) -> None:
+        """Keep a run's results in the store and in the costs."""
+        n = self.number[id(trial.cells[0])]
+        for k, result in zip(self.paths[n], results, strict=True):
+            self.store.add(self.key(k, trial.seed), result)
+        self.costs.add(n, sum(result.seconds for result in results))
 
     @property
     def measured(self) -> list[Measured]:
@@ -112,7 +119,7 @@ def checked_fingerprint(cell: Cell, experiment: Experiment) -> str:
 
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
     """Compile the loop of every model before the threads start: numba compiles one at a time."""
-    for cell in {cell.model: cell for cell in experiment.cells}.values():
+    for cell in {(cell.model, cell.activation): cell for cell in experiment.cells}.values():
         flock = flock_of(cell, experiment.settings, 0)
         compile_loop(flock, tell)
         experiment.settings.compile(flock)
@@ -136,12 +143,12 @@ def conduct(
     with Store(folder / "runs.csv", experiment.settings.measures) as store:
         plan = Plan(experiment, runs, seed, store)
         trials = plan.trials
-        taken = runs * len(experiment.cells) - len(trials)
+        taken = runs * len(plan.paths) - len(trials)
         if trials:
             compile_models(experiment, tell)
 
-        def keep(trial: Trial, result: Result) -> None:
-            plan.keep(trial, result)
+        def keep(trial: Trial, results: list[Result]) -> None:
+            plan.keep(trial, results)
             done = sum(plan.costs.done)
             at(plan.costs.share, plan.costs.ahead / workers, f"{done} of {len(trials)} runs")
 

@@ -6,17 +6,19 @@ import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from app.experiments.file import File, Published, Row, Said, Sweep
+from app.experiments.file import File, Found, Published, Row, Said, Sweep
 from app.experiments.folder import experiments_folder
 from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
 from app.experiments.strict import Value
 from worlds.refusal import Refusal, unknown
+
+Way = Literal["", "there", "back"]
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,12 @@ class Cell:
     parameters: dict[str, Value] = field(hash=False)
     row: Row | None = field(default=None, hash=False)
     sweep: Sweep | None = field(default=None, hash=False)
+    way: Way = ""
+    """Which way a run that goes there and back is going here."""
+    tick: int | None = None
+    """The tick at which a run that is measured several times is measured here."""
+    last: bool = True
+    """Whether it is the last of them, which is compared with what was published."""
 
     @property
     def label(self) -> str:
@@ -42,9 +50,20 @@ class Cell:
         """The value of the swept parameter."""
         return self.parameters[self.sweep.parameter] if self.sweep else None
 
+    @property
+    def at(self) -> Value | None:
+        """The value of the second parameter of a sweep that has two."""
+        two = self.sweep is not None and self.sweep.against
+        return self.parameters[two] if two else None
+
+    @property
+    def activation(self) -> str:
+        """How its agents act: at once or in turn."""
+        return self.row.activation if self.row else "synchronous"
+
     def published(self, measure: str) -> Published | None:
         """What the paper prints of a measure."""
-        return self.row.published.get(measure) if self.row else None
+        return self.row.published.get(measure) if self.row and self.last else None
 
 
 @dataclass(frozen=True)
@@ -65,6 +84,21 @@ class Experiment:
     cells: list[Cell]
     said: list[Said]
     """What the paper claims."""
+
+    @property
+    def paths(self) -> list[list[int]]:
+        """The cells, by number, that each run goes through.
+
+        One, or those of a sweep there and back, or a row's at all of its ticks.
+        """
+        found: list[list[int]] = []
+        for k, cell in enumerate(self.cells):
+            last = self.cells[found[-1][-1]] if found else None
+            if last is not None and goes_on(last, cell):
+                found[-1].append(k)
+            else:
+                found.append([k])
+        return found
 
     def narrowed(self, models: list[str], agents: list[int]) -> Experiment:
         """Only some models (or labels) and sizes; empty lists keep all.
@@ -87,6 +121,14 @@ class Experiment:
             and (not agents or cell.agents in agents)
         ]
         return replace(self, cells=kept)
+
+
+def goes_on(last: Cell, cell: Cell) -> bool:
+    """Whether a cell is the next of the same run."""
+    if cell.tick is not None:
+        return last.row is cell.row and last.tick is not None and last.tick < cell.tick
+    same = last.sweep is cell.sweep and (last.agents, last.at) == (cell.agents, cell.at)
+    return cell.way != "" and same and (last.way, cell.way) != ("back", "there")
 
 
 def experiment_names() -> list[str]:
@@ -158,19 +200,44 @@ def check_measures(file: File, path: Path) -> None:
         for name in names:
             if name not in known:
                 raise unknown("measure", name, known, str(path))
+    for claim in file.claims:
+        if isinstance(claim, Found):
+            words = file.settings.measure(claim.measure).words
+            if claim.word not in words:
+                raise unknown(claim.measure, claim.word, words, str(path))
 
 
 def cells_of(file: File) -> list[Cell]:
     """The rows and the sweeps' points, in the order of the file."""
     shared = file.settings.parameters
+    stops = file.settings.stops or [None]
     cells = [
-        Cell(row.model, row.agents, file.sizes.get(str(row.agents)), shared | row.parameters, row)
+        Cell(
+            row.model,
+            row.agents,
+            row.size or file.sizes.get(str(row.agents)),
+            shared | row.parameters,
+            row,
+            tick=tick,
+            last=tick == stops[-1],
+        )
         for row in file.rows
+        for tick in stops
     ]
     for sweep in file.sweeps:
         for n in sweep.agents:
-            for value in sweep.values:
-                given: dict[str, Any] = shared | sweep.fixed | {sweep.parameter: value}
-                size = file.sizes.get(str(n))
-                cells.append(Cell(sweep.model, n, size, given, sweep=sweep))
+            size = file.sizes.get(str(n))
+            for fixed, value, way in points_of(sweep):
+                given = shared | fixed | {sweep.parameter: value}
+                cells.append(Cell(sweep.model, n, size, given, sweep=sweep, way=way))
     return cells
+
+
+def points_of(sweep: Sweep) -> list[tuple[dict[str, Value], Value, Way]]:
+    """What a sweep sets beside its parameter, the parameter's value, and the way: in order."""
+    others = [{sweep.against: value} for value in sweep.against_values] or [{}]
+    steps: list[tuple[Value, Way]] = [(value, "") for value in sweep.values]
+    if sweep.there_and_back:
+        steps = [(value, "there") for value in sweep.values]
+        steps += [(value, "back") for value in sweep.values[::-1]]
+    return [(sweep.fixed | other, value, way) for other in others for value, way in steps]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from app.experiments.kinds import Settings
 from app.experiments.strict import Strict, Value
@@ -20,6 +20,10 @@ Picture = Literal[
     "trajectories",
     "distances",
     "energy",
+    "phases",
+    "gathering",
+    "crashes",
+    "formation",
 ]
 
 
@@ -28,8 +32,21 @@ class Published(Strict):
 
     mean: float | None = None
     quartiles: tuple[float, float, float] | None = None
+    values: list[float] = Field(default_factory=list)
+    """The runs themselves, where the paper prints them."""
     not_reproduced: str = ""
     """Why this does not come out; empty where it does."""
+
+    @model_validator(mode="after")
+    def _has_one_mean(self) -> Published:
+        if self.values and self.mean is not None:
+            raise ValueError("values already give the mean")
+        return self
+
+    @property
+    def average(self) -> float | None:
+        """The mean, printed or of the printed runs."""
+        return sum(self.values) / len(self.values) if self.values else self.mean
 
 
 class Row(Strict):
@@ -42,6 +59,10 @@ class Row(Strict):
     parameters: dict[str, Value] = Field(default_factory=dict)
     obstacles: bool = True
     """Whether the world keeps its obstacles."""
+    size: float | None = Field(None, gt=0.0)
+    """Side of its box; None: that of its number of agents in `sizes`, or the world's own."""
+    activation: Literal["synchronous", "random", "sequential"] = "synchronous"
+    """Whether all agents act at once, or in turn in a random order or in that of the rows."""
     published: dict[str, Published] = Field(default_factory=dict)
     remark: str = ""
     """What else is known of it."""
@@ -54,11 +75,22 @@ class Sweep(Strict):
     agents: list[int] = Field(min_length=1)
     parameter: str
     values: list[Value] = Field(min_length=1)
+    against: str = ""
+    """A second parameter, of which each value is combined with each of the first."""
+    against_values: list[Value] = Field(default_factory=list)
+    there_and_back: bool = False
+    """Whether a single run goes through the values, from the first to the last and back."""
     fixed: dict[str, Value] = Field(default_factory=dict)
     trend: Literal["rises", "falls"] | None = None
     """What the paper says the time does along the values."""
     flat_from: float | None = None
     """The value from which on, the paper says, it hardly changes."""
+
+    @model_validator(mode="after")
+    def _has_both(self) -> Sweep:
+        if bool(self.against) != bool(self.against_values):
+            raise ValueError("against and against_values need each other")
+        return self
 
 
 class Order(Strict):
@@ -78,6 +110,10 @@ class Every(Strict):
     measure: str
     labels: list[str] = Field(default_factory=list)
     """The rows that it is said of; empty: all."""
+    tick: int | None = None
+    """The tick at which it is said, where runs are measured several times."""
+    share: float = Field(1.0, gt=0.0, le=1.0)
+    """The share of the runs in which it is to be so; 1: in every run."""
     above: float | None = None
     below: float | None = None
     at_least: float | None = None
@@ -96,7 +132,25 @@ class Faster(Strict):
     not_reproduced: str = ""
 
 
-Said = Annotated[Order | Every | Faster, Field(discriminator="says")]
+class Found(Strict):
+    """A word of a measure that is a name is the commonest somewhere on a map."""
+
+    says: Literal["found"]
+    measure: str
+    word: str
+    not_reproduced: str = ""
+
+
+class Lags(Strict):
+    """A measure is larger on the way back than on the way there, somewhere by more than a step."""
+
+    says: Literal["lags"]
+    measure: str
+    by: float = Field(gt=0.0)
+    not_reproduced: str = ""
+
+
+Said = Annotated[Order | Every | Faster | Found | Lags, Field(discriminator="says")]
 
 
 class File[Kind: Settings](Strict):

@@ -22,9 +22,9 @@ def run_all(
     trials: Sequence[Trial],
     settings: Settings,
     workers: int,
-    keep: Callable[[Trial, Result], None],
+    keep: Callable[[Trial, list[Result]], None],
 ) -> None:
-    """Run the trials in their order; `keep` receives each result in the calling thread.
+    """Run the trials in their order; `keep` receives the results of each in the calling thread.
 
     On KeyboardInterrupt, or if `keep` fails, the runs under way stop at their next chunk, what was
     finished is kept, and the exception goes on.
@@ -51,7 +51,7 @@ def halt(pool: ThreadPoolExecutor, stop: threading.Event) -> None:
 
 
 def keep_finished(
-    futures: dict[Future[Result], Trial], keep: Callable[[Trial, Result], None]
+    futures: dict[Future[list[Result]], Trial], keep: Callable[[Trial, list[Result]], None]
 ) -> None:
     """Keep what was finished while the pool was stopped."""
     for future, trial in futures.items():

@@ -6,9 +6,9 @@ import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.experiments.claims import Claim
+from app.experiments.claim import Claim
 from app.experiments.experiment import Experiment
-from app.experiments.statistics import INTERVAL_NOTE, NOTE
+from app.experiments.statistics import INTERVAL_NOTE, NOTE, WELCH_NOTE
 from app.experiments.tables import STYLES, table_of
 from app.experiments.verdict import Verdict, of
 from worlds.refusal import Refusal
@@ -27,7 +27,7 @@ def as_value(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> 
         "source": experiment.source,
         "kind": experiment.settings.kind,
         "settings": experiment.settings.model_dump(),
-        "notes": {**experiment.notes, "z": NOTE, "interval": INTERVAL_NOTE},
+        "notes": {**experiment.notes, "z": NOTE, "welch": WELCH_NOTE, "interval": INTERVAL_NOTE},
         "rows": [one.as_row() for one in made],
         "claims": [{"text": one.text, "holds": one.holds, "why": one.why} for one in said],
     }
@@ -72,7 +72,7 @@ def show(console: Console, experiment: Experiment, made: list[Verdict], said: li
             style = STYLES["not reproduced"]
             why = one.published.not_reproduced
             tell(f"[{style}]not reproduced[/]  {cell.label}, N = {cell.agents}: {why}")
-        if cell.row and cell.row.remark and one.measure == experiment.measures[0]:
+        if cell.row and cell.last and cell.row.remark and one.measure == experiment.measures[0]:
             tell(f"{cell.label}, N = {cell.agents}: {cell.row.remark}")
     for note in notes(experiment, made):
         tell(f"[dim]note: {note}[/]")
@@ -86,7 +86,8 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
         rows = [one for one in rows if one.summary.runs or one.published]
         if rows:
             cells = ", ".join(
-                f"{one.cell.label} N = {one.cell.agents} ({one.summary.absent})" for one in rows
+                f"{one.cell.label} N = {one.cell.agents}{at(one)} ({one.summary.absent})"
+                for one in rows
             )
             lines.append(
                 f"[bold red]{measure.absent}[/]  {measure.symbol}: {cells} of "
@@ -95,11 +96,20 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
     return lines
 
 
+def at(one: Verdict) -> str:
+    """The tick of a run that is measured several times."""
+    return "" if one.cell.tick is None else f" at tick {one.cell.tick}"
+
+
 def notes(experiment: Experiment, made: list[Verdict]) -> list[str]:
     """What has to be known to read the numbers."""
     found = list(experiment.notes.values())
-    if any(one.z is not None for one in made):
+    compared = [one.published for one in made if one.published and one.z is not None]
+    if any(not one.values for one in compared):
         found.append(NOTE)
-    if any(one.published for one in made) and len(experiment.measures) > 1:
+    if any(one.values for one in compared):
+        found.append(WELCH_NOTE)
+    shown = any(one.published for one in made) and not experiment.settings.stops
+    if shown and len(experiment.measures) > 1:
         found.append(INTERVAL_NOTE)
     return found

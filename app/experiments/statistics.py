@@ -16,6 +16,10 @@ NOTE = (
     "z = (measured mean - published mean) / sqrt(s^2/n + s^2/100): the paper gives no spread, "
     "so s is the measured standard deviation for both samples"
 )
+WELCH_NOTE = (
+    "differs: the means of the runs here and of the published runs are 3 standard errors or more "
+    "apart, each sample with its own spread"
+)
 INTERVAL_NOTE = f"95 % interval of the mean: bootstrap, percentiles of {RESAMPLES} resampled means"
 
 
@@ -89,6 +93,12 @@ def z_score(measured: Summary, published_mean: float) -> float:
     """Distance from a published mean in standard errors of the difference; NaN without spread."""
     error = math.hypot(measured.standard_error, measured.sd / math.sqrt(PUBLISHED_RUNS))
     return (measured.mean - published_mean) / error if error > 0.0 else math.nan
+
+
+def welch(measured: Summary, published: Summary) -> float:
+    """Distance of two means in standard errors, each sample with its own spread; NaN without."""
+    change, error = difference(published, measured)
+    return change / error if error > 0.0 else math.nan
 
 
 def difference(a: Summary, b: Summary) -> tuple[float, float]:

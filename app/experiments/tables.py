@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from app.experiments.file import Published
+from app.experiments.gathering_table import gathering_table
+from app.experiments.phase_tables import phase_tables
 from app.experiments.verdict import Verdict, main_ones, name
 
 STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
@@ -14,6 +16,10 @@ STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
 
 def table_of(made: list[Verdict]) -> Any:
     """The table that fits: by what was published, and by how many measures there are."""
+    if any(one.measure.words for one in made):
+        return phase_tables(made)
+    if any(one.cell.tick is not None for one in made):
+        return gathering_table(made)
     several = len({one.measure.name for one in made}) > 1
     if any(one.published for one in made):
         return comparison_table(made) if several else published_table(made)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
 import threading
 import time
@@ -24,15 +25,18 @@ from worlds.world import World, world
 
 @dataclass(frozen=True)
 class Trial:
-    """What makes a run: its cell and its seed."""
+    """What makes a run: its cells and its seed.
 
-    cell: Cell
+    There are several cells where the run goes through several values of a parameter, in that order.
+    """
+
+    cells: tuple[Cell, ...]
     seed: int
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a run has given."""
+    """What a run has given in one of its cells."""
 
     measures: dict[str, Number | None]
     """By name; None where the run has none, such as k_con of a run that was given up."""
@@ -49,39 +53,62 @@ def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
     informed = model(cell.model).informed if settings.n_counts_informed else 0
     agents = cell.agents - informed
     bare = cell.row is not None and not cell.row.obstacles
-    world = world_of(settings.world, bare) if cell.size is None else settings.world
-    return Flock(cell.model, agents=agents, size=cell.size, world=world, rng=seed, **parameters)
+    world = world_of(settings.world, settings.dim, bare) if cell.size is None else settings.world
+    return Flock(
+        cell.model,
+        agents=agents,
+        size=cell.size,
+        dim=settings.dim,
+        world=world,
+        activation=cell.activation,
+        rng=seed,
+        **parameters,
+    )
 
 
 @cache
-def world_of(name: str, bare: bool) -> World:
+def world_of(name: str, dim: int | None, bare: bool) -> World:
     """The world of a layout in the layout's own size; `bare` without its obstacles."""
-    found = world(name)
-    return replace(found, obstacles=()) if bare else found
+    found = world(name, dim)
+    return replace(found, obstacles=(), random=None) if bare else found
 
 
-def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> Result:
-    """Run a flock to the end. Raises Stopped."""
+def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[Result]:
+    """Run a flock to the end of each of its cells. Raises Stopped."""
     begun = time.perf_counter()
-    flock = flock_of(trial.cell, settings, trial.seed)
+    flock = flock_of(trial.cells[0], settings, trial.seed)
 
     def go_on() -> None:
         if stop.is_set():
             raise Stopped
 
-    measures = settings.run(flock, go_on)
-    return Result(measures, time.perf_counter() - begun)
+    results = []
+    for cell in trial.cells:
+        flock.set(**cell.parameters)
+        measures = settings.run(flock, go_on)
+        ended = time.perf_counter()
+        results.append(Result(measures, ended - begun))
+        begun = ended
+    return results
 
 
 def fingerprint(cell: Cell, settings: Settings) -> str:
     """A hash of what a cell's numbers depend on beside model, agents, parameters and seed.
 
-    The world and the criterion, the versions, the compiled loop with all that it reaches, what
-    measures it, and how a flock starts.
+    The world and the criterion, the way that a run has come, the versions, the compiled loop with
+    all that it reaches, what measures it, and how a flock starts.
     """
     flock = flock_of(cell, settings, 0)
-    shared = settings.model_dump(exclude={"parameters"}) | {"size": cell.size}
+    shared = settings.model_dump(exclude={"parameters", "words"}) | {"size": cell.size}
+    if cell.sweep and cell.way:
+        shared |= {"way": cell.way, "values": cell.sweep.values}
+    if cell.tick is not None:
+        shared |= {"tick": cell.tick}
+    if cell.activation != "synchronous":
+        shared |= {"activation": cell.activation}
     digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())
+    digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
+    digest.update(inspect.getsource(type(settings)).encode())
     digest.update(flock.loop.cache_folder.name.encode())
     seen: set[int] = set()
     for kernel in settings.measured_by:

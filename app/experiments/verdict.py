@@ -10,7 +10,7 @@ from app.experiments.conduct import Measured
 from app.experiments.experiment import Cell, Experiment
 from app.experiments.file import Published, Sweep
 from app.experiments.kinds.settings import Measure, Number
-from app.experiments.statistics import Summary, summary, z_score
+from app.experiments.statistics import Summary, summary, welch, z_score
 
 LARGE = 3.0
 """|z| from which on a row counts as different."""
@@ -40,6 +40,19 @@ class Verdict:
             return "not reproduced"
         return "agrees" if abs(self.z) < LARGE else "differs"
 
+    @property
+    def commonest(self) -> tuple[str, float]:
+        """The commonest word of a measure that is a name, and the share of the runs that have it.
+
+        No word for a quantity.
+        """
+        words = self.measure.words
+        if not words or not self.values:
+            return "", 0.0
+        counts = [sum(value == k for value in self.values) for k in range(len(words))]
+        most = counts.index(max(counts))
+        return words[most], counts[most] / len(self.values)
+
     def as_row(self) -> dict[str, Any]:
         """As a flat row for JSON and CSV; the same keys for all rows of an experiment."""
         cell, s = self.cell, self.summary
@@ -47,6 +60,8 @@ class Verdict:
         row |= {"size": cell.size}
         if cell.sweep:
             row |= {"parameter": cell.sweep.parameter, "value": cell.value}
+            row |= {"against": cell.sweep.against, "at": cell.at, "way": cell.way}
+            row |= {"commonest": self.commonest[0]}
         row |= {"measure": self.measure.name, "unit": self.measure.unit}
         row |= {"runs": s.runs, "absent": s.absent, "mean": s.mean, "sd": s.sd}
         row |= dict(zip(("q25", "median", "q75"), s.quartiles, strict=True))
@@ -55,7 +70,7 @@ class Verdict:
         if cell.row:
             published = self.published or Published()
             q = published.quartiles or (None, None, None)
-            row |= {"published_mean": published.mean, "z": self.z}
+            row |= {"published_mean": published.average, "z": self.z}
             row |= dict(zip(("published_q25", "published_median", "published_q75"), q, strict=True))
             row |= {"verdict": self.word, "why": self.why or cell.row.remark}
         return row
@@ -76,10 +91,18 @@ def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
     spared = experiment.not_compared.get(measure.name, "")
     why = spared or experiment.not_reproduced.get(measure.name, "")
     z = None
-    if published and published.mean is not None and not spared:
-        z = z_score(s, published.mean)
+    if published and published.average is not None and not spared:
+        z = z_of(s, published)
         why = published.not_reproduced or why
     return Verdict(one.cell, measure, values, s, published, z, why)
+
+
+def z_of(measured: Summary, published: Published) -> float:
+    """Distance from what was published: from its runs where they are printed, else its mean."""
+    if published.values:
+        return welch(measured, summary(published.values))
+    assert published.mean is not None
+    return z_score(measured, published.mean)
 
 
 def of(made: list[Verdict], measure: str) -> list[Verdict]:

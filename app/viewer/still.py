@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from agents.flock import Flock
-from agents.observables.groups import group_labels
+from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 from app.viewer.crowd import refuse_too_many_links
@@ -22,7 +22,8 @@ class Still:
 
     def __init__(self, flock: Flock):
         seen = flock.aloft
-        self.tick, self.dt, self.reach = flock.tick, flock.dt, flock.reach
+        self.tick, self.dt = flock.tick, flock.dt
+        self.reach, self.together = flock.reach, flock.together
         self.model, self.world, self.parameters = flock.model, flock.world, flock.parameters
         self.seed = flock.seed
         self.position, self.heading = seen.position.copy(), seen.heading.copy()
@@ -40,7 +41,7 @@ class Still:
     @cached_property
     def labels(self) -> np.ndarray:
         """Groups, int (N,)."""
-        return group_labels(len(self.ids), self.pairs)
+        return groups_within(self.position, self.together, self.world.size, self.world.images)
 
     def links(self) -> np.ndarray:
         """As `Flock.links`."""

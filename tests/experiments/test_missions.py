@@ -217,6 +217,15 @@ SHORT = {
     "wu2023-plain": ({"limit": 2.0}, []),
     "wu2023-senses": ({"limit": 2.0}, []),
     "wu2023-theorem1": ({"limit": 2.0}, []),
+    "couzin2002-phases": ({}, []),
+    "thesis-table5.1": ({}, []),
+    "thesis-table5.2": ({}, []),
+    "thesis-fig5.4": ({"words": {"1": "all", "3": "few"}}, []),
+    "thesis-fig5.7": ({"words": {"1": "all", "3": "few"}}, []),
+    "thesis-fig3.7": ({"words": {"1": "all", "3": "few"}}, []),
+    "guarded-alpha": ({"words": {"1": "all", "3": "few"}}, []),
+    "formation-thesis": ({"settle": 5}, []),
+    "formation-echelon": ({"settle": 5}, [20]),
 }
 
 

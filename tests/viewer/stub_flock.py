@@ -53,6 +53,7 @@ class StubFlock:
         self.flying = np.ones(n, bool)
         self.crashes = Crashes(*np.empty((3, 0), int), np.empty((0, start.dim)), np.empty(0, int))
         self.reach = 1.0
+        self.together = 1.0
         self.tick = 0
         self.parameters = checked(Knobs, start.parameters)
         self.spec = SimpleNamespace(to_toml=lambda: f"seed = {start.seed}\n")

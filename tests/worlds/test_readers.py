@@ -210,9 +210,11 @@ COORDINATES = st.tuples(st.floats(-50, 50), st.floats(-50, 50))
 def test_a_polygon_is_read_to_the_bit_or_refused(geojson, wkt, points):
     ring = [*points, points[0]]
     drawn = shapely.Polygon(ring)
+    # Points so near each other that rounding leaves no area between them count as one.
+    solid = drawn.is_valid and min(drawn.area, shapely.MultiPoint(ring).convex_hull.area) > 0.0
     text = "POLYGON ((" + ", ".join(f"{x!r} {y!r}" for x, y in ring) + "))"
     for path in (geojson(feature(polygon([list(p) for p in ring]))), wkt(text)):
-        if drawn.is_valid and drawn.area > 0.0:
+        if solid:
             (made,) = read_geometry(path).obstacles
             assert made.points == tuple(points)
         else:

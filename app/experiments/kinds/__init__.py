@@ -2,7 +2,12 @@
 
 from app.experiments.kinds.convergence import Convergence
 from app.experiments.kinds.energy import Energy
+from app.experiments.kinds.formation import Formation
+from app.experiments.kinds.gathering import Gathering
 from app.experiments.kinds.mission import Mission
+from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
 
-KINDS: dict[str, type[Settings]] = {one.kind: one for one in (Convergence, Mission, Energy)}
+KINDS: dict[str, type[Settings]] = {
+    one.kind: one for one in (Convergence, Mission, Energy, Phases, Gathering, Formation)
+}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
@@ -34,6 +34,8 @@ class Measure:
     """What a run without it counts as in claims: a distance never measured is inf."""
     whole: bool = False
     """Whether it is a whole number."""
+    words: tuple[str, ...] = ()
+    """What the whole numbers from 0 on stand for, where it is no quantity but a name."""
 
     def read(self, text: str) -> Number | None:
         """A value from the store. Raises ValueError."""
@@ -52,15 +54,24 @@ class Settings(Strict):
     """Compiled functions that the numbers depend on beside the flock's own loop."""
 
     world: str
+    dim: Literal[2, 3] | None = None
+    """Dimensions; None for the world's own, or 2."""
     parameters: dict[str, Value] = Field(default_factory=dict)
     n_counts_informed: bool = False
     """Whether the paper counts the information agents in N."""
 
+    @property
+    def stops(self) -> Sequence[int]:
+        """The ticks at which each run is measured; none where a run is measured once."""
+        return []
+
     @abstractmethod
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
-        """Run a flock at tick 0 to the end; its measures by name, None where there is none.
+        """Run a flock to the end; its measures by name, None where there is none.
 
-        `between` is called now and then and may end the run by raising.
+        `between` is called now and then and may end the run by raising. The flock is at tick 0, or,
+        in a run that goes through several values of a parameter or several looks, where it was left
+        the time before.
         """
 
     @abstractmethod

@@ -7,12 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from app.experiments.experiment import Experiment
+from app.experiments.pictures.crashes import draw_crashes
 from app.experiments.pictures.distances import draw_distances
 from app.experiments.pictures.duel import draw_duel
 from app.experiments.pictures.energy import draw_energy
+from app.experiments.pictures.formation import draw_formation
+from app.experiments.pictures.gathering import draw_gathering
 from app.experiments.pictures.mission import draw_mission
 from app.experiments.pictures.models import draw_models
 from app.experiments.pictures.pairs import draw_pairs
+from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.snapshots import draw_snapshots
 from app.experiments.pictures.success import draw_success
 from app.experiments.pictures.sweeps import draw_sweeps
@@ -22,7 +26,12 @@ from worlds.refusal import Refusal
 
 OF_NUMBERS = {"models": draw_models, "sweeps": draw_sweeps, "pairs": draw_pairs}
 """Pictures of one measure."""
-OF_MEASURES: dict[str, Callable[..., None]] = {"success": draw_success, "distances": draw_distances}
+OF_MEASURES: dict[str, Callable[..., None]] = {
+    "success": draw_success,
+    "distances": draw_distances,
+    "phases": draw_phases,
+    "crashes": draw_crashes,
+}
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {
     "mission": draw_mission,
@@ -32,6 +41,11 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "energy": draw_energy,
 }
 """Pictures of the run of one seed."""
+OF_BOTH: dict[str, Callable[..., None]] = {
+    "gathering": draw_gathering,
+    "formation": draw_formation,
+}
+"""Pictures of several measures and of the run of one seed."""
 LOOK = {
     "font.size": 10,
     "axes.spines.top": False,
@@ -70,6 +84,8 @@ def draw(
             OF_NUMBERS[experiment.picture](figure, main_ones(made))
         elif experiment.picture in OF_MEASURES:
             OF_MEASURES[experiment.picture](figure, made)
+        elif experiment.picture in OF_BOTH:
+            OF_BOTH[experiment.picture](figure, experiment, made, seed)
         else:
             OF_RUNS[experiment.picture](figure, experiment, seed)
         figure.suptitle(f"{experiment.title}\n{experiment.source}", x=0.01, ha="left")
