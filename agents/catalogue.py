@@ -9,6 +9,7 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 
 from agents.bodies import (
+    car,
     constant_speed,
     double_integrator,
     drone,
@@ -16,6 +17,7 @@ from agents.bodies import (
     navigator,
     steered,
     turning,
+    zero_turn,
 )
 from agents.declare import Rule
 from agents.model import Model
@@ -29,6 +31,7 @@ from agents.rules import (
     olfati_saber,
     reynolds,
     safe_zones,
+    squashing,
     vasarhelyi,
     vicsek,
     wvem,
@@ -79,6 +82,39 @@ BUILT_IN = [
         agents=30,
         spacing=3.0,
         defaults={"v0": 3.5, "v_min": 3.0, "v_max": 5.0, "body": 0.5, "b": 2.5},
+    ),
+    Model(
+        squashing.SQUASHING,
+        zero_turn.BODY,
+        world="cars-circle",
+        agents=4,
+        defaults={"noise_xy": 0.0, "noise_yaw": 0.0},
+    ),
+    car.driving(squashing.SQUASHING, world="cars-circle", agents=4),
+    Model(
+        squashing.SQUASHING,
+        car.BODY,
+        suffix="-best",
+        title_suffix=", driven by cars that yield",
+        summary_suffix=" Here cars hear the two nearest only, and look ahead: they brake, swerve "
+        "or back out rather than touch another.",
+        world="cars-circle",
+        agents=4,
+        defaults={"k": 2.0, "yields": True},
+    ),
+    car.driving(
+        couzin.COUZIN,
+        world="cars-torus",
+        agents=12,
+        spacing=0.6,
+        defaults={"r_r": 0.8, "dr_o": 2.0, "dr_a": 3.2, "yields": True},
+    ),
+    car.driving(
+        hwvem.HWVEM,
+        world="cars-torus",
+        agents=12,
+        spacing=0.6,
+        defaults={"r": 4.0, "yields": True},
     ),
 ]
 

@@ -40,6 +40,7 @@ def main(only: tuple[str, ...] = ()) -> None:
     yard = at_home("hwvem-nav", world="obstacles", agents=80, seed=3)
     pocket = at_home("boundary-points", seed=3)
     rooms = at_home("hwvem-nav", world="rooms-3d", agents=150, seed=3)
+    cars = at_home("squashing-cars", seed=2)
     beside = at_home("hwvem-nav", beside="vem-a-nav", seed=3)
     pockets = at_home("boundary-points", beside="olfati-saber", seed=3)
     for name, *scene in (
@@ -53,6 +54,7 @@ def main(only: tuple[str, ...] = ()) -> None:
         ("laboratory-obstacles.png", yard, 60.0, 150, among_obstacles),
         ("laboratory-forces.png", pocket, 100.0, 254, with_forces),
         ("laboratory-rooms.png", rooms, 30.0, 110, through_rooms),
+        ("laboratory-cars.png", cars, 300.0, 1250, in_space_and_time),
         ("laboratory-beside.png", beside, 60.0, 96, side_by_side),
         ("laboratory-pocket.png", pockets, 100.0, 1500, before_a_pocket),
     ):
@@ -63,7 +65,7 @@ def main(only: tuple[str, ...] = ()) -> None:
 def in_layers(laboratory: Laboratory, _page: Any) -> None:
     """Colours are layers, and there are trails."""
     laboratory.view.colour.value = "layer"
-    laboratory.view.trails.value = True
+    laboratory.view.trails.value = "line"
     laboratory.view.length.value = 30
 
 
@@ -112,13 +114,13 @@ def in_company(laboratory: Laboratory) -> int:
 
 def on_a_mission(laboratory: Laboratory, _page: Any) -> None:
     """The first waypoint is done, and the passage lies behind."""
-    laboratory.view.trails.value = True
+    laboratory.view.trails.value = "line"
     point(laboratory, "perspective")
 
 
 def among_obstacles(laboratory: Laboratory, page: Any) -> None:
     """A walled yard at a slant; the Setup tab is open."""
-    laboratory.view.trails.value = True
+    laboratory.view.trails.value = "line"
     page.get_by_role("tab", name="Setup").click()
     point(laboratory, "perspective")
 
@@ -134,14 +136,23 @@ def through_rooms(_laboratory: Laboratory, page: Any) -> None:
     page.get_by_role("tab", name="View").click()
 
 
+def in_space_and_time(laboratory: Laboratory, page: Any) -> None:
+    """Cars, and what they leave behind them rises with time; the View tab is open."""
+    laboratory.view.trails.value = "rising in time"
+    laboratory.view.length.value = 1000
+    laboratory.view.labels.value = True
+    page.get_by_role("tab", name="View").click()
+    point(laboratory, "perspective")
+
+
 def side_by_side(laboratory: Laboratory, _page: Any) -> None:
     """Two models on one mission."""
-    laboratory.view.trails.value = True
+    laboratory.view.trails.value = "line"
 
 
 def before_a_pocket(laboratory: Laboratory, page: Any) -> None:
     """One model goes round, the other one is caught; the Setup tab is open."""
-    laboratory.view.trails.value = True
+    laboratory.view.trails.value = "line"
     laboratory.view.length.value = 200
     laboratory.view.size.value = 1.6
     page.get_by_role("tab", name="Setup").click()

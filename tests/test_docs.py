@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "docs"))
 MAKE = runpy.run_path(str(ROOT / "docs" / "make.py"))
 PAGES = MAKE["pages"]()
-GROUPS = ("world", "flight", "formation")
+GROUPS = ("world", "flight", "formation", "live")
 """Commands that have commands of their own."""
 WRITTEN = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))]
 

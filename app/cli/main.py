@@ -25,6 +25,7 @@ COMMANDS = {
     "lab": Entry("app.cli.lab", "lab", "Open the laboratory in the browser (the default)."),
     "run": Entry("app.cli.run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry("app.cli.paper", "paper", "Repeat a table or a figure of a paper."),
+    "live": Entry("app.cli.live", "live", "Real cars: check a laboratory, drive, replay, emulate."),
     "flight": Entry(
         "app.cli.flight", "flight", "A flapping-wing aircraft: trim, sweep over speed, fly."
     ),

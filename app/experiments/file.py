@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from app.experiments.errand import PLAIN, Errand
 from app.experiments.kinds import Settings
 from app.experiments.strict import Strict, Value
 
@@ -24,6 +25,8 @@ Picture = Literal[
     "gathering",
     "crashes",
     "formation",
+    "driving",
+    "squash",
 ]
 
 
@@ -61,11 +64,19 @@ class Row(Strict):
     """Whether the world keeps its obstacles."""
     size: float | None = Field(None, gt=0.0)
     """Side of its box; None: that of its number of agents in `sizes`, or the world's own."""
+    mission: Errand = PLAIN
+    """What is other in it than in the world's mission."""
     activation: Literal["synchronous", "random", "sequential"] = "synchronous"
     """Whether all agents act at once, or in turn in a random order or in that of the rows."""
     published: dict[str, Published] = Field(default_factory=dict)
     remark: str = ""
     """What else is known of it."""
+
+    @model_validator(mode="after")
+    def _has_a_mission(self) -> Row:
+        if self.size is not None and self.mission != PLAIN:
+            raise ValueError("a row with a size has no mission: it is laid out in another box")
+        return self
 
 
 class Sweep(Strict):

@@ -17,6 +17,7 @@ from agents import Flock
 from agents.catalogue import model
 from agents.engine.cache import fingerprint as feed
 from agents.spec import versions
+from app.experiments.errand import PLAIN, Errand, sent_on
 from app.experiments.experiment import Cell
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
@@ -53,13 +54,17 @@ def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
     informed = model(cell.model).informed if settings.n_counts_informed else 0
     agents = cell.agents - informed
     bare = cell.row is not None and not cell.row.obstacles
-    world = world_of(settings.world, settings.dim, bare) if cell.size is None else settings.world
+    errand = cell.row.mission if cell.row else PLAIN
+    world: World | str = settings.world
+    if cell.size is None:
+        world = world_of(settings.world, settings.dim, bare, errand)
     return Flock(
         cell.model,
         agents=agents,
         size=cell.size,
         dim=settings.dim,
         world=world,
+        start=errand.ranks.start(agents + informed, seed) if errand.ranks else None,
         activation=cell.activation,
         rng=seed,
         **parameters,
@@ -67,9 +72,12 @@ def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
 
 
 @cache
-def world_of(name: str, dim: int | None, bare: bool) -> World:
-    """The world of a layout in the layout's own size; `bare` without its obstacles."""
-    found = world(name, dim)
+def world_of(name: str, dim: int | None, bare: bool, errand: Errand) -> World:
+    """The world of a layout in the layout's own size; `bare` without its obstacles.
+
+    Raises Refusal if the errand changes a part of the mission that the world does not have.
+    """
+    found = sent_on(world(name, dim), errand)
     return replace(found, obstacles=(), random=None) if bare else found
 
 
@@ -104,6 +112,8 @@ def fingerprint(cell: Cell, settings: Settings) -> str:
         shared |= {"way": cell.way, "values": cell.sweep.values}
     if cell.tick is not None:
         shared |= {"tick": cell.tick}
+    if cell.row and cell.row.mission != PLAIN:
+        shared |= {"mission": cell.row.mission.model_dump()}
     if cell.activation != "synchronous":
         shared |= {"activation": cell.activation}
     digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())

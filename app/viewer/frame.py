@@ -8,6 +8,7 @@ import numpy as np
 
 from agents.crashes import Crashes
 from agents.inspection import Inspection
+from app.viewer.cars import Cars
 from worlds.world import World
 
 
@@ -68,6 +69,8 @@ class Frame:
     """Who has crashed, where they can."""
     saved: np.ndarray | None = None
     """(N,) share of its induced drag that each saves, NaN unknown; None: it is not measured."""
+    cars: Cars | None = None
+    """Of agents that are cars; None for any others."""
     title: str = ""
     """What its model is called, if there is another flock beside it."""
     beside: Frame | None = None

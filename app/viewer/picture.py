@@ -11,6 +11,7 @@ from agents.flock import Flock
 from agents.inspection import Inspection, shells, warm
 from agents.start import start_box
 from app.viewer.aside import Aside
+from app.viewer.cars import cars
 from app.viewer.crowd import refuse_too_many_links
 from app.viewer.frame import Errand, Frame
 from app.viewer.ration import Ration
@@ -88,6 +89,7 @@ class Camera:
             flying=flying,
             crashes=flock.crashes if flock.can_crash else None,
             saved=flock.signal(SAVED) if SAVED in flock.model.columns else None,
+            cars=cars(flock),
         )
 
     def examine(self) -> None:

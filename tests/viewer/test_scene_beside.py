@@ -92,7 +92,7 @@ def server():
 
 def test_the_second_room_comes_and_goes(server):
     scene = Scene(server)
-    look = Look(trails=True, reach=True, labels=True)
+    look = Look(trails="line", reach=True, labels=True)
     nodes = server.scene._handle_from_node_name
 
     def beside() -> list[str]:

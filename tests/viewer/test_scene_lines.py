@@ -13,17 +13,18 @@ from app.viewer.scene.gizmo import checked
 from app.viewer.scene.labels import anchor
 from app.viewer.scene.lines import segments
 from app.viewer.scene.links import sample
+from app.viewer.scene.past import carried
 from app.viewer.scene.picking import picked
 from app.viewer.scene.picture import picture
 from app.viewer.scene.stage import Stage
 from app.viewer.scene.static_files import static_folder
-from app.viewer.scene.streaks import carried, chosen
+from app.viewer.scene.streaks import chosen
 from app.viewer.scene.surroundings import floor_under, left_the_box
 from app.viewer.scene.trails import Trails
 from worlds.world import World
 
 TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))
-LOOK = Look(trails=True, trail_length=16)
+LOOK = Look(trails="line", trail_length=16)
 
 
 class Lines:
@@ -230,7 +231,7 @@ def server():
 def test_a_scene_stands_any_number_of_agents_and_a_change_of_world(server):
     scene = Scene(server)
     scene.show_leader_gizmo(True)
-    look = Look(trails=True, links=True, reach=True, labels=True)
+    look = Look(trails="line", links=True, reach=True, labels=True)
     for run, (count, dim) in enumerate([(0, 2), (1, 2), (40, 3), (3, 3), (12_000, 2), (0, 3)]):
         rng = np.random.default_rng(run)
         heading = rng.standard_normal((count, dim))

@@ -9,6 +9,7 @@ from typing import Any
 from app.experiments.experiment import Experiment
 from app.experiments.pictures.crashes import draw_crashes
 from app.experiments.pictures.distances import draw_distances
+from app.experiments.pictures.driving import draw_driving
 from app.experiments.pictures.duel import draw_duel
 from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
@@ -18,6 +19,7 @@ from app.experiments.pictures.models import draw_models
 from app.experiments.pictures.pairs import draw_pairs
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.snapshots import draw_snapshots
+from app.experiments.pictures.squash import draw_squash
 from app.experiments.pictures.success import draw_success
 from app.experiments.pictures.sweeps import draw_sweeps
 from app.experiments.pictures.trajectories import draw_trajectories
@@ -39,11 +41,13 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "duel": draw_duel,
     "trajectories": draw_trajectories,
     "energy": draw_energy,
+    "squash": draw_squash,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {
     "gathering": draw_gathering,
     "formation": draw_formation,
+    "driving": draw_driving,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {

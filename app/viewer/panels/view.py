@@ -7,7 +7,7 @@ from collections.abc import Callable
 import viser
 
 from app.viewer.panels.hotkeys import add_hotkeys
-from app.viewer.scene import CAMERAS, COLOURINGS, RIDE, STEP_OFF, Look
+from app.viewer.scene import CAMERAS, COLOURINGS, RIDE, STEP_OFF, TRAILS, Look
 
 
 class ViewPanel:
@@ -23,9 +23,15 @@ class ViewPanel:
         self.links = gui.add_checkbox(
             "Links", look.links, hint="A line between agents that are neighbours"
         )
-        self.trails = gui.add_checkbox("Trails", look.trails, hint="Where each agent has been")
+        self.trails = gui.add_dropdown(
+            "Trail",
+            TRAILS,
+            initial_value=look.trails,
+            hint="Where each agent has been; rising in time: its way through space and time, time "
+            "upwards, in flat worlds (look at it from the side)",
+        )
         self.length = gui.add_slider(
-            "Trail length", 10, 200, 10, look.trail_length, hint="How far back, ticks"
+            "Trail length", 10, 2000, 10, look.trail_length, hint="How far back, ticks"
         )
         self.reach = gui.add_checkbox(
             "Reach",
@@ -51,6 +57,12 @@ class ViewPanel:
         )
         self.start = gui.add_checkbox(
             "Start region", look.start, hint="Where the agents of a mission begin"
+        )
+        self.fence = gui.add_checkbox(
+            "Fence",
+            look.fence,
+            hint="Of cars in an open area: half a metre inside its edge, where real cars are made "
+            "to stop; simulated ones are not",
         )
         self.points = gui.add_checkbox(
             "Boundary points",
@@ -109,6 +121,7 @@ class ViewPanel:
             labels=self.labels.value,
             mission=self.mission.value,
             start=self.start.value,
+            fence=self.fence.value,
             points=self.points.value,
             birds=self.birds.value,
             agent_size=self.size.value,

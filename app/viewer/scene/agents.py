@@ -1,4 +1,4 @@
-"""The agents: darts, in space birds, or points when there are very many."""
+"""The agents: darts, in space birds, cars, or points when there are very many."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from viser import SceneApi
 
 from app.viewer.scene import tone
 from app.viewer.scene.birds import Birds
+from app.viewer.scene.fleet import Fleet
 from app.viewer.scene.flight import Flight
 from app.viewer.scene.picture import (
     FEW_LEADERS,
@@ -26,6 +27,7 @@ class Agents:
 
     def __init__(self, scene: SceneApi, root: str, flight: Flight) -> None:
         self._birds = Birds(scene, root, flight)
+        self._fleet = Fleet(scene, root)
         nowhere, level = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
         self._darts = scene.add_batched_meshes_simple(
             f"{root}/flock/darts",
@@ -53,8 +55,9 @@ class Agents:
         as_points = count > POINTS_BEYOND
         rows, nobody = as_darts(picture), slice(0, 0)
         return [
-            *self._draw_darts(picture, nobody if picture.as_birds else rows),
+            *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
             *self._birds.draw(picture, rows if picture.as_birds else nobody),
+            *self._fleet.draw(picture, rows if picture.as_cars else nobody),
             *(self._draw_points(picture) if as_points else []),
             (self._points, "visible", as_points),
         ]

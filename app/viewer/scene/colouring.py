@@ -13,9 +13,12 @@ MOST_SAVED = 1.0
 
 
 def agent_colours(frame: Frame, look: Look) -> np.ndarray:
-    """Colours (N, 3), sRGB in [0, 1]; information agents and the crashed always wear their own."""
+    """Colours (N, 3), sRGB in [0, 1]; information agents and predators
+    wear their own, and so do the crashed."""
     colours = _colours(frame, look)
     colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
+    if frame.cars is not None:
+        colours[frame.cars.predator] = palette.LEADER
     colours[frame.down] = palette.CRASHED
     return colours
 
@@ -46,7 +49,9 @@ def _known(labels: np.ndarray | None, colour, count: int) -> np.ndarray:
 def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
     """What the colours mean: (words, CSS colour), in reading order."""
     crashed = [("crashed", palette.css(palette.CRASHED))] if frame.down.any() else []
-    return _legend(look, frame) + crashed
+    hunted = frame.cars is not None and frame.cars.predator.any()
+    predators = [("predator", palette.css(palette.LEADER))] if hunted else []
+    return _legend(look, frame) + predators + crashed
 
 
 def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:

@@ -19,8 +19,8 @@ PALEST = 0.72
 """Share of the backdrop in the colour of a mark that has faded."""
 DROP = 0.68
 """The same of the line down from a new one, which vanishes."""
-RADIUS = 0.55
-"""Of the ring, as a multiple of an agent's length."""
+RADIUS, RADIUS_CAR = 0.55, 0.95
+"""Of the ring, as a multiple of an agent's length, and of a car's."""
 
 
 class CrashMarks:
@@ -35,7 +35,8 @@ class CrashMarks:
             return [(self._lines, "visible", False)]
         at = on_floor(picture, crashes.place[-MOST:])
         age = np.clip((picture.frame.tick - crashes.tick[-MOST:]) / FADES, 0.0, 1.0)
-        sign = RADIUS * picture.length * mark()
+        radius = RADIUS_CAR if picture.as_cars else RADIUS
+        sign = radius * picture.length * mark()
         lines = [(at[:, None, None, :] + sign).reshape(-1, 2, 3)]
         colours = [np.repeat(shown(picture, PALEST * age), len(sign), axis=0)]
         if picture.stage.dim == 3:

@@ -32,7 +32,8 @@ class Labels:
             changes.append((self._leader, "position", self._beside(picture, picture.leader)))
             changes.append((self._leader, "anchor", anchor(picture, picture.leader)))
             informed = int(np.count_nonzero(picture.frame.informed))
-            words = "information UAV" if informed == 1 else f"information UAV (1 of {informed})"
+            what = "information car" if picture.as_cars else "information UAV"
+            words = what if informed == 1 else f"{what} (1 of {informed})"
             changes.append((self._leader, "text", words))
         return changes + self._draw_identities(picture)
 
@@ -47,7 +48,7 @@ class Labels:
             self._pool.append(self._new(len(self._pool)))
         changes: Changes = []
         for label, row in zip(self._pool, rows, strict=False):
-            changes.append((label, "text", str(picture.frame.ids[row])))
+            changes.append((label, "text", name(picture, int(row))))
             changes.append((label, "position", self._beside(picture, int(row))))
             changes.append((label, "anchor", anchor(picture, int(row))))
             changes.append((label, "visible", row != picture.leader))
@@ -70,6 +71,12 @@ class Labels:
             return picture.at[row] + np.array([0.0, 0.0, clear])
         below = anchor(picture, row).startswith("top")
         return picture.at[row] + np.array([0.0, -clear if below else clear, 0.0])
+
+
+def name(picture: Picture, row: int) -> str:
+    """What is written beside an agent: its number, and of a car that hunts the others also that."""
+    number, cars = str(picture.frame.ids[row]), picture.frame.cars
+    return f"{number} predator" if cars is not None and cars.predator[row] else number
 
 
 def anchor(picture: Picture, row: int) -> str:

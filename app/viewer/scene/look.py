@@ -7,6 +7,9 @@ from dataclasses import dataclass
 COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
 
+TRAILS = OFF, LINE, RIBBON, RISING = ("off", "line", "ribbon", "rising in time")
+"""What an agent may leave behind it; what rises in time does so in flat worlds, else it is flat."""
+
 CAMERAS = ("top-down", "perspective", "side", "follow")
 """The preset points of view."""
 
@@ -22,8 +25,8 @@ class Look:
     """One of `COLOURINGS`."""
     links: bool = False
     """Draw a line between neighbours (needs `Frame.links`)."""
-    trails: bool = False
-    """Draw where each agent has been."""
+    trails: str = OFF
+    """One of `TRAILS`: how to draw where each agent has been."""
     trail_length: int = 60
     """How far back a trail reaches, ticks."""
     reach: bool = False
@@ -38,6 +41,8 @@ class Look:
     """Draw the information agents' path and the goal."""
     start: bool = True
     """Draw the region in which the mission starts."""
+    fence: bool = True
+    """Draw the fence of a capture area of cars."""
     points: bool = False
     """Draw the boundary points of obstacles (needs `Frame.points`)."""
     birds: bool = True
@@ -50,3 +55,5 @@ class Look:
     def __post_init__(self) -> None:
         if self.colour not in COLOURINGS:
             raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(COLOURINGS)}")
+        if self.trails not in TRAILS:
+            raise ValueError(f"trails = {self.trails!r} is not one of {', '.join(TRAILS)}")

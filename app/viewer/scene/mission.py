@@ -8,6 +8,8 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene import palette, tone
+from app.viewer.scene.fence import fence
+from app.viewer.scene.injected import InjectedCar
 from app.viewer.scene.lines import add_lines, segments
 from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.shapes import ball, box_edges, circle, dashes, great_circles, ring
@@ -45,6 +47,7 @@ class MissionMarks:
         self._route = add_lines(scene, f"{self._name}/route", thickness=1.6)
         self._start = add_lines(scene, f"{self._name}/start", thickness=1.6)
         self._goal = Goal(scene, f"{self._name}/goal")
+        self._injected = InjectedCar(scene, f"{self._name}/goal")
         self._spots = scene.add_batched_meshes_simple(
             f"{self._name}/path/waypoints",
             *ball(),
@@ -62,7 +65,7 @@ class MissionMarks:
         """Draw what the look asks for."""
         world, look = picture.frame.world, picture.look
         mission = world.mission or Mission()
-        drawn = (world, picture.stage, look.mission, look.start, picture.frame.run)
+        drawn = (world, picture.stage, look.mission, look.start, look.fence, picture.frame.run)
         changes: Changes = []
         if drawn != self._drawn:
             self._drawn, self._done = drawn, None
@@ -73,12 +76,15 @@ class MissionMarks:
             self._done = done
             changes += self._draw_path(picture, mission, done)
         goal = picture.frame.errand.goal if look.mission else None
-        return changes + self._goal.draw(picture, goal, mission.settle)
+        injected, target = (goal, None) if picture.as_cars else (None, goal)
+        changes += self._injected.draw(picture, injected)
+        return changes + self._goal.draw(picture, target, mission.settle)
 
     def _draw_start(self, picture: Picture) -> Changes:
-        """The box in which the agents start, dashed."""
-        room = picture.frame.room
-        if room is None or not picture.look.start:
+        """The box in which the agents start, dashed; the fence of cars may stand for it."""
+        room, fenced = picture.frame.room, fence(picture)
+        hidden = fenced is not None and room is not None and np.allclose(room, fenced)
+        if room is None or hidden or not picture.look.start:
             return [(self._start, "visible", False)]
         low, high = (picture.stage.shown(corner) for corner in room)
         edges = box_edges(0.5 * (high - low)) + 0.5 * (low + high)

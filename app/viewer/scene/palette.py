@@ -90,6 +90,10 @@ BLIND = srgb("#7b8794")
 """What an agent does not notice."""
 COOL, WARM = srgb("#1d78b5"), srgb("#e07b16")
 """The left and the right line of a bird's wake."""
+GLASS, TYRE = srgb("#26323f"), srgb("#1b222b")
+"""The windows and the wheels of cars."""
+FENCE = srgb("#d9730d")
+"""Where real cars are made to stop; and what is stuck."""
 CRASHED = srgb("#a3706c")
 CRASH = srgb("#c9302c")
 """The place of a crash that has just happened."""

@@ -6,6 +6,7 @@ from viser import SceneApi
 
 from app.viewer.scene.agents import Agents
 from app.viewer.scene.crashes import CrashMarks
+from app.viewer.scene.fence import Fence
 from app.viewer.scene.flight import Flight
 from app.viewer.scene.halos import Halos
 from app.viewer.scene.inspection import InspectionMarks
@@ -16,6 +17,8 @@ from app.viewer.scene.obstacles import Obstacles
 from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.points import BoundaryPoints
 from app.viewer.scene.reasons import Reasons
+from app.viewer.scene.ribbons import Ribbons
+from app.viewer.scene.stuck import StuckMarks
 from app.viewer.scene.surroundings import Surroundings
 from app.viewer.scene.trails import Trails
 from app.viewer.scene.wake import Wake
@@ -35,10 +38,13 @@ class Parts:
             Labels(scene, root),
             Links(scene, root),
             Trails(scene, root),
+            Ribbons(scene, root),
             Wake(scene, root, self._flight),
             MissionMarks(scene, root),
             BoundaryPoints(scene, root),
             CrashMarks(scene, root),
+            StuckMarks(scene, root),
+            Fence(scene, root),
             InspectionMarks(scene, root),
             ZoneMarks(scene, root),
             Reasons(scene, root),

@@ -50,6 +50,11 @@ class Picture:
         return as_birds(len(self.at), self.stage.dim, self.look)
 
     @property
+    def as_cars(self) -> bool:
+        """Whether the agents are drawn as cars, true to scale: their size says what touches."""
+        return as_cars(self.frame)
+
+    @property
     def backdrop(self) -> np.ndarray:
         """What lies behind the agents: faint things are mixed with it."""
         return palette.FLOOR if self.stage.dim == 2 else palette.FOG
@@ -85,6 +90,8 @@ CLOSE = {2: 0.35, 3: 0.8}
 """Length of an agent of a flock that starts close together, as a multiple of its mean spacing."""
 LEAST_LENGTH = 0.012
 """Length of an agent of a close flock as a multiple of the world's longest side, at least."""
+LEAST_CAR = 0.022
+"""Length of a car as a multiple of the world's longest side, at least."""
 LYING = 0.09
 """How high the middle of one that lies on the floor is, as a multiple of its length."""
 KEPT = 1.15
@@ -97,6 +104,11 @@ DIMMED = 0.72
 def as_birds(count: int, dim: int, look: Look) -> bool:
     """Whether a flock of so many agents is drawn as birds: in space, if they are not too many."""
     return dim == 3 and look.birds and count <= BIRDS_UP_TO
+
+
+def as_cars(frame: Frame) -> bool:
+    """Whether a flock is drawn as cars: in a flat world, if it is one."""
+    return frame.cars is not None and frame.dim == 2
 
 
 def agent_length(frame: Frame, stage: Stage) -> float:
@@ -116,13 +128,21 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     return float(np.clip(packed, LEAST_LENGTH * stage.side, dart_length(count, stage.half)))
 
 
+def car_length(frame: Frame, stage: Stage) -> float:
+    """Length of a car: true to scale, unless it would be too small to see."""
+    assert frame.cars is not None
+    return max(frame.cars.length * stage.scale, LEAST_CAR * stage.side)
+
+
 def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
     """Work out positions, attitudes, colours and sizes; agents hover just above a flat floor."""
     count = len(frame.position)
-    length = agent_length(frame, stage) * float(np.clip(look.agent_size, 0.1, 10.0))
+    driven = as_cars(frame)
+    common = car_length(frame, stage) if driven else agent_length(frame, stage)
+    length = common * float(np.clip(look.agent_size, 0.1, 10.0))
     at = stage.shown(frame.position)
     size = np.ones(count, dtype=np.float32)
-    if np.count_nonzero(frame.informed) <= FEW_LEADERS:
+    if np.count_nonzero(frame.informed) <= FEW_LEADERS and not driven:
         least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
         size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
     colour = agent_colours(frame, look)
@@ -131,6 +151,8 @@ def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
     made = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
     if made.inspected is not None:
         _single_out(made)
+        if driven:
+            size[:] = 1.0
     if stage.dim == 2:
         at[:, 2] = 0.22 * length * size
     else:

@@ -10,8 +10,8 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene import tone
-from app.viewer.scene.identities import rows_of
 from app.viewer.scene.lines import add_lines, segments
+from app.viewer.scene.past import Past
 from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.seam import jumps
 
@@ -27,18 +27,11 @@ class Streaks:
         self._old = add_lines(scene, f"{name}/old", thick, many_coloured=True)
         self._young = add_lines(scene, f"{name}/young", 1.8 * thick, many_coloured=True)
         self._tip = add_lines(scene, f"{name}/tip", 2.2 * thick, many_coloured=True)
-        self.clear()
-
-    def clear(self) -> None:
-        """Forget where the points have been."""
-        self._run: tuple[int, int] | None = None
-        self._ids = np.empty(0, dtype=int)
-        self._ticks: list[int] = []
-        self._knots: list[np.ndarray] = []
+        self._past = Past()
 
     def hide(self) -> Changes:
         """Forget them, and draw nothing."""
-        self.clear()
+        self._past.clear()
         return [(lines, "visible", False) for lines in (self._old, self._young, self._tip)]
 
     def follow(
@@ -46,37 +39,17 @@ class Streaks:
     ) -> Changes:
         """Draw the lines of points `here` (M, 3), NaN for none, with identities (M,) and colours
         (M, 3); they reach back as far as the look wants trails to."""
-        added = self._remember(picture, ids, here)
+        length = picture.look.trail_length
+        added = self._past.remember(picture.frame, ids, here, length, KNOTS)
         changes = self._draw_tip(picture, here, colour)
         return changes + self._draw_history(picture, colour) if added else changes
 
-    def _remember(self, picture: Picture, ids: np.ndarray, here: np.ndarray) -> bool:
-        """Add a knot when the last is old enough; True if the history changed."""
-        frame, length = picture.frame, picture.look.trail_length
-        run = (frame.run, frame.dim)
-        if self._run != run or (self._ticks and frame.tick < self._ticks[-1]):
-            self.clear()
-            self._run = run
-        if not np.array_equal(ids, self._ids):
-            self._knots = [carried(knot, self._ids, ids) for knot in self._knots]
-            self._ids = ids.copy()
-        elif self._ticks and frame.tick - self._ticks[-1] < length / KNOTS:
-            return False
-        if self._ticks and self._ticks[-1] == frame.tick:
-            self._knots[-1] = here
-        else:
-            self._ticks.append(frame.tick)
-            self._knots.append(here)
-        while self._ticks[0] < frame.tick - length:
-            del self._ticks[0], self._knots[0]
-        return True
-
     def _draw_history(self, picture: Picture, colour: np.ndarray) -> Changes:
-        knots = np.stack(self._knots)
+        knots = np.stack(self._past.knots)
         points = np.stack([knots[:-1], knots[1:]], axis=2)
         kept = ~jumps(points[:, :, 0], points[:, :, 1], picture.stage.period)
         kept &= np.isfinite(points).all(axis=(2, 3))
-        age = (picture.frame.tick - np.array(self._ticks)) / picture.look.trail_length
+        age = (picture.frame.tick - np.array(self._past.ticks)) / picture.look.trail_length
         share = STRONGEST + (FAINTEST - STRONGEST) * np.clip(age, 0.0, 1.0)
         faded = picture.mixed(colour, share[:, None, None])
         colours = tone.unlit(np.stack([faded[:-1], faded[1:]], axis=2))
@@ -87,7 +60,7 @@ class Streaks:
         )
 
     def _draw_tip(self, picture: Picture, here: np.ndarray, colour: np.ndarray) -> Changes:
-        points = np.stack([self._knots[-1], here], axis=1)
+        points = np.stack([self._past.knots[-1], here], axis=1)
         kept = ~jumps(points[:, 0], points[:, 1], picture.stage.period)
         kept &= np.isfinite(points).all(axis=(1, 2))
         colours = tone.unlit(picture.mixed(colour, STRONGEST))
@@ -101,11 +74,3 @@ def chosen(informed: np.ndarray, most: int) -> np.ndarray:
         return np.arange(count)
     even = np.linspace(0, count - 1, most).astype(int)
     return np.union1d(even, np.flatnonzero(informed)[: most // 4])
-
-
-def carried(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:
-    """Places (M, 3) of the identities `before` for the identities `now`; NaN for new ones."""
-    rows, known = rows_of(before, now)
-    made = np.full((len(now), 3), np.nan)
-    made[known] = knot[rows]
-    return made

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from viser import SceneApi
 
+from app.viewer.scene.look import LINE
 from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.streaks import Streaks, chosen
 
@@ -17,7 +18,7 @@ class Trails(Streaks):
         super().__init__(scene, f"{root}/flock/trails")
 
     def draw(self, picture: Picture) -> Changes:
-        if not picture.look.trails or picture.look.trail_length < 1:
+        if picture.look.trails != LINE or picture.look.trail_length < 1:
             return self.hide()
         rows = chosen(picture.frame.informed, MOST_AGENTS)
         return self.follow(picture, picture.frame.ids[rows], picture.at[rows], picture.colour[rows])

@@ -1,0 +1,263 @@
+"""A car with front wheels that steer, one motor, and a computer that sends it commands by radio.
+
+The hardware of Jacobs and Koessler, section IV, and of their Flash simulation: the wheel points at
+what the rule wishes as far as it can, the throttle is less the more it is turned. What the paper
+does not give (lags, sizes, link) are the figures of such cars; each parameter says so.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, Literal
+
+from agents.bodies.car_signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOPS
+from agents.bodies.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
+from agents.bodies.command import command, received, sent
+from agents.bodies.tracking import Tracking
+from agents.declare import Body, Rule, parameter
+from agents.engine.block import Moved
+from agents.model import Model
+from worlds.compiled import compiled
+
+CRASHES = 1.0
+"""`contact` as compiled code has it."""
+OURS = "ours: the figure of such cars; the paper gives none"
+
+
+class Car(Tracking):
+    """Parameters of the car."""
+
+    v_max: float = parameter(
+        1.0,
+        "Speed at full throttle",
+        symbol="v_{max}",
+        unit="m/s",
+        low=0.05,
+        high=10.0,
+        step=0.05,
+        source=OURS,
+    )
+    alpha_turn: float = parameter(
+        0.4,
+        "Share of the throttle that is taken off for each rad that the wheels are turned",
+        symbol="\\alpha",
+        unit="1/rad",
+        low=0.0,
+        high=2.0,
+        step=0.05,
+        source="Jacobs and Koessler II, which gives no value",
+    )
+    wheel_max: float = parameter(
+        45.0,
+        "Largest angle of the front wheels",
+        symbol="\\delta_{max}",
+        unit="deg",
+        low=5.0,
+        high=80.0,
+        step=1.0,
+        source="Jacobs and Koessler II: roughly 45 degrees",
+    )
+    circle: float = parameter(
+        0.95,
+        "Turning circle: its diameter, with the wheels turned as far as they go",
+        symbol="d_{turn}",
+        unit="m",
+        low=0.05,
+        high=10.0,
+        step=0.05,
+        source="Jacobs and Koessler V: a little less than one metre",
+    )
+    lag: float = parameter(
+        0.15,
+        "Time in which the motor closes 63 % of the gap to the wanted speed",
+        symbol="\\tau_m",
+        unit="s",
+        low=0.0,
+        high=2.0,
+        step=0.01,
+        source=OURS,
+    )
+    servo: float = parameter(
+        7.0,
+        "How fast the servo turns the wheels",
+        symbol="\\omega_s",
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        step=0.5,
+        source=OURS,
+    )
+    latency: float = parameter(
+        0.006,
+        "Time from a frame to the command's leaving the computer",
+        symbol="t_0",
+        unit="s",
+        low=0.0,
+        high=0.1,
+        step=0.001,
+        source=OURS,
+    )
+    hop: float = parameter(
+        0.007,
+        "Time of a hop of the radio chain: car n hears its command after n of them; 0 for a "
+        "broadcast. All in all no more than 23 ticks count",
+        symbol="t_{hop}",
+        unit="s",
+        low=0.0,
+        high=0.1,
+        step=0.001,
+        source="Jacobs and Koessler IV.A: up to 7 ms",
+    )
+    loss: float = parameter(
+        0.0,
+        "Share of the commands that are lost: the car goes on with the last that came",
+        symbol="p_{loss}",
+        low=0.0,
+        high=1.0,
+        step=0.01,
+        source="Jacobs and Koessler IV.A: without a value",
+    )
+    length: float = parameter(
+        0.22,
+        "Length of the body",
+        symbol="a",
+        unit="m",
+        low=0.01,
+        high=2.0,
+        step=0.01,
+        source=OURS,
+    )
+    width: float = parameter(
+        0.12,
+        "Width of the body",
+        symbol="b",
+        unit="m",
+        low=0.01,
+        high=2.0,
+        step=0.01,
+        source=OURS,
+    )
+    contact: Literal["stops", "crashes"] = parameter(
+        "stops",
+        "What happens where bodies touch: they stop each other as real ones do, or both are out "
+        "of the run",
+        symbol="contact",
+        source="Jacobs and Koessler V: after a head-on collision cars are stuck",
+    )
+    reverse: bool = parameter(
+        False,
+        "Whether a car that has not moved for half a second backs out for a second",
+        symbol="rev",
+        source="Jacobs and Koessler V: the throttle never becomes negative",
+    )
+    yields: bool = parameter(
+        False,
+        "Whether a car looks ahead and brakes, swerves or backs out rather than touch another",
+        symbol="yield",
+        source="added to Jacobs and Koessler; see docs/cars.md",
+    )
+    ahead: float = parameter(
+        1.0,
+        "How far it looks ahead",
+        symbol="t_a",
+        unit="s",
+        low=0.1,
+        high=5.0,
+        step=0.1,
+        source="added to Jacobs and Koessler",
+    )
+    margin: float = parameter(
+        0.06,
+        "Distance between bodies that it then keeps",
+        symbol="d_y",
+        unit="m",
+        low=0.0,
+        high=1.0,
+        step=0.01,
+        source="added to Jacobs and Koessler",
+    )
+
+
+@compiled
+def move(me, near, ground, want, p, out):
+    """Command, radio, servo, motor; then roll, unless something is in the way."""
+    base = out.shape[0] - ROWS
+    ready = 1.0 - me.signal[base + FRESH]
+    wheel, throttle = command(me, near, ground, want, p, base, out)
+    sent(me, wheel, throttle, p, base, out)
+    wheel, throttle = received(me, p, base, out)
+    most = p.servo * p.dt
+    steering = ready * me.signal[base + STEERING]
+    steering += min(max(wheel - steering, -most), most)
+    speed = me.speed + (p.v_max * throttle - me.speed) * (1.0 - math.exp(-p.dt / p.lag))
+    x, y, ux, uy = rolled(me.x, me.y, me.ux, me.uy, speed, steering, wheelbase(p), p.dt)
+    stops = ready * me.signal[base + STOPS]
+    if is_stopped(me, near, ground, x, y, ux, uy, p):
+        x, y, ux, uy, speed = me.x, me.y, me.ux, me.uy, 0.0
+        stops += 1.0
+    out[base + FRESH] = 0.0
+    out[base + STEERING] = steering
+    out[base + PACE] = speed
+    out[base + STOPS] = stops
+    return Moved(x, y, me.z, ux, uy, 0.0, speed)
+
+
+@compiled
+def touches(me, near, ground, p):
+    """1.0 if the body touches another car's, 2.0 if it touches what is solid, else 0.0.
+
+    Bodies are rectangles. Where they only stop each other, nobody crashes.
+    """
+    if p.contact != CRASHES:
+        return 0.0
+    if nearest_car(me, near, me.x, me.y, me.ux, me.uy, p) <= 0.0:
+        return 1.0
+    return 2.0 if nearest_solid(ground, me.x, me.y, me.ux, me.uy, p) <= 0.0 else 0.0
+
+
+@compiled
+def measure(me, near, p, out):
+    """Distance of the body to the nearest other one, m; inf for one that is alone."""
+    out[0] = nearest_car(me, near, me.x, me.y, me.ux, me.uy, p)
+
+
+BODY = Body(
+    name="car",
+    title="Car",
+    source="Jacobs and Koessler, sections II and IV",
+    parameters=Car,
+    move=move,
+    takes="velocity",
+    signals=SIGNALS,
+    size="length",
+    touches=touches,
+    measures=("clearance",),
+    measure=measure,
+    sees_obstacles=True,
+    lasts=lambda p: p.dt,
+    unit="s",
+)
+STEERED = replace(BODY, name="steered-car", takes="heading")
+"""The same car for rules that wish a heading; of a wish only the direction counts for either."""
+
+
+def driving(rule: Rule, **more: Any) -> Model:
+    """The model NAME-cars: cars that go by a rule which wishes a heading or a velocity.
+
+    `more` goes to the model; cars are on a plane, whatever the rule can do.
+    """
+    twice = sorted(
+        set(rule.parameters.model_fields) & set(Car.model_fields) - set(Tracking.model_fields)
+    )
+    if twice:
+        raise TypeError(f"rule {rule.name} and the car both have a parameter {twice[0]}")
+    body = STEERED if rule.wish == "heading" else BODY
+    return Model(
+        replace(rule, dimensions=(2,)),
+        body,
+        suffix="-cars",
+        title_suffix=", driven by cars",
+        summary_suffix=" Here cars with a turning circle, lags and a radio link carry it out.",
+        **more,
+    )

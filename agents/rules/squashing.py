@@ -1,0 +1,314 @@
+"""Cars that follow an injected car: every other car is a vector, squashed to a bounded pull.
+
+Jacobs and Koessler, "Flocking Cars: Dynamic Behavior in Simulation & Implementation", (2) and (3).
+The injected car, which is controlled precisely in code, is the goal of the world's mission. The
+paper leaves the squashing function unbounded in words ("very large and negative"); its (3) is
+bounded, sigma(0) = -beta C, and so it is here.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.bodies.tracking import Tracking, error_of, left_behind
+from agents.declare import Rule, parameter
+from agents.engine.block import Wish, adjacent
+from worlds.compiled import compiled
+
+ERROR_X, ERROR_Y, HUNTS = 0, 1, 2
+"""The rule's signals: the error of the tracked position (m), and 1.0 for a predator."""
+LAST_X, LAST_Y, KNOWN, RATE_X, RATE_Y = 0, 1, 2, 3, 4
+"""The rule's memory: D of the tick before, whether there was one, and how fast D changes, 1/s."""
+FORCES = ("cars", "injected car", "predators", "alignment", "derivative")
+"""The terms of D."""
+PAPER = "Jacobs and Koessler (3)"
+
+
+class Squashing(Tracking):
+    """Parameters of the squashing rule."""
+
+    beta: float = parameter(
+        2.0,
+        "Scale of the squashing function; cars that steer go by the direction only",
+        symbol="\\beta",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source=PAPER,
+    )
+    C: float = parameter(
+        0.7,
+        "Share of the pull that is taken off: the function is 0 at C gamma / (1 - C)",
+        symbol="C",
+        low=0.0,
+        high=5.0,
+        step=0.01,
+        source=PAPER,
+    )
+    gamma: float = parameter(
+        0.214,
+        "Distance at which the pull has risen to a half",
+        symbol="\\gamma",
+        unit="m",
+        low=0.001,
+        high=10.0,
+        step=0.001,
+        source=PAPER,
+    )
+    r: float = parameter(
+        20.0,
+        "Distance up to which cars notice each other",
+        symbol="r",
+        unit="m",
+        low=0.1,
+        high=200.0,
+        step=0.1,
+        source="ours: the computer of the paper knows where all cars are",
+    )
+    k: float = parameter(
+        0.0,
+        "How many of the nearest cars a car hears; 0 for all. The injected car is always heard",
+        symbol="k",
+        low=0.0,
+        high=20.0,
+        step=1.0,
+        source="the paper's future work: limit information to the cars",
+    )
+    c_goal: float = parameter(
+        1.0,
+        "Weight of the injected car: it counts as so many cars",
+        symbol="c_{inj}",
+        low=0.0,
+        high=20.0,
+        step=0.1,
+        source="1 in the paper",
+    )
+    c_align: float = parameter(
+        0.0,
+        "Weight of the headings of the cars that are heard",
+        symbol="c_{align}",
+        low=0.0,
+        high=10.0,
+        step=0.05,
+        source="the paper's abstract has heading alignment, its equations have none",
+    )
+    derivative: float = parameter(
+        0.0,
+        "Derivative term: D is taken as far ahead as this time",
+        symbol="T_D",
+        unit="s",
+        low=0.0,
+        high=2.0,
+        step=0.01,
+        source="the paper's future work: integral and derivative terms",
+    )
+    predators: float = parameter(
+        0.0,
+        "Predators: so many cars, those with the first numbers, chase the nearest other car",
+        symbol="n_p",
+        low=0.0,
+        high=10.0,
+        step=1.0,
+        source="the paper's future work",
+    )
+    beta_p: float = parameter(
+        0.6,
+        "Scale of the squashing function for a predator",
+        symbol="\\beta_p",
+        low=0.0,
+        high=20.0,
+        step=0.05,
+        source="ours: with C above 1 it never fades, so that its scale has to be small",
+    )
+    C_p: float = parameter(
+        1.2,
+        "C for a predator: above 1 it repels at every distance",
+        symbol="C_p",
+        low=0.0,
+        high=5.0,
+        step=0.05,
+        source="the paper's future work: C greater than 1",
+    )
+
+
+@compiled
+def squashed(r, beta, c, gamma):
+    """sigma(v) of (3) for a vector of length r (m), along it: below 0 it repels."""
+    return beta * (-c + r / (r + gamma))
+
+
+@compiled
+def is_hunter(me, p):
+    """Whether this car is a predator: the first `predators` numbers are, from 1 on."""
+    return float(me.id) <= p.predators
+
+
+@compiled
+def apart(me, near, j):
+    """The vector to car j as the tracking has it, m."""
+    error_x, error_y = near.signal[ERROR_X], near.signal[ERROR_Y]
+    dx = (near.x[j] + error_x[j]) - (me.x + me.signal[ERROR_X])
+    dy = (near.y[j] + error_y[j]) - (me.y + me.signal[ERROR_Y])
+    return dx, dy
+
+
+@compiled
+def is_heard(me, near, j, p):
+    """1.0 if car j is one of the k nearest that are no predators, or of all of them; else 0.0."""
+    hunts = near.signal[HUNTS]
+    heard = adjacent(me, near, j, p.r) * (1.0 - hunts[j])
+    if p.k > 0.0 and heard > 0.0:
+        dx, dy = apart(me, near, j)
+        d2 = dx * dx + dy * dy
+        nearer = 0.0
+        for m in range(near.n):
+            ex, ey = apart(me, near, m)
+            counts = adjacent(me, near, m, p.r) * (1.0 - hunts[m])
+            nearer += counts if ex * ex + ey * ey < d2 else 0.0
+        heard = 1.0 if nearer < p.k else 0.0
+    return heard
+
+
+@compiled
+def pulls(me, near, p):
+    """The sums of sigma over the cars that are heard and over predators, and of headings: six."""
+    hunts = near.signal[HUNTS]
+    cx = cy = px = py = ax = ay = 0.0
+    for j in range(near.n):
+        dx, dy = apart(me, near, j)
+        r = math.sqrt(dx * dx + dy * dy)
+        heard = is_heard(me, near, j, p)
+        flees = adjacent(me, near, j, p.r) * hunts[j]
+        over = 1.0 / r if r > 0.0 else 0.0
+        pull = heard * squashed(r, p.beta, p.C, p.gamma) * over
+        push = flees * squashed(r, p.beta_p, p.C_p, p.gamma) * over
+        cx += pull * dx
+        cy += pull * dy
+        px += push * dx
+        py += push * dy
+        ax += heard * p.c_align * near.ux[j]
+        ay += heard * p.c_align * near.uy[j]
+    return cx, cy, px, py, ax, ay
+
+
+@compiled
+def injected(me, ground, p):
+    """sigma of the injected car, which is known without error; (0, 0) in a world without one."""
+    if ground.route.shape[0] == 0:
+        return 0.0, 0.0
+    dx = ground.goal[0, 0] - (me.x + me.signal[ERROR_X])
+    dy = ground.goal[0, 1] - (me.y + me.signal[ERROR_Y])
+    r = math.sqrt(dx * dx + dy * dy)
+    pull = p.c_goal * squashed(r, p.beta, p.C, p.gamma) / r if r > 0.0 else 0.0
+    return pull * dx, pull * dy
+
+
+@compiled
+def chase(me, near, p):
+    """What a predator wants: sigma with C = 0 of the nearest car that is none."""
+    hunts = near.signal[HUNTS]
+    least = math.inf
+    x = y = 0.0
+    for j in range(near.n):
+        dx, dy = apart(me, near, j)
+        d2 = dx * dx + dy * dy
+        prey = adjacent(me, near, j, p.r) * (1.0 - hunts[j])
+        if prey > 0.0 and d2 < least:
+            least, x, y = d2, dx, dy
+    r = math.sqrt(x * x + y * y)
+    pull = squashed(r, p.beta, 0.0, p.gamma) / r if r > 0.0 else 0.0
+    return pull * x, pull * y
+
+
+@compiled
+def desired(me, near, ground, p):
+    """D of (2) without its derivative."""
+    if is_hunter(me, p):
+        return chase(me, near, p)
+    cx, cy, px, py, ax, ay = pulls(me, near, p)
+    ix, iy = injected(me, ground, p)
+    return cx + ix + px + ax, cy + iy + py + ay
+
+
+@compiled
+def perceive(me, near, ground, p):
+    """How fast D changes, by its value of the tick before."""
+    if p.derivative > 0.0:
+        x, y = desired(me, near, ground, p)
+        known = me.memory[KNOWN]
+        me.memory[RATE_X] = known * (x - me.memory[LAST_X]) / p.dt
+        me.memory[RATE_Y] = known * (y - me.memory[LAST_Y]) / p.dt
+        me.memory[LAST_X], me.memory[LAST_Y], me.memory[KNOWN] = x, y, 1.0
+    else:
+        me.memory[KNOWN] = 0.0
+
+
+@compiled
+def decide(me, near, ground, p):
+    """D of (2), with the derivative term if there is one."""
+    x, y = desired(me, near, ground, p)
+    if p.derivative > 0.0:
+        x += p.derivative * me.memory[RATE_X]
+        y += p.derivative * me.memory[RATE_Y]
+    return Wish(x, y, 0.0)
+
+
+@compiled
+def explain(me, near, ground, p, out):
+    """The terms of D, in the order of FORCES; the chase of a predator is its pull by cars."""
+    out[:, :] = 0.0
+    if is_hunter(me, p):
+        out[0, 0], out[0, 1] = chase(me, near, p)
+    else:
+        out[0, 0], out[0, 1], out[2, 0], out[2, 1], out[3, 0], out[3, 1] = pulls(me, near, p)
+        out[1, 0], out[1, 1] = injected(me, ground, p)
+    if p.derivative > 0.0:
+        out[4, 0] = p.derivative * me.memory[RATE_X]
+        out[4, 1] = p.derivative * me.memory[RATE_Y]
+
+
+@compiled
+def show(me, p, out):
+    """Where the tracking takes the car to be, and whether it is a predator."""
+    out[ERROR_X], out[ERROR_Y] = error_of(me, p, me.signal[ERROR_X], me.signal[ERROR_Y])
+    out[HUNTS] = 1.0 if is_hunter(me, p) else 0.0
+
+
+@compiled
+def remember(me, near, p, out):
+    """How far a car that is not seen in the next frame will be from where it is taken to be."""
+    x, y = me.signal[ERROR_X], me.signal[ERROR_Y]
+    out[ERROR_X], out[ERROR_Y] = left_behind(me, p, x, y)
+
+
+@compiled
+def weigh(me, near, p, out):
+    """1 for the cars that are heard and for predators."""
+    hunts = near.signal[HUNTS]
+    for j in range(near.n):
+        flees = adjacent(me, near, j, p.r) * hunts[j]
+        out[j] = max(is_heard(me, near, j, p), flees)
+
+
+SQUASHING = Rule(
+    name="squashing",
+    title="The squashing rule",
+    summary="Cars follow an injected one. Each goes by the sum of the vectors to it and to all "
+    "other cars, squashed so that those nearer than half a metre repel and all others attract, "
+    "the far ones no more than the near.",
+    equation=r"D_i = \sum_{j \neq i} \sigma(d_{ij}), \quad "
+    r"\sigma(v) = \beta \frac{v}{|v|} \Big(-C + \frac{|v|}{|v| + \gamma}\Big)",
+    source="Jacobs and Koessler, (2) and (3)",
+    parameters=Squashing,
+    decide=decide,
+    wish="velocity",
+    dimensions=(2,),
+    signals=("error_x", "error_y", "predator"),
+    show=show,
+    remember=remember,
+    memory=("last_x", "last_y", "known", "rate_x", "rate_y"),
+    perceive=perceive,
+    weigh=weigh,
+    forces=FORCES,
+    explain=explain,
+)

@@ -1,0 +1,76 @@
+"""`flockscope live run`: drive the cars of a laboratory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.outcome import as_json
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from app.live.ends import Opener
+    from app.live.lab import Lab
+
+
+def run(
+    file: Annotated[Path, typer.Argument(help="The laboratory's file, LAB.toml.")],
+    arm: Annotated[
+        bool, typer.Option("--arm", help="Arm once every car is seen and nothing is amiss.")
+    ] = False,
+    record: Annotated[
+        Path | None, typer.Option(help="Record poses, commands and events in this new folder.")
+    ] = None,
+    dry: Annotated[bool, typer.Option("--dry", help="Send nothing: the link is `dry`.")] = False,
+    seconds: Annotated[float, typer.Option(help="Leave after so long; 0: never.")] = 0.0,
+    json_asked: Annotated[
+        bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Only the summary.")] = False,
+) -> None:
+    """Drive the cars of a laboratory. Nothing moves before it is armed.
+
+    Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
+    """
+    from app.cli.live_file import laboratory
+    from app.live.squashing_driver import open_driven
+
+    lab = laboratory(file)
+    if dry:
+        lab = lab.model_copy(update={"link": "dry"})
+    conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)
+
+
+def conduct(
+    lab: Lab,
+    opener: Opener,
+    arm: bool,
+    record: Path | None,
+    seconds: float,
+    json_asked: bool,
+    quiet: bool,
+) -> None:
+    """Run a laboratory from the terminal. Raises Refusal."""
+    from app.cli.live_operate import Terminal, closing
+    from app.cli.stopping import Stopping
+    from app.live.desk import Desk
+    from app.live.squashing_driver import FlockDriver
+
+    if not 0.0 <= seconds < 1e6:
+        raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
+    if not quiet:
+        typer.echo(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...", err=True)
+    with Stopping() as stopping:
+        FlockDriver(lab)  # compiled here, so that the loop need not wait for it
+        desk = Desk(lab, opener, record)
+        terminal = Terminal(desk, stopping, seconds, arm, json_asked, not quiet)
+        try:
+            terminal.operate()
+        finally:
+            desk.close()
+    made = terminal.summary()
+    if record is not None:
+        made["recording"] = str(record)
+    typer.echo(as_json(made) if json_asked else closing(made))

@@ -1,0 +1,63 @@
+"""What is other in a row of an experiment than in its world's mission: where it starts, and how."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from pydantic import Field
+
+from app.experiments.strict import Strict
+from worlds.refusal import Refusal
+from worlds.world import World
+
+
+class Ranks(Strict):
+    """Agents in order on a plane, from which they are a little off: normal numbers, by the seed."""
+
+    places: tuple[tuple[float, float], ...] = Field(min_length=1)
+    """Where they stand, the first agents at the first places; length."""
+    off: float = Field(0.0, ge=0.0)
+    """Standard deviation of their places along each axis, length."""
+    heading: float
+    """Which way they look, deg, anticlockwise from the x axis."""
+    turned: float = Field(0.0, ge=0.0)
+    """Standard deviation of their headings, deg."""
+    speed: float = Field(0.0, ge=0.0)
+    """Length per unit of time."""
+
+    def start(self, agents: int, seed: int) -> dict[str, np.ndarray]:
+        """Positions, headings and speeds of so many agents. Raises Refusal if places lack."""
+        if agents > len(self.places):
+            raise Refusal(f"agents = {agents}, but only {len(self.places)} have a place to start")
+        rng = np.random.default_rng(seed)
+        off = self.off * rng.normal(size=(agents, 2))
+        angle = np.radians(self.heading + self.turned * rng.normal(size=agents))
+        return {
+            "position": np.array(self.places[:agents], float) + off,
+            "heading": np.column_stack([np.cos(angle), np.sin(angle)]),
+            "speed": np.full(agents, self.speed),
+        }
+
+
+class Errand(Strict):
+    """What is other in a row than in the world's mission."""
+
+    ranks: Ranks | None = None
+    """Where agents start; None: at random in the world's own region."""
+    speed: float | None = Field(default=None, gt=0.0)
+    """Speed of the goal along its route; None: the world's own."""
+
+
+PLAIN = Errand()
+"""Nothing is other."""
+
+
+def sent_on(world: World, errand: Errand) -> World:
+    """The world with the goal as fast as the errand says. Raises Refusal if it has none."""
+    if errand.speed is None:
+        return world
+    if world.mission is None or world.mission.goal is None:
+        raise Refusal(f"speed = {errand.speed:g}: the world {world.name!r} has no goal")
+    goal = world.mission.goal.model_copy(update={"speed": errand.speed})
+    return replace(world, mission=world.mission.model_copy(update={"goal": goal}))

@@ -1,0 +1,61 @@
+"""The arming of a laboratory: nothing drives before a person arms it; the emergency stop latches.
+
+safe --arm--> armed --disarm, hold--> safe
+any  --emergency--> emergency --reset--> safe
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from worlds.refusal import Refusal, unknown
+
+State = Literal["safe", "armed", "emergency"]
+Wish = Literal["arm", "disarm", "hold", "emergency", "reset", "tune"]
+WISHES: tuple[Wish, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune")
+
+
+@dataclass(frozen=True)
+class Request:
+    """Something asked of the control loop, and who asks."""
+
+    wish: Wish
+    cause: str
+    """Who or what asks: `terminal`, `browser 3`, `link`."""
+    words: str = ""
+    """Why; for `tune` the parameters as JSON."""
+
+    def __post_init__(self) -> None:
+        if self.wish not in WISHES:
+            raise unknown("request", self.wish, WISHES, self.cause)
+
+
+class Arm:
+    """Whether the cars may be driven; a pure state machine without a clock."""
+
+    def __init__(self) -> None:
+        self.state: State = "safe"
+
+    def take(self, request: Request, faults: Sequence[str] = ()) -> bool:
+        """Do what is asked; whether this changed anything.
+
+        `faults` are the reasons, in words, why the cars would not run. Raises Refusal for an arming
+        with faults or with the emergency stop latched.
+        """
+        before = self.state
+        match request.wish:
+            case "emergency":
+                self.state = "emergency"
+            case "reset" if self.state == "emergency":
+                self.state = "safe"
+            case "disarm" | "hold" if self.state == "armed":
+                self.state = "safe"
+            case "arm" if self.state == "emergency":
+                raise Refusal("cannot be armed: the emergency stop is latched, reset it first")
+            case "arm" if faults:
+                raise Refusal(f"cannot be armed: {'; '.join(faults)}")
+            case "arm":
+                self.state = "armed"
+        return self.state != before

@@ -1,0 +1,131 @@
+"""One tick of control, without a clock, a thread or a device: requests, tracking, rule, safety.
+
+The loop gives it the time and the outer world; a replay gives it the same from a recording, and the
+same comes out.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from app.live.arm import Request
+from app.live.driver import Driver, Tunable
+from app.live.events import Event
+from app.live.links.link import RUN
+from app.live.pose import Frame, Pose, Sighting
+from app.live.safety import Command, Reason, Safety, Verdict
+from worlds.refusal import Refusal
+
+NAMES = {
+    "arm": "armed",
+    "disarm": "disarmed",
+    "hold": "held",
+    "emergency": "EMERGENCY STOP",
+    "reset": "emergency stop reset; not armed",
+}
+"""What a request comes to, in words."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one tick came to."""
+
+    wanted: dict[str, Command]
+    """What the rule wants, by car."""
+    verdict: Verdict
+    events: tuple[Event, ...]
+
+
+class Control:
+    """The rule behind the safety; `see`, then `act`, once each a tick."""
+
+    def __init__(self, safety: Safety, driver: Driver):
+        self.safety = safety
+        self.driver = driver
+        self.tick = -1
+        self.running = False
+        self.reasons: dict[tuple[str, str], Reason] = {}
+        """Those of the last tick, by kind and car."""
+        self.events: list[Event] = []
+        self.sightings: tuple[Sighting, ...] = ()
+        """Who was seen within the limit `stale`, where last."""
+
+    def see(self, now: float, requests: Iterable[Request], frame: Frame | None) -> None:
+        """Begin a tick at `now` (s): look at the newest frame, then do what is asked."""
+        self.tick += 1
+        self.events = []
+        self.sightings = self.safety.see(now, frame)
+        for request in requests:
+            self.events.append(self.answer(now, request))
+
+    def answer(self, now: float, request: Request) -> Event:
+        """Do what is asked; the event that says what came of it."""
+        kind: str = request.wish
+        try:
+            if request.wish == "tune":
+                words = self.tune(request)
+            else:
+                changed = self.safety.ask(now, request)
+                words = NAMES[kind] if changed else f"{NAMES[kind]}: nothing changed"
+                words += f": {request.words}" if request.words else ""
+        except Exception as refusal:  # whatever is asked, it cannot end the loop
+            kind, words = "refused", " ".join(str(refusal).split()) or type(refusal).__name__
+        return Event(
+            self.tick, now, kind, words, "", request.cause, asked=request.wish, note=request.words
+        )
+
+    def tune(self, request: Request) -> str:
+        """Change parameters of the rule; what was changed, in words. Raises Refusal."""
+        if not isinstance(self.driver, Tunable):
+            raise Refusal("the parameters of this driver cannot be changed")
+        try:
+            values = json.loads(request.words)
+        except json.JSONDecodeError:
+            raise Refusal(f"parameters {request.words!r} are no JSON") from None
+        if not isinstance(values, dict):
+            raise Refusal(f"parameters {request.words!r} are no JSON object")
+        self.driver.tune(values)
+        return ", ".join(f"{name} = {value}" for name, value in values.items())
+
+    def act(self, now: float, injected: Pose | None) -> Step:
+        """End the tick: ask the rule, judge what it wants."""
+        wanted: dict[str, Command] = {}
+        failed = ""
+        try:
+            cars = tuple(one for one in self.sightings if one.name in self.safety.cars)
+            answer = self.driver.drive(now, cars, injected)
+            wanted = {
+                name: (float(answer[name][0]), float(answer[name][1]))
+                for name in self.safety.cars
+                if name in answer
+            }
+        except Exception as error:  # whatever a rule does wrong, the cars stop
+            failed = " ".join(f"{type(error).__name__}: {error}".split())
+        verdict = self.safety.judge(now, wanted, failed)
+        self.tell(now, verdict)
+        return Step(wanted, verdict, tuple(self.events))
+
+    def tell(self, now: float, verdict: Verdict) -> None:
+        """Write down what has changed: reasons that came and went, runs that began and ended."""
+
+        def happened(kind: str, words: str, car: str = "", cause: str = "") -> None:
+            self.events.append(Event(self.tick, now, kind, words, car, cause))
+
+        reasons = {(reason.kind, reason.car): reason for reason in verdict.reasons}
+        for key, reason in reasons.items():
+            if key not in self.reasons:
+                happened(reason.kind, reason.words, reason.car)
+        for key, reason in self.reasons.items():
+            # what holds is not looked for any more once it has taken the arming away
+            if key not in reasons and not reason.holds:
+                happened("cleared", f"no longer: {reason.words}", reason.car)
+        if verdict.held:
+            why = "; ".join(reason.words for reason in verdict.reasons if reason.holds)
+            happened("hold", f"stopped until armed again: {why}", cause="safety")
+        running = verdict.mode == RUN
+        if running != self.running:
+            happened("run" if running else "stop", "the cars run" if running else "the cars stop")
+        self.reasons = reasons
+        self.running = running

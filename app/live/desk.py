@@ -1,0 +1,125 @@
+"""The operator's desk: the near end of a control loop that runs in a process of its own.
+
+Whatever happens to the process of the desk, be it busy, stopped or killed, the loop is not held up:
+it notices that its desk is gone, stops the cars and leaves. Nothing at the desk waits for the loop.
+"""
+
+from __future__ import annotations
+
+import atexit
+import math
+import multiprocessing
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+from app.live.arm import Request
+from app.live.ends import Opener
+from app.live.events import Event
+from app.live.lab import Lab
+from app.live.look import Look
+from app.live.loop_process import Answer, serve
+from worlds.refusal import Refusal
+
+PATIENCE = 180.0
+"""Seconds that the process may take to begin: the first time a rule is compiled."""
+GRACE = 30.0
+"""Seconds that it has to finish its recording, once the cars are stopped, before it is ended."""
+
+
+class Desk:
+    """Starts the control loop of a laboratory and speaks to it; any thread may use it.
+
+    `opener` opens its ends in the new process: a function of a module, which can be pickled. With
+    `recording`, a folder, all is recorded there. Raises Refusal if the loop cannot begin.
+    """
+
+    def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
+        spawn = multiprocessing.get_context("spawn")
+        self.line, theirs = spawn.Pipe(duplex=True)
+        self.lock = threading.Lock()
+        self.events: list[Event] = []
+        """All events, the oldest first."""
+        self.known = 0
+        self.trouble = ""
+        """Why the loop ended, if it did by itself."""
+        self.newest: Look | None = None
+        self.hand: tuple[float, float] | None = None
+        self.closed = False
+        self.waits = False
+        """Whether a look was asked for and has not come."""
+        # not a daemon: the loop has a child of its own, its tracking
+        self.process = spawn.Process(
+            target=serve,
+            args=(lab.to_toml(), opener, recording, theirs),
+            name="flockscope control loop",
+        )
+        self.process.start()
+        theirs.close()
+        atexit.register(self.close)
+        self.begin()
+
+    def begin(self) -> None:
+        """Wait until the loop runs. Raises Refusal with what it says if it cannot."""
+        try:
+            if self.line.poll(PATIENCE):
+                answer: Answer = self.line.recv()
+                self.trouble = answer.trouble
+            else:
+                self.trouble = f"the control loop did not begin within {PATIENCE:g} s"
+        except (EOFError, OSError):
+            self.trouble = "the control loop ended before it began"
+        if self.trouble:
+            self.close()
+            raise Refusal(self.trouble)
+
+    @property
+    def alive(self) -> bool:
+        """Whether the loop runs."""
+        return self.process.is_alive()
+
+    def ask(self, request: Request) -> None:
+        """Ask for something, which is done at the loop's next tick; events say what came of it."""
+        with self.lock, suppress(OSError):
+            self.line.send(request)
+
+    def place(self, x: float, y: float) -> None:
+        """Move the injected car of the hand, m; goes out with the next look. Raises Refusal."""
+        if not (math.isfinite(x) and math.isfinite(y)):
+            raise Refusal(f"the injected car cannot be at ({x}, {y})")
+        self.hand = (x, y)
+
+    def look(self) -> Look | None:
+        """The newest look at the loop, which the last call has asked for; None before the first.
+
+        Looks are asked for one at a time, so that a slow desk never has a heap of them.
+        """
+        with self.lock:
+            try:
+                while self.line.poll():
+                    answer: Answer = self.line.recv()
+                    self.waits = False
+                    self.newest = answer.look or self.newest
+                    self.events += answer.events
+                    self.known = answer.known
+                if not self.waits:
+                    hand, self.hand = self.hand, None
+                    self.line.send((self.known, hand))
+                    self.waits = True
+            except (EOFError, OSError):
+                if not self.closed:
+                    self.trouble = "the control loop is gone: the cars stop themselves"
+            return self.newest
+
+    def close(self) -> None:
+        """Stop the cars and end the loop; it is killed if it does not end by itself."""
+        atexit.unregister(self.close)
+        with self.lock, suppress(OSError):
+            self.closed = True
+            self.line.send(None)
+        for end in (lambda: None, self.process.terminate, self.process.kill):
+            if self.process.is_alive():
+                end()
+                self.process.join(GRACE)
+        with self.lock:
+            self.line.close()

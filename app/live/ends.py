@@ -1,0 +1,55 @@
+"""The ends of a laboratory: where its poses come from, how commands leave, and what drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.live.control import Control
+from app.live.driver import Driver
+from app.live.injected import Injected
+from app.live.lab import Lab
+from app.live.links.link import CarLink
+from app.live.links.links import open_link
+from app.live.loop import Frames, Journal, Loop
+from app.live.sources.feed import Feed
+from app.live.sources.opening import open_source
+
+Opener = Callable[[Lab], "Ends"]
+"""Opens the ends of a laboratory in the process of its loop: a function of a module."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What the control loop of a laboratory is between."""
+
+    feed: Frames
+    link: CarLink
+    driver: Driver
+
+    def loop(self, lab: Lab, journal: Journal | None = None) -> Loop:
+        """The control loop of the laboratory between these ends, unarmed."""
+        return Loop(
+            Control(lab.safety(), self.driver),
+            self.feed,
+            self.link,
+            lab.addresses,
+            Injected(lab.injected, lab.area),
+            journal,
+            lab.rate,
+        )
+
+    def close(self) -> None:
+        """Let go of the source; the loop has let go of the link."""
+        if isinstance(self.feed, Feed):
+            self.feed.close()
+
+
+def open_ends(lab: Lab, driver: Driver) -> Ends:
+    """The ends that the laboratory's file names. Raises Refusal."""
+    link = open_link(lab.link)
+    try:
+        return Ends(Feed(open_source(lab.source)), link, driver)
+    except BaseException:
+        link.close()
+        raise

@@ -1,0 +1,211 @@
+"""A laboratory in one small file: its area, its cars, its tracking, its link and its rule."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from pydantic import Field, ValidationError, model_validator
+
+from app.experiments.strict import Strict, Value
+from app.live.area import Area
+from app.live.injected import INJECTED, Injection
+from app.live.lab_lines import line_of
+from app.live.limits import CarLimits, Limits
+from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
+from app.live.loop import RATE
+from app.live.safety import Safety
+from worlds.refusal import Refusal, unknown
+
+
+class Misfit(ValueError):
+    """What does not fit together in a laboratory, and the keys that lead to it."""
+
+    def __init__(self, words: str, *keys: str):
+        super().__init__(words)
+        self.keys = keys
+
+
+class Car(CarLimits):
+    """A car: its address on the link, its body in the tracking, and its limits."""
+
+    address: int = Field(ge=LEAST_ADDRESS, le=MOST_ADDRESS)
+    body: str = ""
+    """The name of its rigid body; empty: its own name."""
+
+
+class Lab(Strict):
+    """A laboratory. See `docs/live-safety.md` for an example of the file."""
+
+    title: str = ""
+    source: str = Field(min_length=1)
+    """Where poses come from, such as `optitrack:192.168.1.5?up=y`."""
+    link: str = Field(min_length=1)
+    """How commands reach the cars, such as `serial:/dev/ttyUSB0?baud=57600`."""
+    rule: str = Field(min_length=1)
+    """What drives the cars."""
+    parameters: dict[str, Value] = Field(default_factory=dict)
+    """Those of the rule that are not its defaults."""
+    rate: float = Field(default=RATE, ge=10.0, le=500.0)
+    """Commands per second."""
+    area: Area
+    limits: Limits = Limits()
+    injected: Injection = Injection()
+    cars: dict[str, Car] = Field(min_length=1, max_length=MOST_CARS)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Lab:
+        self.demand_distinct()
+        self.demand_stops_in_time()
+        self.demand_target_within()
+        if 1.0 / self.rate > self.limits.stale:
+            raise Misfit(f"stale must be longer than a tick of {1.0 / self.rate:g} s", "limits")
+        return self
+
+    def demand_distinct(self) -> None:
+        """Addresses and bodies belong to one car each. Raises Misfit."""
+        addresses: dict[int, str] = {}
+        bodies: dict[str, str] = {}
+        for name, car in self.cars.items():
+            if not name.strip() or name == INJECTED:
+                raise Misfit(f"a car cannot be called {name!r}", "cars", name)
+            other = addresses.setdefault(car.address, name)
+            if other != name:
+                raise Misfit(
+                    f"{other} and {name} have one address, {car.address}", "cars", name, "address"
+                )
+            body = car.body or name
+            if bodies.setdefault(body, name) != name:
+                raise Misfit(
+                    f"{bodies[body]} and {name} have one body, {body!r}", "cars", name, "body"
+                )
+        if self.injected.path == "body" and not self.injected.body:
+            raise Misfit("the injected car has no body", "injected", "body")
+        if self.injected.path != "body" and self.injected.body:
+            raise Misfit('a body of the injected car needs path = "body"', "injected", "body")
+        if self.injected.body in bodies:
+            raise Misfit(
+                f"the injected car and {bodies[self.injected.body]} have one body, "
+                f"{self.injected.body!r}",
+                "injected",
+                "body",
+            )
+
+    def demand_stops_in_time(self) -> None:
+        """Every car stops between fence and edge, whatever fails. Raises Misfit."""
+        for name, car in self.cars.items():
+            far = car.runs_on(self.limits)
+            if far > self.area.fence + 1e-9:
+                raise Misfit(
+                    f"fence = {self.area.fence:g} m is too little: {name} may run on for "
+                    f"{far:.2f} m (its speed, its lag and limits.frozen make that)",
+                    "area",
+                    "fence",
+                )
+
+    def demand_target_within(self) -> None:
+        """The injected car stays within the fence. Raises Misfit."""
+        plan = self.injected
+        for x, y in plan.corners():
+            if self.area.inside(x, y) < 0.0:
+                raise Misfit(
+                    f"the injected car's path reaches ({x:g}, {y:g}), which is not within the "
+                    f"fence, {self.area.fence:g} m inside the area",
+                    "injected",
+                    {"hand": "centre", "route": "route"}.get(plan.path, "radius"),
+                )
+
+    @property
+    def addresses(self) -> dict[str, int]:
+        """Of the cars, by name."""
+        return {name: car.address for name, car in self.cars.items()}
+
+    @property
+    def bodies(self) -> dict[str, str]:
+        """The name here of every body that is followed."""
+        found = {car.body or name: name for name, car in self.cars.items()}
+        if self.injected.path == "body":
+            found[self.injected.body] = INJECTED
+        return found
+
+    def safety(self) -> Safety:
+        """The safety of this laboratory, unarmed."""
+        return Safety(self.limits, self.area, self.cars, self.bodies)
+
+    def to_toml(self) -> str:
+        """The laboratory as a file; numbers keep every bit."""
+        return tomlkit.dumps(self.model_dump(mode="json"))
+
+
+TABLES: dict[str, type[Strict]] = {
+    "area": Area,
+    "limits": Limits,
+    "injected": Injection,
+    "cars": Car,
+}
+
+
+def read_lab(path: str | Path) -> Lab:
+    """The laboratory of a file. Raises Refusal naming the line that is wrong."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise Refusal(f"laboratory {str(path)!r} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise Refusal(f"laboratory {str(path)!r} is not a text file") from None
+    return lab_from_toml(text, str(path))
+
+
+def lab_from_toml(text: str, origin: str) -> Lab:
+    """The laboratory that a text describes. Raises Refusal naming the line that is wrong."""
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise Refusal(f"{origin} is not TOML: {error}") from None
+    try:
+        # as JSON, strict: a number in quotes is no number, but a list is a pair
+        return Lab.model_validate_json(json.dumps(values, default=no_json), strict=True)
+    except ValidationError as error:
+        raise refusal(error, text, origin) from None
+
+
+def no_json(date: object) -> dict[str, str]:
+    """Dates, which TOML knows and JSON does not: no key has one."""
+    return {"a date": str(date)}
+
+
+def refusal(error: ValidationError, text: str, origin: str) -> Refusal:
+    """The first thing that is wrong with a laboratory: what, its value, what is allowed, where."""
+    first: Mapping[str, Any] = error.errors()[0]
+    cause = first.get("ctx", {}).get("error")
+    keys = [str(key) for key in first["loc"] if isinstance(key, str)]
+    if isinstance(cause, Misfit):
+        keys = list(cause.keys)
+    line = line_of(text, keys)
+    where = f"{origin}, line {line}" if line else origin
+    if first["type"] == "extra_forbidden":
+        return unknown("key", keys[-1], known_keys(keys[:-1]), where)
+    if first["type"] == "missing" and first["loc"][-1] == keys[-1]:
+        return Refusal(f"{table_of(keys)} has no {keys[-1]} ({where})")
+    message = first["msg"].removeprefix("Value error, ")
+    message = message[:1].lower() + message[1:]
+    if isinstance(cause, ValueError):
+        return Refusal(f"{message} ({where})")
+    value = first["input"]
+    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else repr(value)
+    return Refusal(f"{'.'.join(keys)} = {shown} is not allowed: {message} ({where})")
+
+
+def known_keys(table: Sequence[str]) -> list[str]:
+    """The keys that a table may have."""
+    return list((TABLES[table[0]] if table else Lab).model_fields)
+
+
+def table_of(keys: Sequence[str]) -> str:
+    """The table that a key belongs to, in words."""
+    return f"[{'.'.join(keys[:-1])}]" if len(keys) > 1 else "the laboratory"

@@ -1,0 +1,42 @@
+"""`dry`: a link that leads nowhere, to see what would be sent."""
+
+from __future__ import annotations
+
+from app.live.links.frame import Command, encode
+from app.live.links.link import CarLink
+from app.live.links.place import Place
+from worlds.refusal import Refusal
+
+MOST_EVERY = 100_000
+
+
+class DryLink(CarLink):
+    """Checks what is sent as every link does, keeps the last of it, and sends nothing.
+
+    `every` > 0 prints every so-manieth frame, beginning with the first.
+    """
+
+    def __init__(self, name: str = "dry", every: int = 0):
+        self.name = name
+        self.every = every
+        self.sent = 0
+        self.last: Command | None = None
+        """The last frame, its commands as they were given."""
+
+    def send(self, seq: int, mode: int, commands: dict[int, tuple[float, float]]) -> None:
+        """See CarLink."""
+        frame = encode(seq, mode, commands)
+        if self.every and self.sent % self.every == 0:
+            print(f"{self.name}: {frame.hex(' ')}")
+        self.last = Command(seq, mode, dict(commands))
+        self.sent += 1
+
+    def close(self) -> None:
+        """See CarLink."""
+
+
+def open_dry(place: Place) -> DryLink:
+    """`dry`, or `dry?every=100` to print every hundredth frame."""
+    if place.where:
+        raise Refusal(f"the link {place.text!r} leads nowhere: write dry, not {place.where!r}")
+    return DryLink(place.text, place.whole(every=(0, 0, MOST_EVERY))["every"])

@@ -1,0 +1,68 @@
+"""Names of links and how each is opened; links of a laboratory's own enter here."""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from app.live.links.chain import open_chain
+from app.live.links.dry import open_dry
+from app.live.links.link import CarLink
+from app.live.links.place import Place, read_place
+from app.live.links.serial_link import open_serial
+from app.live.links.udp import open_udp
+from app.live.links.xbee import open_xbee
+from worlds.refusal import Refusal, unknown
+
+Opener = Callable[[Place], CarLink]
+"""Opens a link; raises Refusal if it cannot."""
+ENTRY = "open_link"
+"""What the file of a link calls its opener."""
+
+BUILT_IN: dict[str, Opener] = {
+    "serial": open_serial,
+    "xbee": open_xbee,
+    "udp": open_udp,
+    "chain": open_chain,
+    "dry": open_dry,
+}
+
+
+def collect() -> dict[str, Opener]:
+    """All kinds of link: the built-in ones, then those of other packages."""
+    found = {entry.name: entry.load() for entry in entry_points(group="flockscope.links")}
+    return BUILT_IN | found
+
+
+LINKS = collect()
+
+
+def open_link(text: str, folder: Path | None = None) -> CarLink:
+    """Open the link that a text names, as `serial:/dev/ttyUSB0?baud=57600`.
+
+    The kind may be a Python file, as `my_radio.py:/dev/ttyACM0`, looked for in `folder`, the
+    working directory if there is none. That runs the file: the text must come from the person who
+    runs the laboratory, never from a browser. Raises Refusal.
+    """
+    place = read_place(text)
+    if place.kind.endswith(".py"):
+        return opener_of((folder or Path()) / place.kind, text)(place)
+    if place.kind not in LINKS:
+        raise unknown("link", place.kind, LINKS, text)
+    return LINKS[place.kind](place)
+
+
+def opener_of(file: Path, text: str) -> Opener:
+    """The opener in a Python file. Raises Refusal if there is none."""
+    if not file.is_file():
+        raise Refusal(f"there is no file {file} (link {text!r})")
+    try:
+        names = runpy.run_path(str(file))
+    except Exception as error:
+        raise Refusal(f"{file} cannot be run: {type(error).__name__}: {error}") from error
+    if not callable(names.get(ENTRY)):
+        raise Refusal(f"{file} has no function {ENTRY}(place)")
+    opener: Opener = names[ENTRY]
+    return opener

@@ -1,0 +1,114 @@
+"""A serial port that is written whole frames at a time and never waited for."""
+
+from __future__ import annotations
+
+import errno
+import os
+import select
+import time
+from contextlib import suppress
+from typing import Any
+
+from app.live.links.jam import Jam
+from app.live.links.link import LinkLost
+from app.live.links.place import Place
+from worlds.refusal import Refusal
+
+LEAST_BAUD, MOST_BAUD = 300, 4_000_000
+BITS = 10
+"""Bits on the wire per byte: start, eight, stop."""
+DRAIN = 0.2
+"""Longest time that closing waits for what has been written, s."""
+WHY = {
+    errno.ENOENT: "there is no such port",
+    errno.EACCES: "it is not allowed (is the user in the group that owns the port, as dialout?)",
+    errno.EAGAIN: "another program has it open",
+    errno.EBUSY: "another program has it open",
+}
+
+
+def why(error: OSError) -> str:
+    """What went wrong with a port, in words."""
+    if error.errno is None:
+        return str(error)
+    return WHY.get(error.errno, os.strerror(error.errno).lower())
+
+
+def take_port(place: Place) -> str:
+    """The port that a text names."""
+    return place.wants("which port", f"{place.kind}:/dev/ttyUSB0")
+
+
+def open_wire(place: Place, baud: int) -> Wire:
+    """Open the serial port that a text names. Raises Refusal."""
+    port = take_port(place)
+    try:
+        import serial
+    except ImportError:
+        raise Refusal(f"the link {place.text!r} needs pyserial: install flockscope[live]") from None
+    try:
+        return Wire(serial.Serial(port, baud, exclusive=True), place.text)
+    except (OSError, ValueError) as error:
+        reason = why(error) if isinstance(error, OSError) else str(error)
+        raise Refusal(f"the link {place.text!r} cannot open {port}: {reason}") from None
+
+
+class Wire:
+    """A serial port of pyserial, open, for sending; `name` is the text of its link."""
+
+    def __init__(self, port: Any, name: str):
+        # To wait for nothing, pyserial must never be asked to write what cannot be written: with
+        # no time allowed it spins, with a little it calls what it has written late (see `free`).
+        port.timeout = port.write_timeout = 0
+        self.port = port
+        self.name = name
+        self.jam = Jam(name)
+        self.left = b""
+        """The rest of a frame that has been begun."""
+
+    def seconds(self, count: int) -> float:
+        """Time that so many bytes take, s."""
+        return float(BITS * count / self.port.baudrate)
+
+    def offer(self, frame: bytes) -> bool:
+        """Send a frame, unless one is still on its way; whether it was taken.
+
+        Frames go out whole: what the port does not take at once follows with the next offer.
+        Raises LinkLost if the port is gone or takes nothing any more.
+        """
+        try:
+            self.push()
+            if not self.jam.saw(free=not self.left and not self.port.out_waiting):
+                return False
+            self.left = frame
+            self.push()
+        except LinkLost:
+            raise
+        except OSError as error:
+            raise LinkLost(f"the link {self.name!r} is lost: {why(error)}") from None
+        return True
+
+    def free(self) -> bool:
+        """Whether the port takes at least a byte now."""
+        if os.name != "posix":
+            return True
+        return bool(select.select([], [self.port.fileno()], [], 0.0)[1])
+
+    def push(self) -> None:
+        """Write as much of what is left as the port takes."""
+        while self.left and self.free():
+            self.left = self.left[self.port.write(self.left) or 0 :]
+
+    def drain(self) -> None:
+        """Let what has been written go out, for DRAIN at most. Raises OSError if it cannot."""
+        until = time.monotonic() + DRAIN
+        while (self.left or self.port.out_waiting) and time.monotonic() < until:
+            self.push()
+            time.sleep(0.002)
+
+    def close(self) -> None:
+        """Let what has been written go out, and let go of the port."""
+        with suppress(OSError):  # the port may be gone already
+            self.drain()
+        with suppress(OSError):
+            self.port.close()

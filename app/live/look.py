@@ -1,0 +1,91 @@
+"""What a look at the control loop shows: a picture of one tick, for the viewer and the terminal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from app.live.arm import State
+from app.live.links.link import RUN
+from app.live.pose import Pose
+from app.live.safety import Command, Reason, Safety, Verdict
+from app.live.timing import Summary
+
+LATE = 0.03
+"""Seconds since it was last seen after which a car is late: three frames at 100 Hz."""
+Tracking = Literal["tracked", "late", "lost"]
+
+
+@dataclass(frozen=True)
+class CarLook:
+    """One car."""
+
+    name: str
+    pose: Pose | None
+    """Where it was last seen."""
+    age: float
+    """Seconds since then; infinite if it never was."""
+    tracking: Tracking
+    runs: bool
+    """Whether it is told to run."""
+    sent: Command
+
+    @property
+    def state(self) -> str:
+        """tracked, late, lost or stopped; lost before stopped before late."""
+        if self.tracking == "lost":
+            return "lost"
+        return self.tracking if self.runs else "stopped"
+
+
+@dataclass(frozen=True)
+class Look:
+    """The laboratory at one tick."""
+
+    tick: int
+    time: float
+    """`time.monotonic()` of the machine that runs the loop, s."""
+    arm: State
+    mode: int
+    reasons: tuple[Reason, ...]
+    """Why the cars do not run, or could not be armed."""
+    cars: tuple[CarLook, ...]
+    injected: Pose | None
+    period: Summary
+    """Seconds from tick to tick."""
+    latency: Summary
+    """Seconds from the arrival of a frame to the commands that it leads to."""
+    missed: int
+    """Deadlines that passed unused, in all."""
+    dropped: int
+    """Frames that the link did not send, in all."""
+    troubles: dict[str, str]
+    """What is wrong with the source, the link and the recording, by these names."""
+    events: int
+    """How many there were so far."""
+
+
+def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarLook, ...]:
+    """The cars as they are at `now` (s)."""
+    return tuple(
+        CarLook(
+            name,
+            safety.seen.last[name].pose if name in safety.seen.last else None,
+            safety.seen.age(name, now),
+            tracking(safety.seen.age(name, now), safety.limits.stale),
+            verdict.mode == RUN,
+            verdict.commands[name],
+        )
+        for name in safety.cars
+    )
+
+
+def tracking(age: float, stale: float) -> Tracking:
+    """What a car's age (s) means.
+
+    >>> tracking(0.02, stale=0.1), tracking(0.09, stale=0.1), tracking(0.11, stale=0.1)
+    ('tracked', 'late', 'lost')
+    """
+    if age > stale:
+        return "lost"
+    return "late" if age > LATE else "tracked"

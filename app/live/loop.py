@@ -1,0 +1,225 @@
+"""The control loop: 100 times a second from what is seen to what the cars are told.
+
+Its deadlines are absolute, so that it does not drift; those that it misses are left out, never
+caught up. It looks at what the source has brought and waits for nobody: neither source nor viewer
+nor disk. However it ends, the last thing that it sends is a stop; should it be killed, the cars'
+own watchdogs stop them.
+"""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Protocol
+
+from app.live.arm import Request
+from app.live.control import Control
+from app.live.events import Event, Events
+from app.live.injected import Injected
+from app.live.links.link import EMERGENCY, STOP, CarLink
+from app.live.look import Look, cars_of
+from app.live.moment import Moment
+from app.live.pose import Frame, Pose
+from app.live.safety import Command, Verdict
+from app.live.timing import Spans
+
+RATE = 100.0
+"""Ticks per second."""
+MOST_REQUESTS = 100
+"""Requests that are taken in one tick; the others wait for the next."""
+PARTING = 5
+"""Stop frames that are sent at the end."""
+LOOK_EVERY = 3
+"""Ticks between which a look is made for the viewer."""
+
+
+class Frames(Protocol):
+    """What the loop reads of a tracking feed; nothing in it waits."""
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong with the source, in one line; empty while all is well."""
+        ...
+
+    def since(self, number: int) -> list[Frame]:
+        """The frames after frame `number`, oldest first."""
+        ...
+
+
+class Journal(Protocol):
+    """What is told of every tick to a recording; it does not wait either."""
+
+    @property
+    def trouble(self) -> str:
+        """Why it cannot write, in one line; empty while all is well."""
+        ...
+
+    def write(self, moment: Moment) -> None:
+        """Take down a tick."""
+        ...
+
+
+class Loop:
+    """Runs the control; `ask`, `place`, `leave` and `latest` may be used by any thread."""
+
+    def __init__(
+        self,
+        control: Control,
+        feed: Frames,
+        link: CarLink,
+        addresses: Mapping[str, int],
+        injected: Injected,
+        journal: Journal | None = None,
+        rate: float = RATE,
+        clock: Callable[[], float] = time.monotonic,
+        wait: Callable[[float], None] = time.sleep,
+    ):
+        self.control = control
+        self.feed = feed
+        self.link = link
+        self.addresses = dict(addresses)
+        self.injected = injected
+        self.journal = journal
+        self.period = 1.0 / rate
+        self.clock = clock
+        self.wait = wait
+        self.events = Events()
+        self.latest: Look | None = None
+        """The newest look, of one of the last few ticks."""
+        self.leaving = ""
+        """Why the loop is to end; empty: it is not."""
+        self.urgent: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        self.asked: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        self.newest: Frame | None = None
+        self.before: float | None = None
+        self.periods = Spans()
+        self.latencies = Spans()
+        self.missed = 0
+        self.sent = 0
+        self.troubles: dict[str, str] = {}
+        """What is wrong with the link, the source and the recording."""
+        self.known: dict[str, str] = {}
+        """Those of them that are in the events."""
+
+    def ask(self, request: Request) -> None:
+        """Ask for something, which is done at the next tick; an emergency stop before all else."""
+        (self.urgent if request.wish == "emergency" else self.asked).put(request)
+
+    def place(self, x: float, y: float) -> None:
+        """Move the injected car of the hand, m; kept within the fence. Raises Refusal for NaN."""
+        self.injected.place(x, y)
+
+    def leave(self, cause: str) -> None:
+        """End the loop after this tick."""
+        self.leaving = cause
+
+    def run(self) -> None:
+        """Tick until told to leave; then, or should anything fail, stop the cars."""
+        try:
+            due = self.clock()
+            while not self.leaving:
+                self.tick()
+                due += self.period
+                now = self.clock()
+                if now < due:
+                    self.wait(due - now)
+                else:
+                    left_out = int((now - due) / self.period)
+                    self.missed += left_out
+                    due += left_out * self.period
+        finally:
+            self.part()
+
+    def tick(self) -> None:
+        """One tick, without waiting for its time."""
+        now = self.clock()
+        if self.before is not None:
+            self.periods.add(now - self.before)
+        self.before = now
+        frames = self.feed.since(self.newest.number if self.newest else -1)
+        if frames:
+            self.newest = frames[-1]
+        self.control.see(now, self.requests(), self.newest)
+        control = self.control
+        injected = self.injected.at(now, control.running, control.sightings)
+        step = control.act(now, injected)
+        self.send(step.verdict.mode, step.verdict.commands)
+        latency = None
+        if frames:
+            latency = self.clock() - frames[-1].received
+            self.latencies.add(latency)
+        events = (*step.events, *self.noticed(now))
+        self.events.add(*events)
+        arm = control.safety.arm.state
+        if self.journal is not None:
+            self.journal.write(
+                Moment(control.tick, now, tuple(frames), injected, step, arm, events, latency)
+            )
+        if control.tick % LOOK_EVERY == 0 or step.events:
+            self.latest = self.look(now, injected, step.verdict)
+
+    def requests(self) -> list[Request]:
+        """What was asked since the last tick, emergency stops first."""
+        found: list[Request] = []
+        with suppress(queue.Empty):
+            while True:
+                found.append(self.urgent.get_nowait())
+        with suppress(queue.Empty):
+            while len(found) < MOST_REQUESTS:
+                found.append(self.asked.get_nowait())
+        return found
+
+    def send(self, mode: int, commands: Mapping[str, Command]) -> None:
+        """Send commands; a link that fails takes the arming away, once more if armed again."""
+        self.sent += 1
+        try:
+            by_address = {self.addresses[name]: told for name, told in commands.items()}
+            self.link.send(self.sent % 65536, mode, by_address)
+            trouble = ""
+        except Exception as error:  # whatever a link does wrong, the loop goes on and says so
+            trouble = " ".join(str(error).split()) or type(error).__name__
+        if trouble and self.control.safety.arm.state == "armed":
+            self.ask(Request("hold", "link", trouble))
+        self.troubles["link"] = trouble
+
+    def noticed(self, now: float) -> list[Event]:
+        """What has begun or ceased to be wrong with the source, the link or the recording."""
+        found = []
+        self.troubles["source"] = self.feed.trouble
+        self.troubles["recording"] = self.journal.trouble if self.journal is not None else ""
+        for kind, trouble in self.troubles.items():
+            if trouble != self.known.get(kind, ""):
+                words = trouble or f"the {kind} works again"
+                found.append(Event(self.control.tick, now, kind, words))
+                self.known[kind] = trouble
+        return found
+
+    def part(self) -> None:
+        """Send stops, and let go of the link. A latched emergency stop stays latched."""
+        latched = self.control.safety.arm.state == "emergency" or not self.urgent.empty()
+        still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
+        for _ in range(PARTING):
+            self.send(EMERGENCY if latched else STOP, still)
+            self.wait(self.period)
+        self.link.close()
+
+    def look(self, now: float, injected: Pose | None, verdict: Verdict) -> Look:
+        """What there is to see."""
+        safety = self.control.safety
+        return Look(
+            self.control.tick,
+            now,
+            safety.arm.state,
+            verdict.mode,
+            verdict.reasons,
+            cars_of(safety, verdict, now),
+            injected,
+            self.periods.summary(),
+            self.latencies.summary(),
+            self.missed,
+            self.link.dropped,
+            {kind: words for kind, words in self.troubles.items() if words},
+            self.events.count,
+        )

@@ -1,0 +1,118 @@
+"""The process of a control loop: opens its ends, ticks, and leaves when its desk is gone."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.live.arm import Request
+from app.live.events import Event
+from app.live.lab import lab_from_toml
+from app.live.look import Look
+from app.live.loop import Journal, Loop
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from app.live.ends import Opener
+
+LEAVES = ("SIGTERM", "SIGINT", "SIGHUP")
+"""Signals at which it stops the cars and leaves."""
+SWITCH = 0.0005
+"""Seconds after which another thread gives way to the loop; Python's own 5 ms is half a tick."""
+MOST_EVENTS = 100
+"""Events in one answer; the others come with the next."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the loop tells its desk, when asked."""
+
+    look: Look | None = None
+    events: tuple[Event, ...] = ()
+    known: int = 0
+    """How many events there were up to the last of these."""
+    trouble: str = ""
+    """Why the loop cannot begin."""
+
+
+def serve(laboratory: str, opener: Opener, recording: Path | None, line: Connection) -> None:
+    """Run the control loop of a laboratory (its TOML) until the desk says so or is gone."""
+    leaving: list[str] = []
+    loop: Loop | None = None
+
+    def leave(number: int, _frame: object) -> None:
+        leaving.append(signal.Signals(number).name)
+        if loop is not None:
+            loop.leave(leaving[0])
+
+    for name in LEAVES:
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), leave)
+    sys.setswitchinterval(SWITCH)
+    with ExitStack() as stack:
+        try:
+            lab = lab_from_toml(laboratory, "the laboratory")
+            ends = stack.enter_context(closing(opener(lab)))
+            journal = stack.enter_context(journal_in(recording, laboratory))
+        except Refusal as refusal:
+            line.send(Answer(trouble=str(refusal)))
+            return
+        loop = ends.loop(lab, journal)
+        if leaving:
+            loop.leave(leaving[0])
+        threading.Thread(target=attend, args=(line, loop), name="desk", daemon=True).start()
+        line.send(Answer())
+        gc.collect()
+        gc.freeze()  # so that later collections are short: they look at what a run makes
+        loop.run()
+
+
+@contextmanager
+def journal_in(folder: Path | None, laboratory: str) -> Iterator[Journal | None]:
+    """A recording in a folder, or none; if it cannot be finished, the terminal is told."""
+    if folder is None:
+        yield None
+        return
+    from app.live.record import Recording
+
+    with ExitStack() as stack:
+        journal = stack.enter_context(Recording(folder, laboratory))
+        yield journal
+        try:
+            stack.close()
+        except Refusal as refusal:
+            print(f"flockscope: {refusal}", file=sys.stderr)
+
+
+def attend(line: Connection, loop: Loop) -> None:
+    """Pass on what the desk says, and answer it; the loop leaves when the desk is gone."""
+    parent = multiprocessing.parent_process()
+    watched: list[Connection | int] = [line]
+    if parent is not None:
+        watched.append(parent.sentinel)
+    try:
+        while line in wait(watched):
+            match line.recv():
+                case Request() as request:
+                    loop.ask(request)
+                case (int(known), hand):
+                    if hand is not None:
+                        loop.place(*hand)  # the desk has looked that these are numbers
+                    count, new = loop.events.since(known)
+                    told = new[:MOST_EVENTS]
+                    line.send(Answer(loop.latest, tuple(told), count - len(new) + len(told)))
+                case None:
+                    loop.leave("the desk says so")
+                    return
+    except (EOFError, OSError):
+        pass
+    loop.leave("the desk is gone")

@@ -1,0 +1,18 @@
+"""What a recording holds: frames, each with what was tracked then."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.live.pose import Sighting
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedFrame:
+    """One frame as it was recorded; played, it becomes a `Frame`."""
+
+    time: float
+    """Seconds by the clock of the recording."""
+    number: int
+    """Of the frame, as recorded."""
+    sightings: tuple[Sighting, ...]

@@ -1,0 +1,87 @@
+"""A table on its way to the disk: an Arrow stream that a kill leaves readable, then Parquet."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from agents.record import KEY
+
+GROUP = 100_000
+"""Rows of a row group of the Parquet file; the stream has some hundreds in a batch."""
+
+
+class Stream:
+    """Rows of one table, with metadata, in a `.part` beside where its Parquet file will be.
+
+    `columns` are names and Arrow types. Raises OSError if it cannot be written.
+    """
+
+    def __init__(self, path: Path, columns: Mapping[str, str], meta: Mapping[str, Any]):
+        import pyarrow as pa
+
+        self.path = path
+        self.part = path.with_name(path.name + ".part")
+        fields = [pa.field(name, arrow_type(kind)) for name, kind in columns.items()]
+        self.schema = pa.schema(fields, {KEY: json.dumps(meta).encode()})
+        self.file = pa.OSFile(str(self.part), "wb")
+        self.stream = pa.ipc.new_stream(self.file, self.schema)
+        self.file.flush()
+
+    def write(self, rows: list[tuple]) -> None:
+        """Append rows. Raises OSError."""
+        import pyarrow as pa
+
+        if rows:
+            arrays = [
+                pa.array(column, field.type, from_pandas=False)
+                for column, field in zip(zip(*rows, strict=True), self.schema, strict=True)
+            ]
+            self.stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self.schema))
+            self.file.flush()
+
+    def close(self) -> None:
+        """End the stream. Raises OSError."""
+        self.stream.close()
+        self.file.close()
+
+
+def arrow_type(kind: str) -> Any:
+    """An Arrow type by its name."""
+    import pyarrow as pa
+
+    return pa.bool_() if kind == "bool" else getattr(pa, kind)()
+
+
+def finish(part: Path, path: Path) -> int:
+    """Make the Parquet file `path` of all whole batches of a `.part`, which is removed; its rows.
+
+    Raises OSError, or pyarrow's ArrowInvalid if it is no stream.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    made = path.with_name(path.name + ".tmp")
+    rows, waiting = 0, []
+    try:
+        with open(part, "rb") as source:
+            stream = pa.ipc.open_stream(source)
+            with pq.ParquetWriter(made, stream.schema, compression="zstd") as writer:
+                whole = True
+                while whole:
+                    try:
+                        waiting.append(stream.read_next_batch())
+                        rows += waiting[-1].num_rows
+                    except (StopIteration, pa.ArrowInvalid, OSError):
+                        whole = False
+                    if sum(batch.num_rows for batch in waiting) >= GROUP or not whole:
+                        writer.write_table(pa.Table.from_batches(waiting, stream.schema))
+                        waiting = []
+        os.replace(made, path)
+    finally:
+        made.unlink(missing_ok=True)
+    part.unlink()
+    return rows

@@ -1,0 +1,51 @@
+"""How long the control loop takes: its periods, and how old its commands' poses are when sent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+KEPT = 1000
+"""Values that a summary is of: 10 s at 100 Hz."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Of the last values, in seconds; NaN where there are none."""
+
+    median: float
+    late: float
+    """Exceeded by one in a hundred."""
+    worst: float
+
+
+class Spans:
+    """The last spans of time."""
+
+    def __init__(self) -> None:
+        self.values = np.empty(KEPT)
+        self.count = 0
+
+    def add(self, seconds: float) -> None:
+        """Another span."""
+        self.values[self.count % KEPT] = seconds
+        self.count += 1
+
+    def summary(self) -> Summary:
+        """What they come to.
+
+        >>> spans = Spans()
+        >>> for span in (0.01, 0.01, 0.04):
+        ...     spans.add(span)
+        >>> spans.summary().median, spans.summary().worst
+        (0.01, 0.04)
+        """
+        kept = self.values[: min(self.count, KEPT)]
+        if not self.count:
+            return Summary(np.nan, np.nan, np.nan)
+        return Summary(
+            float(np.median(kept)),
+            float(np.quantile(kept, 0.99, method="higher")),
+            float(kept.max()),
+        )

@@ -1,0 +1,225 @@
+"""`flockscope live`, in a terminal and in scripts."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+import termios
+import time
+from pathlib import Path
+
+import pytest
+from live.natnet_emulator import Body, NatNetEmulator
+
+from app.cli.live_file import laboratory
+from app.live.example import FILE, example
+from app.live.lab import lab_from_toml
+from app.live.links.links import open_link
+from app.live.squashing_driver import FlockDriver
+from cli.calling import PROGRAM, call, refusal, start
+
+PATIENCE = 60.0
+
+
+@pytest.fixture
+def room(tmp_path):
+    """Writes the example's laboratory with another source, link and whatever else."""
+
+    def written(**changes):
+        text = FILE.read_text().replace("serial:/dev/ttyUSB0?baud=57600", "dry")
+        for old, new in changes.items():
+            assert old in text
+            text = text.replace(old, new)
+        path = tmp_path / "lab.toml"
+        path.write_text(text)
+        return path
+
+    return written
+
+
+def test_the_example_is_the_readings_room():
+    lab = example()
+    assert (lab.rule, lab.injected.radius, lab.injected.speed) == ("squashing", 2.0, 1.1)
+    assert lab.addresses == {"red": 1, "blue": 2}
+
+
+def test_a_laboratory_is_checked_by_its_file_alone(room):
+    made = call("live", "check", room(), "--file-only")
+    assert made.exit_code == 0
+    assert "squashing-cars" in made.stdout
+    assert "red at address 1, blue at address 2" in made.stdout
+
+
+def standing(_seconds):
+    return {
+        "red car": Body((1.0, 0.05, -2.0), (0.0, 0.0, 0.0, 1.0)),
+        "blue car": Body((-0.5, 0.05, 0.25), (0.0, 0.0, 0.0, 1.0)),
+    }
+
+
+def source_of(server):
+    options = "&".join(f"{name}={value}" for name, value in server.options.items())
+    return {"192.168.1.5?up=y": f"127.0.0.1?up=y&{options}"}
+
+
+def test_a_check_tells_who_is_seen_and_sends_nothing(room):
+    pytest.importorskip("motioncapture")
+    with NatNetEmulator(standing) as server:
+        made = call("live", "check", room(**source_of(server)), "--json")
+    assert made.exit_code == 0
+    found = json.loads(made.stdout)
+    assert found["amiss"] == []
+    assert found["link"] == {"text": "dry", "shortage": ""}
+    assert found["source"]["rate"] > 20.0
+    assert found["source"]["bodies"]["red car"] == {"called": "red", "x": 1.0, "y": 2.0, "yaw": 0.0}
+
+
+def test_a_check_names_what_is_amiss(room):
+    pytest.importorskip("motioncapture")
+    with NatNetEmulator(standing) as server:
+        path = room(**source_of(server), **{'"blue car"': '"green car"', "[3.05,": "[1.4,"})
+        path.write_text(path.read_text().replace("radius = 2.0", "radius = 0.5"))
+        line = refusal("live", "check", path, "--quiet")
+    assert line == (
+        "flockscope: red is not within the fence; blue is not seen: no body 'green car', "
+        "only 'blue car', 'red car'"
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({'rule = "squashing"': 'rule = "squash"'}, "unknown rule 'squash'"),
+        ({"beta = 2.0": "bta = 2.0"}, "unknown parameter 'bta'"),
+        ({"fence = 0.5": "fence = 0.1"}, "fence = 0.1 m is too little"),
+    ],
+)
+@pytest.mark.parametrize("command", ["check", "run", "emulate"])
+def test_what_is_wrong_is_told_in_one_line(room, command, changes, words):
+    quiet = ["--quiet"] if command != "check" else []
+    assert words in refusal("live", command, room(**changes), *quiet)
+
+
+def test_options_out_of_range_are_refused(room, tmp_path):
+    assert "--within 0 s is outside (0, 600]" in refusal("live", "check", room(), "--within", 0)
+    line = refusal("live", "emulate", "--quiet", "--seconds", -1)
+    assert line == "flockscope: --seconds -1 is outside [0, 1e6)"
+    assert "cannot be read" in refusal("live", "run", tmp_path / "none.toml")
+    assert "cannot be read" in refusal("live", "replay", tmp_path / "none")
+    assert "holds nothing to recover" in refusal("live", "recover", tmp_path)
+
+
+def test_a_recording_of_emulated_cars_replays_to_the_bit(tmp_path):
+    folder = tmp_path / "run"
+    made = call("live", "emulate", "--arm", "--json", "--seconds", 8, "--record", folder)
+    assert made.exit_code == 0
+    *events, summary = map(json.loads, made.stdout.splitlines())
+    assert ("arm", "--arm") in [(event["kind"], event["cause"]) for event in events]
+    assert summary["recording"] == str(folder)
+    replayed = json.loads(call("live", "replay", folder, "--json").stdout)
+    assert replayed["same"]
+    assert replayed["ticks"] >= summary["ticks"] > 100
+    assert replayed["commands"] == 2 * replayed["ticks"]
+    assert "the same to the bit" in call("live", "replay", folder).stdout
+    assert "exists already" in refusal("live", "emulate", "--quiet", "--record", folder)
+
+
+class Screen:
+    """A program that believes to be in a terminal."""
+
+    def __init__(self, *args):
+        self.end, other = pty.openpty()
+        self.process = subprocess.Popen(
+            [*PROGRAM, *map(str, args)],
+            stdin=other,
+            stdout=other,
+            stderr=other,
+            start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+        )
+        os.close(other)
+        self.text = ""
+
+    def reads(self, words):
+        """Read until it says these words."""
+        ends = time.monotonic() + PATIENCE
+        while words not in self.text:
+            assert time.monotonic() < ends, self.text[-500:]
+            try:
+                self.text += os.read(self.end, 4096).decode(errors="replace")
+            except OSError:
+                assert words in self.text, self.text[-500:]
+        self.text = self.text[self.text.index(words) + len(words) :]
+
+    def press(self, keys):
+        os.write(self.end, keys.encode())
+
+
+def test_keys_arm_stop_reset_and_leave():
+    screen = Screen("live", "emulate")
+    try:
+        screen.reads("a arms, space or any other key: EMERGENCY STOP")
+        screen.reads("no longer: blue was never seen")
+        screen.press("a")
+        screen.reads("armed (terminal)")
+        screen.reads("armed RUN | red")
+        screen.press(" ")
+        screen.reads("EMERGENCY STOP (terminal)")
+        screen.press("a")
+        screen.reads("cannot be armed: the emergency stop is latched")
+        screen.press("r")
+        screen.reads("emergency stop reset; not armed (terminal)")
+        screen.press("q")
+        screen.reads("ticks of")
+        assert screen.process.wait(PATIENCE) == 0
+    finally:
+        screen.process.kill()
+        os.close(screen.end)
+
+
+def test_a_signal_leaves_with_the_summary():
+    process = start("live", "emulate", "--json", start_new_session=True)
+    try:
+        assert json.loads(process.stdout.readline())["kind"] == "unseen"
+        process.send_signal(signal.SIGTERM)
+        out, _ = process.communicate(timeout=PATIENCE)
+    finally:
+        process.kill()
+    assert process.returncode == 0
+    assert json.loads(out.splitlines()[-1])["ticks"] > 0
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "live.md"
+SHOWN = re.findall(r"^flockscope live (\w+)(.*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def test_the_page_shows_every_command():
+    assert {name for name, _ in SHOWN} == {"check", "run", "replay", "recover", "emulate"}
+
+
+@pytest.mark.parametrize(("name", "rest"), SHOWN)
+def test_what_the_page_shows_is_there(name, rest):
+    known = set(re.findall(r"--[\w-]+", call("live", name, "--help").stdout))
+    assert set(re.findall(r"--[\w-]+", rest)) <= known
+
+
+def test_the_laboratory_of_the_page_is_the_example():
+    found = re.search(r"```toml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    lab = lab_from_toml(found[1], "docs/live.md")
+    plain = {"parameters": {}}
+    assert lab.model_copy(update=plain) == example().model_copy(update=plain)
+    assert FlockDriver(lab).parameters == FlockDriver(example()).parameters
+
+
+def test_a_link_of_ones_own_lies_beside_the_laboratorys_file(room, tmp_path):
+    (tmp_path / "mine.py").write_text("def open_link(place):\n    raise ValueError('here')\n")
+    path = room()
+    path.write_text(path.read_text().replace('link = "dry"', 'link = "mine.py:"'))
+    assert laboratory(path).link == f"{tmp_path.resolve() / 'mine.py'}:"
+    with pytest.raises(ValueError, match="here"):
+        open_link(laboratory(path).link)

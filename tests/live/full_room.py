@@ -1,0 +1,158 @@
+"""A whole laboratory without hardware: an emulated NatNet server, the real library, the loop in its
+own process, a pty, emulated firmware, and cars that are computed."""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+
+from app.live.arm import Request
+from app.live.desk import Desk
+from app.live.emulated_cars import EmulatedCars, Terminal
+from app.live.emulated_plant import EmulatedPlant
+from app.live.firmware import Firmware
+from app.live.lab import lab_from_toml
+from app.live.squashing_driver import open_driven
+from live.natnet_emulator import Body, NatNetEmulator
+
+NOISE_XY, NOISE_YAW = 0.0005, 0.005
+STANDS = 0.05
+"""m/s below which a car stands."""
+PATIENCE = 20.0
+TEXT = """title = "a whole room"
+source = "{source}"
+link = "{link}"
+rule = "squashing"
+
+[area]
+low = [-3.05, -3.355]
+high = [3.05, 3.355]
+fence = 0.5
+
+[injected]
+radius = 2.0
+speed = 1.1
+"""
+CAR = """
+[cars.{name}]
+address = {address}
+body = "{name} car"
+"""
+
+
+class Air:
+    """Between radio and cars: `cut` lets nothing through; bytes are lost or changed by chance."""
+
+    def __init__(self):
+        self.cut = False
+        self.lost = 0.0
+        self.random = random.Random(3)
+
+    def __call__(self, data):
+        if self.cut:
+            return b""
+        made = bytearray()
+        for byte in data:
+            chance = self.random.random()
+            if chance >= self.lost:
+                made.append(byte)
+            elif chance >= 0.5 * self.lost:
+                made.append(self.random.randrange(256))
+        return bytes(made)
+
+
+class FullRoom:
+    """Used with `with`; the cars stand until `run`."""
+
+    def __init__(self, *names, recording=None):
+        self.names = names
+        self.recording = recording
+        self.random = random.Random(1)
+        self.air = Air()
+        self.firmware = Firmware(range(1, len(names) + 1))
+
+    def __enter__(self):
+        terminal = Terminal()
+        text = TEXT + "".join(
+            CAR.format(name=name, address=k) for k, name in enumerate(self.names, start=1)
+        )
+        self.plant = EmulatedPlant(
+            lab_from_toml(text.format(source="mock:", link=terminal.link), "room")
+        )
+        self.server = NatNetEmulator(self.bodies)
+        options = "&".join(f"{name}={value}" for name, value in self.server.options.items())
+        source = f"optitrack:127.0.0.1?up=y&{options}"
+        lab = lab_from_toml(text.format(source=source, link=terminal.link), "room")
+        self.cars = EmulatedCars(self.firmware, self.plant, terminal, self.air)
+        self.cars.__enter__()
+        self.desk = Desk(lab, open_driven, self.recording)
+        return self
+
+    def __exit__(self, *_):
+        self.desk.close()
+        self.cars.close()
+        self.server.close()
+
+    def bodies(self, _seconds):
+        """The cars as Motive tells them: y is up."""
+        gauss = self.random.gauss
+        found = {}
+        for name, pose in self.plant.poses().items():
+            half = 0.5 * gauss(pose.yaw, NOISE_YAW)
+            point = (gauss(pose.x, NOISE_XY), 0.05, -gauss(pose.y, NOISE_XY))
+            found[f"{name} car"] = Body(point, (0.0, math.sin(half), 0.0, math.cos(half)))
+        return found
+
+    def look(self):
+        """The newest look at the loop."""
+        return self.desk.look()
+
+    def kinds(self, since=0):
+        """The kinds of the events after the first so many."""
+        self.look()
+        return [event.kind for event in self.desk.events[since:]]
+
+    def until(self, what, within=PATIENCE):
+        """Seconds until something is so; fails if it takes too long."""
+        began = time.monotonic()
+        while not what():
+            events = [event.words for event in self.desk.events[-5:]]
+            assert time.monotonic() - began < within, f"did not come about; {events}"
+            time.sleep(0.005)
+        return time.monotonic() - began
+
+    def run(self):
+        """Arm, again if need be, until all cars drive."""
+        asked = 0.0
+
+        def drives():
+            nonlocal asked
+            look = self.look()
+            may = look is not None and look.arm == "safe" and not look.reasons
+            if may and time.monotonic() - asked > 0.5:
+                asked = time.monotonic()
+                self.desk.ask(Request("arm", "test"))
+            speeds = [abs(car.speed) for car in self.plant.cars.values()]
+            return min(speeds) > 0.5
+
+        self.until(drives)
+
+    def stops(self):
+        """Seconds and metres until all cars stand."""
+        before = self.plant.poses()
+        seconds = self.until(lambda: self.plant.fastest() < STANDS)
+        after = self.plant.poses()
+        return seconds, max(
+            math.hypot(after[name].x - at.x, after[name].y - at.y) for name, at in before.items()
+        )
+
+    def states(self):
+        """What the firmware of every car does."""
+        return set(self.firmware.states(time.monotonic()).values())
+
+    def lag(self, name):
+        """Degrees by which a car is behind the injected one."""
+        target, pose = self.look().injected, self.plant.poses()[name]
+        lag = math.atan2(target.y, target.x) - math.atan2(pose.y, pose.x)
+        return math.degrees(math.remainder(lag, 2.0 * math.pi))

@@ -1,0 +1,93 @@
+"""Arming, disarming and the emergency stop."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.live.arm import Arm, Request
+from app.live.links.link import EMERGENCY, RUN, STOP
+from live.rooms import Room, lab
+from worlds.refusal import Refusal
+
+ARM = Request("arm", "test")
+
+
+def test_nothing_runs_before_it_is_armed():
+    room = Room()
+    assert room.ticks(1.0).verdict.mode == STOP
+    assert room.step.verdict.commands == {"red": (0.0, 0.0), "blue": (0.0, 0.0)}
+    assert room.step.wanted == {"red": (0.0, 1.0), "blue": (0.0, 1.0)}
+    assert room.arm().verdict.mode == RUN
+    assert room.step.verdict.commands["red"] == (0.0, 1.0)
+
+
+def test_arming_is_refused_with_what_is_wrong():
+    room = Room(hidden={"red"})
+    room.arm()
+    assert room.step.verdict.mode == STOP
+    assert room.events[-1].kind == "refused"
+    assert room.events[-1].words == "cannot be armed: red was never seen"
+
+
+def test_the_emergency_stop_latches_and_is_armed_again_by_hand():
+    room = Room()
+    room.arm()
+    room.ticks(0.2)
+    assert room.tick(Request("emergency", "browser 2")).verdict.mode == EMERGENCY
+    assert room.ticks(5.0).verdict.mode == EMERGENCY
+    room.tick(ARM)
+    assert room.events[-1].words == (
+        "cannot be armed: the emergency stop is latched, reset it first"
+    )
+    assert room.step.verdict.mode == EMERGENCY
+    assert room.tick(Request("disarm", "test")).verdict.mode == EMERGENCY
+    assert room.tick(Request("reset", "test")).verdict.mode == STOP
+    assert room.tick(ARM).verdict.mode == RUN
+    causes = [event.cause for event in room.events if event.kind == "emergency"]
+    assert causes == ["browser 2"]
+
+
+def test_the_emergency_stop_works_unarmed_and_without_tracking():
+    safety = lab().safety()
+    safety.ask(0.0, Request("emergency", "test"))
+    safety.see(0.0, None)
+    assert safety.judge(0.0, {}).mode == EMERGENCY
+
+
+@pytest.mark.parametrize("wish", ["disarm", "hold"])
+def test_disarming_stops_at_once(wish):
+    room = Room()
+    room.arm()
+    assert room.tick(Request(wish, "test")).verdict.mode == STOP
+    assert room.ticks(1.0).verdict.mode == STOP
+
+
+STATES = {
+    ("safe", "arm"): "armed",
+    ("armed", "disarm"): "safe",
+    ("armed", "hold"): "safe",
+    ("safe", "emergency"): "emergency",
+    ("armed", "emergency"): "emergency",
+    ("emergency", "reset"): "safe",
+}
+
+
+@given(st.lists(st.sampled_from(["arm", "disarm", "hold", "emergency", "reset", "tune"])))
+def test_the_arming_is_its_table(wishes):
+    arm = Arm()
+    for wish in wishes:
+        before = arm.state
+        if (before, wish) == ("emergency", "arm"):
+            with pytest.raises(Refusal):
+                arm.take(Request(wish, "test"))
+        else:
+            changed = arm.take(Request(wish, "test"))
+            assert changed == (arm.state != before)
+        assert arm.state == STATES.get((before, wish), before)
+
+
+def test_a_request_that_there_is_none_of_is_refused():
+    with pytest.raises(Refusal, match="unknown request 'armed': did you mean 'arm'"):
+        Request("armed", "test")

@@ -1,0 +1,229 @@
+"""A source in a child process: what is kept of it, and what becomes of one that hangs or dies."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from itertools import islice
+
+import pytest
+
+from app.live.pose import Frame, Pose
+from app.live.sources import simulated
+from app.live.sources.feed import KEPT, Feed
+from app.live.sources.simulated import Simulated
+from tests.live.stub_sources import Stub, StubSimulator
+from tests.live.waiting import HandClock, until
+from worlds.refusal import Refusal
+
+
+def gone(process_id):
+    """Whether there is no such process (any more)."""
+    try:
+        os.kill(process_id, 0)
+    except ProcessLookupError:
+        return True
+    with open(f"/proc/{process_id}/stat") as stat:
+        return stat.read().rpartition(")")[2].split()[0] == "Z"
+
+
+def test_before_the_first_frame_there_is_none_and_nothing_waits():
+    with Feed(Stub("hung before it connects")) as feed:
+        began = time.monotonic()
+        assert feed.latest() is None
+        assert feed.since(-1) == []
+        assert feed.last_seen() == {}
+        assert time.monotonic() - began < 2.0  # it would be for ever
+        assert (feed.state, feed.alive, feed.trouble) == ("connecting", True, "")
+
+
+def test_frames_come_in_order_and_none_twice():
+    with Feed(Stub(count=40)) as feed:
+        until(lambda: not feed.alive)
+        frames = feed.since(-1)
+        assert feed.state == "ended"
+        assert feed.trouble == ""
+        assert [frame.number for frame in frames] == list(range(40))
+        assert [frame.sent for frame in frames] == [0.01 * number for number in range(40)]
+        assert feed.latest() == frames[-1]
+        assert feed.since(36) == frames[37:]
+        assert feed.since(39) == []
+    assert feed.state == "closed"
+
+
+def test_each_body_is_remembered_where_it_was_last_tracked():
+    with Feed(Stub(count=10)) as feed:
+        until(lambda: not feed.alive)
+        frames = feed.since(-1)
+        seen = feed.last_seen()
+    assert (seen["car1"].pose, seen["car1"].received) == (Pose(9.0, 0.0, 0.0), frames[9].received)
+    assert (seen["car2"].pose, seen["car2"].received) == (Pose(0.0, 1.0, 0.5), frames[1].received)
+    assert seen["car2"].age(frames[1].received + 0.5) == pytest.approx(0.5)
+
+
+def test_only_the_newest_frames_are_kept():
+    count = KEPT + 500
+    with Feed(Stub("fast", count=count)) as feed:
+        until(lambda: not feed.alive, within=30.0)
+        assert [frame.number for frame in feed.since(-1)] == list(range(500, count))
+
+
+def test_a_source_that_hangs_as_it_connects_is_given_up_and_ended():
+    with Feed(Stub("hung before it connects"), patience=1.5) as feed:
+        process = feed.process_id
+        until(lambda: not feed.alive)
+        assert feed.trouble == (
+            "stub that is hung before it connects: no connection within 1.5 s, given up"
+        )
+        assert gone(process)
+    assert feed.state == "failed"
+
+
+def test_a_source_that_hangs_between_frames_only_grows_old_and_is_ended_on_closing():
+    feed = Feed(Stub("hung between frames"))
+    feed.first(10.0)
+    until(lambda: feed.latest().age(time.monotonic()) > 0.3)
+    assert (feed.state, feed.latest().number) == ("streaming", 2)
+    began = time.monotonic()
+    feed.close()
+    assert time.monotonic() - began < 10.0  # it would be ten minutes
+    assert gone(feed.process_id)
+
+
+@pytest.mark.parametrize(
+    ("how", "says"),
+    [
+        ("refusing", "no such host as lab"),
+        ("broken", "the camera is gone"),
+        ("mistaken", "KeyError: 'car1'"),
+        ("killed", "its process was killed (SIGKILL)"),
+        ("leaving", "its process ended by itself (exit code 3)"),
+    ],
+)
+def test_what_goes_wrong_in_the_child_is_told_in_one_line(how, says):
+    with Feed(Stub(how)) as feed:
+        until(lambda: not feed.alive)
+        assert feed.trouble == f"stub that is {how}: {says}"
+        assert feed.state == "failed"
+        if feed.latest() is None:
+            with pytest.raises(Refusal, match=r"^stub that is"):
+                feed.first(0.0)
+
+
+def test_a_child_that_is_killed_from_outside_is_reported_and_its_frames_stay():
+    with Feed(Stub()) as feed:
+        feed.first(10.0)
+        os.kill(feed.process_id, signal.SIGKILL)
+        until(lambda: not feed.alive)
+        assert feed.trouble == "stub that is steady: its process was killed (SIGKILL)"
+        assert feed.latest() is not None
+
+
+def test_a_child_that_stands_still_does_not_hold_up_who_looks():
+    with Feed(Stub()) as feed:
+        feed.first(10.0)
+        os.kill(feed.process_id, signal.SIGSTOP)
+        until(lambda: feed.latest().age(time.monotonic()) > 0.2)
+        slowest = 0.0
+        for _ in range(100):
+            began = time.monotonic()
+            feed.latest(), feed.since(0), feed.last_seen()
+            slowest = max(slowest, time.monotonic() - began)
+        assert slowest < 2.0  # it would be for ever
+    assert gone(feed.process_id)  # SIGTERM waits for a stopped process: it takes SIGKILL
+
+
+def test_a_source_without_a_frame_says_so():
+    with Feed(Stub(count=0)) as feed:
+        until(lambda: not feed.alive)
+        with pytest.raises(Refusal) as refused:
+            feed.first(1.0)
+    assert str(refused.value) == "stub that is steady: it ended without a frame"
+
+
+def test_what_a_library_prints_does_not_reach_the_terminal(capfd):
+    with Feed(Stub("printing")) as feed:
+        feed.first(10.0)
+    assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("patience", [0.0, -1.0, 601.0, float("nan")])
+def test_a_patience_that_is_none_is_refused(patience):
+    with pytest.raises(Refusal, match=r"patience = .* is outside"):
+        Feed(Stub(), patience)
+
+
+def test_closing_twice_is_no_matter_and_leaves_no_process():
+    feed = Feed(Stub())
+    feed.close()
+    feed.close()
+    assert gone(feed.process_id)
+    assert not any(child.pid == feed.process_id for child in multiprocessing.active_children())
+
+
+@pytest.mark.parametrize("how", ["steady", "hung between frames", "holding the interpreter"])
+def test_a_child_whose_parent_is_killed_leaves(how):
+    script = textwrap.dedent(
+        f"""
+        import sys, time
+        sys.path[:0] = {sys.path!r}
+        from app.live.sources.feed import Feed
+        from tests.live.stub_sources import Stub
+        if __name__ == "__main__":
+            if {how!r} == "holding the interpreter":
+                feed = Feed(Stub({how!r}), patience=4.0)
+                time.sleep(1.5)
+            else:
+                feed = Feed(Stub({how!r}))
+                feed.first(10.0)
+            print(feed.process_id, flush=True)
+            sys.stdin.read()
+        """
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    with parent:
+        child = int(parent.stdout.readline())
+        assert not gone(child)
+        parent.kill()
+    until(lambda: gone(child))
+
+
+def test_a_simulator_comes_through_a_feed_and_keeps_to_the_wall_clock():
+    with Feed(Simulated(StubSimulator, rate=100.0)) as feed:
+        until(lambda: feed.latest() is not None and feed.latest().number >= 30)
+        frames = feed.since(-1)
+    assert frames[0].number == 0
+    for frame in frames:
+        assert isinstance(frame, Frame)
+        assert frame.sent == frame.number / 100.0
+        assert frame.pose("car1") == Pose(frame.sent, 0.0, 0.0)
+        assert frame.received - frames[0].received >= frame.sent - 0.005
+
+
+def test_a_simulator_that_is_late_loses_frames_and_no_time(monkeypatch):
+    clock = HandClock()
+    monkeypatch.setattr(simulated, "time", clock)
+
+    def work(seconds):
+        clock.now += 0.305 if seconds == 0.02 else 0.001
+
+    room = StubSimulator(work)
+    played = Simulated(lambda: room, rate=100.0).frames(clock)
+    frames = list(islice(played, 5))
+    assert [frame.number for frame in frames] == [0, 1, 2, 33, 34]
+    assert [frame.received for frame in frames] == pytest.approx(
+        [0.001, 0.011, 0.325, 0.331, 0.341]
+    )
+    assert [frame.pose("car1").x for frame in frames] == [0.0, 0.01, 0.02, 0.33, 0.34]
+    played.close()
+    assert room.closed
+
+
+def test_a_simulator_at_no_rate_is_refused():
+    with pytest.raises(Refusal, match="rate = 0 Hz"):
+        Simulated(StubSimulator, rate=0.0)

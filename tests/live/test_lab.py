@@ -1,0 +1,280 @@
+"""A laboratory's file: what it says, and one line with its place for what is wrong in it."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.live.area import Area
+from app.live.injected import INJECTED
+from app.live.lab import lab_from_toml, read_lab
+from app.live.lab_lines import line_of
+from live.rooms import LAB, lab
+from worlds.refusal import Refusal
+
+
+def test_what_a_file_does_not_say_is_as_in_the_reading():
+    one = lab()
+    assert (one.rate, one.limits.stale, one.limits.frozen, one.limits.long_gap) == (
+        100.0,
+        0.1,
+        0.35,
+        1.0,
+    )
+    red = one.cars["red"]
+    assert (red.steer, red.throttle, red.reverse, red.speed, red.lag) == (1.0, 1.0, 0.0, 1.0, 0.15)
+    assert one.addresses == {"red": 1, "blue": 2}
+    assert one.bodies == {"red": "red", "blue body": "blue"}
+
+
+def test_a_laboratory_comes_back_from_its_own_file():
+    one = lab(LAB.replace("fence = 0.5", f"fence = {0.5 + math.ulp(0.5)!r}"))
+    assert lab_from_toml(one.to_toml(), "again") == one
+
+
+def test_the_injected_car_may_be_a_tracked_body():
+    one = lab(LAB.replace('path = "circle"\nradius = 2.0', 'path = "body"\nbody = "wand"'))
+    assert one.bodies["wand"] == INJECTED
+
+
+REFUSED = [
+    ('link = "dry"', "link = 2026-01-01", "link = {'a date': '2026-01-01'} is not allowed", None),
+    ("low = [-3.0, -3.0]\n", "", "[area] has no low", 6),
+    ("fence", "fense", "unknown key 'fense': did you mean 'fence'? (known: low, high, fence)", 9),
+    ("rule = ", "rules = ", "the laboratory has no rule", 0),
+    ("address = 1", "address = 2", "red and blue have one address, 2", 19),
+    (
+        "address = 1",
+        "address = 0",
+        "cars.red.address = 0 is not allowed: input should be greater than or equal to 1",
+        16,
+    ),
+    (
+        "address = 1",
+        'address = "1"',
+        "cars.red.address = '1' is not allowed: input should be a valid integer",
+        16,
+    ),
+    (
+        "address = 1",
+        "address = true",
+        "cars.red.address = True is not allowed: input should be a valid integer",
+        16,
+    ),
+    ("address = 1\n", "", "[cars.red] has no address", 15),
+    ('"blue body"', '"red"', "red and blue have one body, 'red'", 20),
+    ("[cars.red]", "[cars.injected]", "a car cannot be called 'injected'", 15),
+    ("[cars.red]", "[cars.'']", "a car cannot be called ''", 15),
+    (
+        "address = 2",
+        "address = 2\nspeed = 2",
+        (
+            "fence = 0.5 m is too little: blue may run on for 1.00 m (its speed, its lag and "
+            "limits.frozen make that)"
+        ),
+        9,
+    ),
+    (
+        "address = 2",
+        "address = 2\nthrottle = 1.5",
+        "cars.blue.throttle = 1.5 is not allowed: input should be less than or equal to 1",
+        20,
+    ),
+    ("address = 2", "address = 2\nspeed = inf", "cars.blue.speed = inf is not allowed", None),
+    ("address = 2", "address = 2\nlag = nan", "cars.blue.lag = nan is not allowed", None),
+    ("[-3.0, -3.0]", "[-3.0]", "area.low = [-3.0] is not allowed", None),
+    ("[-3.0, -3.0]", "[-3.0, -3.0, 0.0]", "area.low = [-3.0, -3.0, 0.0] is not allowed", None),
+    (
+        "[-3.0, -3.0]",
+        "[2.0, -3.0]",
+        "there is no room within a fence of 0.5 m between x = 2 and 3",
+        6,
+    ),
+    (
+        "fence = 0.5",
+        "fence = 3.0",
+        "there is no room within a fence of 3 m between x = -3 and 3",
+        None,
+    ),
+    ("fence = 0.5", "fence = -1", "area.fence = -1 is not allowed", None),
+    (
+        "radius = 2.0",
+        "radius = 2.6",
+        (
+            "the injected car's path reaches (-2.6, -2.6), which is not within the fence, "
+            "0.5 m inside the area"
+        ),
+        13,
+    ),
+    (
+        "radius = 2.0",
+        "centre = [1, 0]",
+        "the injected car's path reaches (3, 2), which is not within the fence",
+        None,
+    ),
+    (
+        'path = "circle"',
+        'path = "square"',
+        (
+            "injected.path = 'square' is not allowed: input should be 'circle', 'eight', "
+            "'route', 'hand', 'body' or 'none'"
+        ),
+        12,
+    ),
+    ('path = "circle"', 'path = "body"', "the injected car has no body", 11),
+    ('path = "circle"', 'path = "eight"', "the injected car's path reaches (-2, -4)", None),
+    ('path = "circle"', 'path = "route"', 'a route and path = "route" need each other', None),
+    (
+        'path = "circle"',
+        'path = "route"\nroute = [[1, 1], [2, 2], [2, 2]]',
+        "a route needs two points or more, each apart from the next",
+        None,
+    ),
+    (
+        'path = "circle"',
+        'path = "route"\nroute = [[1, 1], [2, 2.6]]',
+        "the injected car's path reaches (2, 2.6)",
+        None,
+    ),
+    ('path = "circle"', 'body = "wand"', 'a body of the injected car needs path = "body"', 12),
+    (
+        'path = "circle"',
+        'path = "body"\nbody = "red"',
+        "the injected car and red have one body, 'red'",
+        13,
+    ),
+    (
+        "[injected]",
+        "[limits]\nstale = 0.3\n[injected]",
+        "limits.stale = 0.3 is not allowed: input should be less than or equal to 0.25",
+        12,
+    ),
+    (
+        "[injected]",
+        "[limits]\nlong_gap = 0.25\nstale = 0.25\n[injected]",
+        "long_gap must be longer than stale",
+        11,
+    ),
+    ("[injected]", "[limits]\nwatchdog = 1\n[injected]", "unknown key 'watchdog'", None),
+    (
+        "[area]",
+        "rate = 10\n[limits]\nstale = 0.05\n[area]",
+        "stale must be longer than a tick of 0.1 s",
+        7,
+    ),
+    ('link = "dry"', "link = 3", "link = 3 is not allowed: input should be a valid string", 3),
+    ('link = "dry"', 'link = ""', "link = '' is not allowed", None),
+    ("[area]", "[area", "room.toml is not TOML", None),
+]
+"""What stands in the file, what is put in its place, what is said, of which line (0: none)."""
+
+
+@pytest.mark.parametrize(("old", "new", "says", "line"), REFUSED)
+def test_what_is_wrong_is_refused_in_one_line_with_its_place(old, new, says, line):
+    assert old in LAB
+    with pytest.raises(Refusal) as refused:
+        lab(LAB.replace(old, new, 1))
+    told = str(refused.value)
+    assert told.startswith(says)
+    assert "\n" not in told
+    if line is not None:
+        assert told == f"{says} (room.toml{f', line {line}' if line else ''})"
+
+
+def test_a_laboratory_without_cars_is_refused():
+    with pytest.raises(Refusal, match=r"the laboratory has no cars \(room.toml\)"):
+        lab(LAB[: LAB.index("[cars")])
+
+
+def test_a_slower_car_may_have_a_narrower_fence():
+    text = LAB.replace("fence = 0.5", "fence = 0.25").replace("address", "throttle = 0.5\naddress")
+    assert lab(text).area.fence == 0.25
+    with pytest.raises(Refusal, match=r"red may run on for 0\.25 m"):
+        lab(text.replace("fence = 0.25", "fence = 0.2499"))
+
+
+@pytest.mark.parametrize(
+    ("content", "says"), [(None, "cannot be read"), (b"\xff\xfe", "is not a text file")]
+)
+def test_a_file_that_cannot_be_read(tmp_path, content, says):
+    path = tmp_path / "lab.toml"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(Refusal, match=says):
+        read_lab(path)
+
+
+def test_a_file_is_read(tmp_path):
+    path = tmp_path / "lab.toml"
+    path.write_text(LAB)
+    assert read_lab(path) == lab()
+
+
+LINES = """a = 1
+b = { c = 2, d = { e = 3 } }
+f = [
+  1,
+  2,
+]
+[g]
+h.i = 4
+"j k" = 5
+[g."l.m"]
+n = 6
+"""
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        (["a"], 1),
+        (["b"], 2),
+        (["b", "c"], 2),
+        (["b", "d", "e"], 2),
+        (["f"], 3),
+        (["g"], 7),
+        (["g", "missing"], 7),
+        (["g", "h"], 8),
+        (["g", "h", "i"], 8),
+        (["g", "j k"], 9),
+        (["g", "l.m"], 10),
+        (["g", "l.m", "n"], 11),
+        (["missing"], None),
+        ([], None),
+    ],
+)
+def test_the_line_of_a_key(keys, line):
+    tomllib.loads(LINES)
+    assert line_of(LINES, keys) == line
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.1, 9.0))
+def test_what_is_clamped_is_within_the_fence_and_moved_no_further_than_needed(x, y, fence, side):
+    area = Area(low=(-1.0, -2.0), high=(-1.0 + 2.0 * fence + side, 8.0), fence=fence)
+    inside = area.inside(x, y)
+    at = area.clamp(x, y)
+    assert area.inside(*at) >= -1e-12
+    if inside >= 0.0:
+        assert at == (x, y)
+    else:
+        assert max(abs(at[0] - x), abs(at[1] - y)) == pytest.approx(-inside, abs=1e-12)
+
+
+def test_the_file_on_the_page_says_what_holds_without_it():
+    page = (Path(__file__).parents[2] / "docs" / "live-safety.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    shown = lab_from_toml(text, "docs/live-safety.md")
+    assert shown.limits == lab().limits
+    assert shown.area.fence == lab().area.fence
+    assert shown.injected == lab().injected
+    for name in ("red", "blue"):
+        rest = {"address": 0, "body": ""}
+        one = shown.cars[name].model_dump() | rest
+        assert one == lab().cars[name].model_dump() | rest
