@@ -82,12 +82,13 @@ def facts(model: Model) -> list[tuple[str, str]]:
     made.append(("Body", f"{body.title}: {body.source}"))
     if body.forces:
         made.append(("Its velocity is the sum of", listed(body.forces)))
-    hear = tuple(plainly(one) for one in ("position", "heading", *model.signals))
+    told = [one for one in model.signals if "_sent_" not in one and " sent " not in one]
+    hear = tuple(plainly(one) for one in ("position", "heading", *told))
     made.append(("Agents tell each other", listed(hear)))
     if rule.zones:
         made.append(("Zones", zones(model)))
     if body.touches:
-        made.append(("Crashes", "an agent that touches another, an obstacle or a wall falls"))
+        made.append(("Crashes", crashes(model)))
     if body.measures:
         made.append(("Measured of each", listed(tuple(plainly(one) for one in body.measures))))
     if rule.memory:
@@ -102,6 +103,14 @@ def facts(model: Model) -> list[tuple[str, str]]:
     made.append(("At home in", home(model)))
     made.append(("Unit of time", clock(model)))
     return made
+
+
+def crashes(model: Model) -> str:
+    """What becomes of agents that touch something."""
+    contact = getattr(model.parameters(), "contact", "")
+    if contact == "stops":
+        return "cars that touch stop each other; with `contact` they may crash for good"
+    return "an agent that touches another, an obstacle or a wall falls"
 
 
 def zones(model: Model) -> str:

@@ -106,7 +106,7 @@ def simulated(text, tracks, targets):
     ("rule", "parameters"),
     [
         ("squashing", {}),
-        ("squashing", {"k": 1.0, "c_align": 0.5, "alpha": 0.7, "wheel_max": 30.0}),
+        ("squashing", {"k": 1.0, "c_align": 0.5, "alpha_turn": 0.7, "wheel_max": 30.0}),
         ("squashing", {"derivative": 0.1}),
         ("squashing", {"yields": "true"}),
         ("hwvem", {"r": 2.0}),
@@ -194,13 +194,13 @@ def test_tuning_changes_what_is_told_and_a_refusal_changes_nothing(driver):
     before = driver.drive(0.0, cars, TARGET)
     for values, words in [
         ({"beta": 1.0, "gama": 1.0}, "unknown parameter 'gama'"),
-        ({"alpha": 9.0}, "alpha = 9.* is outside"),
+        ({"alpha_turn": 9.0}, "alpha_turn = 9.* is outside"),
         ({"noise_xy": 0.1}, "noise_xy = .* is not allowed: it is of simulated cars"),
     ]:
         with pytest.raises(Refusal, match=words):
             driver.tune(values)
     assert driver.drive(0.01, cars, TARGET) == before
-    driver.tune({"alpha": 0.0})
+    driver.tune({"alpha_turn": 0.0})
     assert {throttle for _, throttle in driver.drive(0.02, cars, TARGET).values()} == {1.0}
 
 
