@@ -114,7 +114,7 @@ def signal_facts(signals: dict[str, float]) -> dict[str, str]:
     told = {}
     for name, value in signals.items():
         stem = name[:-2]
-        if name.endswith("_y") and f"{stem}_x" in signals:
+        if (name.endswith("_y") and f"{stem}_x" in signals) or ON_ITS_WAY in name:
             continue
         if name == SAVED:
             known = np.isfinite(value)
