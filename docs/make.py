@@ -82,7 +82,7 @@ def facts(model: Model) -> list[tuple[str, str]]:
     made.append(("Body", f"{body.title}: {body.source}"))
     if body.forces:
         made.append(("Its velocity is the sum of", listed(body.forces)))
-    told = [one for one in model.signals if "_sent_" not in one and " sent " not in one]
+    told = [one for one in model.signals if " sent " not in one]
     hear = tuple(plainly(one) for one in ("position", "heading", *told))
     made.append(("Agents tell each other", listed(hear)))
     if rule.zones:

@@ -16,6 +16,9 @@ from app.viewer.picture import SAVED
 from app.viewer.scene import palette
 from app.viewer.scene.reasons import PLACES, force_colours
 
+ON_ITS_WAY = " sent "
+"""In the names of a car's commands that have not arrived yet."""
+
 MOST_NEIGHBOURS = 6
 LOOKING = (
     '<div class="fs-quiet">Looking closer … a model is compiled for this the first time.</div>'
