@@ -11,8 +11,10 @@ import shutil
 
 import pytest
 
+from agents.catalogue import MODELS
 from app.viewer.laboratory import Laboratory
-from app.viewer.start import Start
+from app.viewer.panels.setup import NOBODY
+from app.viewer.start import Start, titled
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
@@ -69,6 +71,17 @@ def shared_window(chromium, served):
     return Window(chromium.new_page(viewport={"width": 1280, "height": 800}), served)
 
 
+def refill(fields) -> None:
+    """Have the Setup tab's fields say START again, whatever an earlier test chose."""
+    fields.model.value = MODELS[START.model].title
+    fields.world.value = titled(START.world)
+    fields.dim.value = f"{START.dim}-D"
+    fields.beside.value = NOBODY
+    fields.agents.value = START.agents
+    fields.informed.value = MODELS[START.model].informed
+    fields.size.value = 0.0
+
+
 @pytest.fixture
 def laboratory(served):
     """The laboratory, paused at tick 0 of a known flock, with nothing selected."""
@@ -78,6 +91,7 @@ def laboratory(served):
     simulation.run_at(60.0)
     served.select(None)
     simulation.setup(START)
+    refill(served.setup)
     until(lambda: simulation.state.run > before and simulation.frame.run == simulation.state.run)
     until(lambda: served.drawing.drawn and served.drawing.drawn[0] is simulation.frame)
     return served
