@@ -172,8 +172,8 @@ def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_pat
     until(lambda: len(builder.obstacles) == 12)
     with builder.page.expect_file_chooser() as chooser:
         builder.window.press("Open layout ...")
-    chooser.value.set_files(file)
     run = builder.simulation.state.run
+    chooser.value.set_files(file)
     until(lambda: builder.simulation.state.run > run, 30)
     assert builder.simulation.run.flock.world.obstacles == world.obstacles
     assert builder.simulation.run.flock.world.name == "mine"
