@@ -37,7 +37,7 @@ from agents.rules import (
     wvem,
     zones,
 )
-from worlds.refusal import unknown
+from worlds.refusal import Refusal, unknown
 
 CONSTANT = constant_speed.BODY
 
@@ -126,11 +126,33 @@ def collect() -> dict[str, Model]:
     return {model.name: model for model in [*BUILT_IN, *others]}
 
 
+ON_WHEELS = "-cars"
+"""Behind the name of a rule: the model of cars that go by it."""
+
 MODELS = collect()
 
 
 def model(name: str) -> Model:
-    """The model of that name. Raises Refusal with the nearest name."""
+    """The model of that name; `NAME-cars` is the rule of the model NAME at the wheel of cars.
+
+    Raises Refusal with the nearest name, or for a rule that cannot drive cars.
+    """
+    rule = name.removesuffix(ON_WHEELS)
+    if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
+        MODELS[name] = on_wheels(MODELS[rule].rule)
     if name not in MODELS:
         raise unknown("model", name, MODELS)
     return MODELS[name]
+
+
+def on_wheels(rule: Rule) -> Model:
+    """The cars that go by a rule, on a floor without an end. Raises Refusal if it cannot be.
+
+    Cars of another rule that wishes a velocity are declared one by one: it may need its own body.
+    """
+    if rule.wish != "heading" or 2 not in rule.dimensions:
+        raise Refusal(
+            f"{rule.name} cannot drive cars: it wishes {rule.wish} in "
+            f"{' and '.join(f'{dim}-D' for dim in rule.dimensions)}, they take a heading in 2-D"
+        )
+    return car.driving(rule, world="cars-torus", agents=12, spacing=0.6, defaults={"yields": True})

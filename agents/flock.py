@@ -16,6 +16,7 @@ from agents import catalogue
 from agents.aloft import Aloft
 from agents.crashes import Crashes, crashes, flying
 from agents.declare import checked
+from agents.home import find_world, is_built_in, world_of
 from agents.inspection import Inspection, inspect
 from agents.member import Member
 from agents.motion import Motion, positive, whole
@@ -29,11 +30,7 @@ from agents.space import FlockSpace
 from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
-from worlds.world import World, layout_dim, layout_names, world_from_layout
-from worlds.world import world as build_world
-
-DENSITY = 4.102
-"""Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
+from worlds.world import World
 
 
 class Flock(Motion, mesa.Model):
@@ -98,7 +95,7 @@ class Flock(Motion, mesa.Model):
         agents = whole("agents", self.model.agents if agents is None else agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.parameters = checked(self.model.parameters, parameters)
-        self.world = self._find_world(world, dim, size, agents + informed)
+        self.world = find_world(self.model, world, dim, size, agents + informed, seed)
         if informed > 0 and not self.model.rule.led:
             raise Refusal(
                 f"informed = {informed} is not allowed: {model} has no information agents"
@@ -122,33 +119,6 @@ class Flock(Motion, mesa.Model):
             model_reporters={name: partial(observed, name=known(name)) for name in collect},
             agent_reporters=dict(agent_reporters or {}),
         )
-
-    def _find_world(self, given: str | World | None, dim, size, n: int) -> World:
-        """The world asked for, in the dimensions in which the model is defined. Raises Refusal."""
-        if isinstance(given, World):
-            found = given
-        else:
-            name = self.model.world if given is None else given
-            if dim is None and np.ndim(size) == 0 and layout_dim(name) is None:
-                dim = self.model.dim
-            found = build_world(name, dim, size, lambda d: (n / DENSITY) ** (1.0 / d))
-        if found.random is not None:
-            found = found.drawn(self.seed)
-        if found.dim not in self.model.dimensions:
-            allowed = " and ".join(f"{d}-D" for d in self.model.dimensions)
-            name = self.model.name
-            raise Refusal(f"dim = {found.dim!r} is not allowed: {name} is defined in {allowed}")
-        return found
-
-    def _is_built_in(self) -> bool:
-        """Whether the world is the one that its name and the seed make again."""
-        world = self.world
-        if world.name not in layout_names():
-            return False
-        try:
-            return build_world(world.name, world.dim, world.size).drawn(self.seed) == world
-        except Refusal:
-            return False
 
     def _begin(self, agents: int, informed: int) -> Start:
         """A random start, with the speeds that the body begins with. Raises Refusal."""
@@ -289,7 +259,7 @@ class Flock(Motion, mesa.Model):
             start="given" if self.given else "random",
             spacing=self.spacing,
             parameters=self.parameters.model_dump(),
-            layout=None if self._is_built_in() else self.world.to_layout(),
+            layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
         )
 
@@ -332,12 +302,6 @@ class Flock(Motion, mesa.Model):
         flock.tick, flock.next_id = saved.tick, saved.next_id
         flock._use(saved.arrays)
         return flock
-
-
-def world_of(spec: Spec) -> World:
-    """The world that a spec carries with it. Raises Refusal."""
-    assert spec.layout is not None
-    return world_from_layout(spec.layout, spec.world, spec.dim, None)
 
 
 def known(name: str) -> str:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from oracles import cars as oracle
 from oracles import couzin
 
-from agents import Flock
+from agents import Flock, catalogue
 from agents.bodies.car import driving
 from agents.bodies.chassis import separation
 from agents.rules import vicsek
@@ -329,3 +329,29 @@ def test_a_rule_with_a_parameter_of_the_cars_own_cannot_drive_them():
 def test_cars_are_on_a_plane():
     with pytest.raises(Refusal, match="dim = 3 is not allowed: couzin-cars is defined in 2-D"):
         Flock("couzin-cars", dim=3, rng=1)
+
+
+def test_a_rule_that_wishes_a_heading_drives_cars_by_its_name(monkeypatch):
+    monkeypatch.setattr(catalogue, "MODELS", dict(catalogue.MODELS))
+    flock = Flock("vem-cars", rng=3)
+    flock.advance(50)
+    assert flock.model.name == "vem-cars"
+    assert flock.world.name == "cars-torus"
+    assert flock.speed.min() > 0.5
+    again = Flock.from_spec(flock.spec)
+    again.advance(50)
+    np.testing.assert_array_equal(again.position, flock.position)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("boundary-points-cars", "boundary-points cannot drive cars: it wishes acceleration"),
+        ("thesis-cars", "thesis cannot drive cars: it wishes velocity"),
+        ("squashing-best-cars", "unknown model 'squashing-best-cars'"),
+        ("vems-cars", "unknown model 'vems-cars'"),
+    ],
+)
+def test_a_rule_that_cannot_drive_cars_is_refused(name, words):
+    with pytest.raises(Refusal, match=words):
+        Flock(name)

@@ -176,11 +176,6 @@ def begins(parameters: Flyer, rng: np.random.Generator, n: int) -> np.ndarray:
     return rng.uniform(min(parameters.v_min, parameters.v0), parameters.v0, n)
 
 
-def lasts(parameters: Flyer) -> float:
-    """Seconds that a tick stands for."""
-    return parameters.tau
-
-
 FLYER = Body(
     name="flyer",
     title="Flapping-wing aircraft",
@@ -194,6 +189,6 @@ FLYER = Body(
     measure=measure,
     begins=begins,
     sight="sight",
-    lasts=lasts,
+    lasts=lambda p: p.tau,
     unit="s",
 )

@@ -76,17 +76,12 @@ def move(me, near, ground, want, p, out):
     return Moved(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, p.s)
 
 
-def lasts(parameters: Turning) -> float:
-    """Seconds that a tick stands for."""
-    return parameters.tau
-
-
 BODY = Body(
     name="turning",
     title="Constant speed, limited turning rate",
     source="Couzin et al. 2002",
     parameters=Turning,
     move=move,
-    lasts=lasts,
+    lasts=lambda p: p.tau,
     unit="s",
 )

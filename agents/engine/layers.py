@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from agents.engine.around import around
 from agents.engine.block import adjacent
-from agents.engine.cells import around
 from worlds.compiled import compiled
 
 UNKNOWN = math.inf

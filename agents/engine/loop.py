@@ -41,6 +41,7 @@ def turns_module(sweep: types.ModuleType):
     shared = (
         "CRASHES",
         "DEAFENS",
+        "DIM",
         "MEASURES",
         "PRIVATE",
         "SEES_POINTS",
@@ -49,7 +50,6 @@ def turns_module(sweep: types.ModuleType):
         "judge",
         "myself",
         "nearby",
-        "nearest_images",
         "ready",
         "see_points",
         "show",

@@ -14,11 +14,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from agents.engine.around import fill_block, nearest_images
 from agents.engine.block import Me, Near, Wish
 from agents.engine.bounce import bounced
 from agents.engine.cells import (
     count_rows,
-    fill_block,
     fill_slots,
     into_box,
     number_of,
@@ -58,24 +58,6 @@ if TYPE_CHECKING:
 
 KEEP = 1e-12
 """A wish shorter than this has no direction: the heading is kept."""
-
-
-@compiled
-def nearest_images(space, grid, block, m, x, y, z):
-    """For axes of a single cell: bring every agent of the block to its image nearest to (x, y, z).
-
-    The images stand in rows 6 to 8 of the block, where `Near` reads positions.
-    """
-    for axis in range(DIM):
-        here = x if axis == 0 else (y if axis == 1 else z)
-        length = space.size[axis]
-        if space.images[axis] and grid.shape[axis] == 1:
-            for j in range(m):
-                d = block[axis, j] - here
-                block[6 + axis, j] = here + (d - length * math.floor(d / length + 0.5))
-        else:
-            for j in range(m):
-                block[6 + axis, j] = block[axis, j]
 
 
 @compiled
@@ -260,7 +242,7 @@ def sweep(flock, space, ground, grid, slots, desk, law, tick, key, first, last):
             if SEES_POINTS:
                 near = nearby(m, desk, at, see_points(ground, law.reach, me, desk))
             if lone:
-                nearest_images(space, grid, block, m, me.x, me.y, me.z)
+                nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
             if CRASHES:
                 judge(flock, ground, slots.row[slot], me, near, law.parameters)
             act(flock, space, ground, slots.row[slot], me, near, law, desk)

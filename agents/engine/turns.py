@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agents.engine.around import around, fill_block, nearest_images
 from agents.engine.block import Me
 from agents.engine.cells import (
-    around,
     cell_of,
     count_rows,
-    fill_block,
     fill_slots,
     number_of,
     place_rows,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from agents.engine.sweep import (
         CRASHES,
         DEAFENS,
+        DIM,
         PRIVATE,
         SEES_POINTS,
         SIGNALS,
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
         judge,
         myself,
         nearby,
-        nearest_images,
         ready,
         see_points,
         show,
@@ -79,7 +78,7 @@ def judge_all(flock, space, ground, grid, slots, desk, p, tick, key):
         m = fill_block(grid, space, slots, cell, desk.block, desk.signals)
         while slot < grid.start[cell + 1]:
             me = myself(flock, slots, slot, desk, tick, key)
-            nearest_images(space, grid, desk.block, m, me.x, me.y, me.z)
+            nearest_images(space, grid, desk.block, m, me.x, me.y, me.z, DIM)
             judge(flock, ground, slots.row[slot], me, nearby(m, desk, 6, 0), p)
             slot += 1
 
@@ -190,7 +189,7 @@ def advance(flock, space, ground, grid, slots, desk, law, seed, tick, order, fir
             show(me, p, desk.out)
             for k in range(SIGNALS):
                 desk.mine[k] = desk.out[k]
-        nearest_images(space, grid, desk.block, m, me.x, me.y, me.z)
+        nearest_images(space, grid, desk.block, m, me.x, me.y, me.z, DIM)
         points = see_points(ground, law.reach, me, desk) if SEES_POINTS else 0
         act(flock, space, ground, i, me, nearby(m, desk, 6, points), law, desk)
         unlink(grid, slots, i)

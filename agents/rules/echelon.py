@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Rule, Zone, parameter
+from agents.declare import Rule, parameter
 from agents.engine.block import Wish
 from agents.rules.couzin import missed
 from agents.rules.potential_field import push
 from agents.rules.slots import PACE, closing_up, nearest_slot
 from agents.rules.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
-from agents.rules.zones import Zones
+from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 
 
@@ -221,11 +221,7 @@ ECHELON = Rule(
     signals=("pace",),
     show=show,
     weigh=weigh,
-    zones=(
-        Zone("repulsion", lambda p: p.d_r, all_round=True),
-        Zone("orientation", lambda p: p.d_o),
-        Zone("attraction", lambda p: p.d_a),
-    ),
+    zones=REPELLED_ALL_ROUND,
     view="alpha",
     sees_obstacles=True,
     led=False,

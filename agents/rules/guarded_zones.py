@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from agents.declare import Rule, Zone, parameter
+from agents.declare import Rule, parameter
 from agents.engine.block import Wish
 from agents.rules.couzin import missed
 from agents.rules.guarded_room import (
@@ -40,7 +40,7 @@ from agents.rules.guarded_room import (
 from agents.rules.guarded_steps import safe_step
 from agents.rules.potential_field import bent
 from agents.rules.zone_sums import ALL_ROUND, edge_of, zone_sums
-from agents.rules.zones import Zones
+from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 
 WISH, ROOM = 0, 3
@@ -255,11 +255,7 @@ GUARDED = Rule(
     memory=("wish_x", "wish_y", "wish_z", "next_x", "next_y", "next_z", "next_radius"),
     perceive=perceive,
     weigh=weigh,
-    zones=(
-        Zone("repulsion", lambda p: p.d_r, all_round=True),
-        Zone("orientation", lambda p: p.d_o),
-        Zone("attraction", lambda p: p.d_a),
-    ),
+    zones=REPELLED_ALL_ROUND,
     view="alpha",
     sees_obstacles=True,
     led=False,

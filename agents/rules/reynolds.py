@@ -15,18 +15,13 @@ import math
 
 from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish
+from agents.rules.steering import avoidance, cut, seek
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
 
 PACE = 0
 """The signal that tells a boid's speed; with its heading it makes its velocity."""
 FORCES = ("separation", "alignment", "cohesion", "avoidance", "seek")
 """The steering forces, as accelerations, length/s^2."""
-PROBES = 5
-"""Points at which a boid looks for surfaces, evenly spaced from its own place to look_ahead."""
-SLIGHT = 1e-6
-"""A component of a unit vector that is as good as none: head-on if it is that across the heading,
-along the surface if it is that of the heading along the normal."""
 
 
 class Boids(Parameters):
@@ -150,14 +145,6 @@ class Boids(Parameters):
 
 
 @compiled
-def cut(x, y, z):
-    """The vector, at most 1 long."""
-    length = math.sqrt(x * x + y * y + z * z)
-    share = 1.0 / length if length > 1.0 else 1.0
-    return share * x, share * y, share * z
-
-
-@compiled
 def edge_of_view(p):
     """Cosine of half the field of view; less than any cosine if a boid sees all around."""
     return math.cos(0.5 * math.radians(p.fov)) if p.fov < 360.0 else -2.0
@@ -214,52 +201,6 @@ def flocking(me, near, p):
     n = max(1.0, cohering) * p.r_cohesion
     cx, cy, cz = cut(cx / n, cy / n, cz / n)
     return sx, sy, sz, ax, ay, az, cx, cy, cz
-
-
-@compiled
-def sideways(me):
-    """A unit vector across the heading, to the left in the plan: where to turn when head-on."""
-    length = math.sqrt(me.ux * me.ux + me.uy * me.uy)
-    if length < SLIGHT:
-        return 1.0, 0.0, 0.0
-    return -me.uy / length, me.ux / length, 0.0
-
-
-@compiled
-def avoidance(me, ground, p):
-    """Across the heading, away from the first surface that the way ahead comes too close to.
-
-    The part of the surface normal across the heading (Reynolds 1999, containment), as a unit
-    vector times an urgency that falls linearly with the distance of the probe; nothing where the
-    way leads away from the surface.
-    """
-    for k in range(PROBES):
-        way = p.look_ahead * k / (PROBES - 1)
-        at = nearest_surface(ground, me.x + way * me.ux, me.y + way * me.uy, me.z + way * me.uz)
-        towards = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz
-        if at.distance < p.clearance and towards <= SLIGHT:
-            x, y, z = at.nx - towards * me.ux, at.ny - towards * me.uy, at.nz - towards * me.uz
-            length = math.sqrt(x * x + y * y + z * z)
-            urgency = 1.0 - k / PROBES
-            if length < SLIGHT:
-                x, y, z = sideways(me)
-                length = 1.0
-            return urgency * x / length, urgency * y / length, urgency * z / length
-    return 0.0, 0.0, 0.0
-
-
-@compiled
-def seek(me, ground, p):
-    """Towards the goal at full speed: the wanted change of velocity over max_speed, at most 1."""
-    if ground.route.shape[0] == 0:
-        return 0.0, 0.0, 0.0
-    dx = ground.goal[0, 0] - me.x
-    dy = ground.goal[0, 1] - me.y
-    dz = ground.goal[0, 2] - me.z
-    d = math.sqrt(dx * dx + dy * dy + dz * dz)
-    d = d if d > 0.0 else 1.0
-    v = me.speed / p.max_speed
-    return cut(dx / d - v * me.ux, dy / d - v * me.uy, dz / d - v * me.uz)
 
 
 @compiled

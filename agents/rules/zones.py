@@ -129,6 +129,13 @@ def weigh(me, near, p, out):
     weigh_zones(me, near, p.d_r, p.d_o, p.d_a, edge, edge, out)
 
 
+REPELLED_ALL_ROUND = (
+    Zone("repulsion", lambda p: p.d_r, all_round=True),
+    Zone("orientation", lambda p: p.d_o),
+    Zone("attraction", lambda p: p.d_a),
+)
+"""The zones of the rules that feel repulsion all round, as Couzin et al. 2002 do."""
+
 ZONES = Rule(
     name="thesis",
     title="Zones of the thesis",

@@ -1,0 +1,62 @@
+"""The world that a flock lives in: found by name, drawn from the run's seed, told in its spec."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from agents.spec import Spec
+from worlds.refusal import Refusal
+from worlds.world import World, layout_dim, layout_names, world_from_layout
+from worlds.world import world as build_world
+
+if TYPE_CHECKING:
+    from agents.model import Model
+
+DENSITY = 4.102
+"""Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
+
+
+def find_world(
+    model: Model,
+    given: str | World | None,
+    dim: int | None,
+    size: Any,
+    agents: int,
+    seed: int,
+) -> World:
+    """The world asked for, in the dimensions in which the model is defined.
+
+    `size` is one side for all, one per axis, or None. By default it is the one that the model is at
+    home in, in the dimensions of its layout, else of the model, with room for so many agents.
+    Obstacles that it leaves to chance are drawn. Raises Refusal.
+    """
+    if isinstance(given, World):
+        found = given
+    else:
+        name = model.world if given is None else given
+        if dim is None and np.ndim(size) == 0 and layout_dim(name) is None:
+            dim = model.dim
+        found = build_world(name, dim, size, lambda d: (agents / DENSITY) ** (1.0 / d))
+    found = found.drawn(seed)
+    if found.dim not in model.dimensions:
+        allowed = " and ".join(f"{d}-D" for d in model.dimensions)
+        raise Refusal(f"dim = {found.dim!r} is not allowed: {model.name} is defined in {allowed}")
+    return found
+
+
+def is_built_in(world: World, seed: int) -> bool:
+    """Whether the world is the one that its name and the seed make again."""
+    if world.name not in layout_names():
+        return False
+    try:
+        return build_world(world.name, world.dim, world.size).drawn(seed) == world
+    except Refusal:
+        return False
+
+
+def world_of(spec: Spec) -> World:
+    """The world that a spec carries with it. Raises Refusal."""
+    assert spec.layout is not None
+    return world_from_layout(spec.layout, spec.world, spec.dim, None)
