@@ -6,6 +6,7 @@ import typer
 
 from app.cli.live_check import check
 from app.cli.live_emulate import emulate
+from app.cli.live_lab import lab
 from app.cli.live_recover import recover
 from app.cli.live_replay import replay
 from app.cli.live_run import run
@@ -16,6 +17,7 @@ live = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
 )
+live.command("lab")(told(lab))
 live.command("check")(told(check))
 live.command("run")(told(run))
 live.command("replay")(told(replay))

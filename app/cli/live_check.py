@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.live_options import LinkName, SourceName
 from app.cli.outcome import as_json
 from app.cli.refusals import refuse
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
     from app.live.lab import Lab
+    from app.live.links.link import CarLink
+    from app.live.sources.source import Source
 
 WATCHED = 1.0
 """Seconds for which frames are counted."""
@@ -21,6 +24,8 @@ WATCHED = 1.0
 
 def check(
     file: Annotated[Path, typer.Argument(help="The laboratory's file, LAB.toml.")],
+    source: SourceName = None,
+    link: LinkName = None,
     within: Annotated[float, typer.Option(help="Seconds that the first frame may take.")] = 10.0,
     devices: Annotated[
         bool, typer.Option("--devices/--file-only", help="Open the source and the link too.")
@@ -33,22 +38,27 @@ def check(
     Sends nothing to the cars. Exit code 2, and one line, if anything is amiss.
     """
     from app.cli.live_file import laboratory
+    from app.live.choices import links, rules, sources
     from app.live.squashing_driver import FlockDriver
 
     if not 0.0 < within <= 600.0:
         raise Refusal(f"--within {within:g} s is outside (0, 600]")
-    lab = laboratory(file)
+    lab = laboratory(file, source, link)
     driver = FlockDriver(lab)
     found: dict[str, Any] = {
         "file": str(file),
         "title": lab.title,
         "rule": driver.model.name,
         "cars": {name: car.address for name, car in lab.cars.items()},
+        "choices": {
+            "sources": sources(lab),
+            "links": links(lab),
+            "rules": rules(lab),
+        },
         "amiss": [],
     }
     if devices:
-        look_at_link(lab, found)
-        look_at_source(lab, within, found)
+        look_at_devices(lab, within, found)
     if json_asked:
         typer.echo(as_json(found))
     elif not quiet:
@@ -57,12 +67,19 @@ def check(
         refuse("; ".join(found["amiss"]))
 
 
-def look_at_link(lab: Lab, found: dict[str, Any]) -> None:
-    """Open the link, send nothing, and work out whether it can carry the commands."""
-    from app.live.links.link import shortage
-    from app.live.links.links import open_link
+def look_at_devices(lab: Lab, within: float, found: dict[str, Any]) -> None:
+    """Open the source and the link."""
+    from app.live.ends import source_and_link
 
-    link = open_link(lab.link)
+    poses, commands = source_and_link(lab)
+    look_at_link(lab, commands, found)
+    look_at_source(lab, poses, within, found)
+
+
+def look_at_link(lab: Lab, link: CarLink, found: dict[str, Any]) -> None:
+    """Send nothing through an open link, work out whether it can carry the commands, close it."""
+    from app.live.links.link import shortage
+
     short = shortage(link, len(lab.cars), lab.rate)
     link.close()
     found["link"] = {"text": lab.link, "shortage": short}
@@ -70,12 +87,10 @@ def look_at_link(lab: Lab, found: dict[str, Any]) -> None:
         found["amiss"].append(short)
 
 
-def look_at_source(lab: Lab, within: float, found: dict[str, Any]) -> None:
+def look_at_source(lab: Lab, source: Source, within: float, found: dict[str, Any]) -> None:
     """Watch the tracking for a second: its rate, and which bodies it sees."""
     from app.live.sources.feed import Feed
-    from app.live.sources.opening import open_source
 
-    source = open_source(lab.source)
     with Feed(source, within) as feed:
         first = feed.first(within)
         time.sleep(WATCHED)
@@ -117,4 +132,7 @@ def lines(found: dict[str, Any]) -> list[str]:
             called = f"is {at['called']}" if at["called"] else "is none of ours"
             where = f"x {at['x']:.3f} m, y {at['y']:.3f} m, yaw {at['yaw']:.3f} rad"
             made.append(f"    {body!r} {called}: {where}")
+    made.append("  may be chosen:")
+    for kind, names in found["choices"].items():
+        made.append(f"    {kind}: {', '.join(names)}")
     return made

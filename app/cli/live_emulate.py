@@ -10,7 +10,7 @@ import typer
 
 def emulate(
     file: Annotated[
-        Path | None, typer.Argument(help="The laboratory's file.  [default: an example]")
+        Path | None, typer.Argument(help="The laboratory's file. \\[default: an example]")
     ] = None,
     arm: Annotated[bool, typer.Option("--arm", help="Arm once every car is seen.")] = False,
     record: Annotated[
@@ -31,10 +31,11 @@ def emulate(
     """
     from app.cli.live_file import laboratory
     from app.cli.live_run import conduct
-    from app.live.emulated_ends import open_emulated
-    from app.live.emulated_room import emulated, free_port
+    from app.live.driven import open_driven
     from app.live.example import example
+    from app.live.kinds import SIMULATED
 
     lab = example() if file is None else laboratory(file)
-    lab = emulated(lab, port or free_port())
-    conduct(lab, open_emulated, arm, record, seconds, json_asked, quiet)
+    link = f"{SIMULATED}?port={port}" if port else SIMULATED
+    lab = lab.altered(str(file or "the example"), source=SIMULATED, link=link)
+    conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)

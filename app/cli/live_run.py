@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli.live_options import LinkName, SourceName
 from app.cli.outcome import as_json
 from worlds.refusal import Refusal
 
@@ -23,6 +24,8 @@ def run(
     record: Annotated[
         Path | None, typer.Option(help="Record poses, commands and events in this new folder.")
     ] = None,
+    source: SourceName = None,
+    link: LinkName = None,
     dry: Annotated[bool, typer.Option("--dry", help="Send nothing: the link is `dry`.")] = False,
     seconds: Annotated[float, typer.Option(help="Leave after so long; 0: never.")] = 0.0,
     json_asked: Annotated[
@@ -35,11 +38,13 @@ def run(
     Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
     """
     from app.cli.live_file import laboratory
-    from app.live.squashing_driver import open_driven
+    from app.live.driven import open_driven
 
-    lab = laboratory(file)
+    if dry and link:
+        raise Refusal(f"--dry and --link {link!r} exclude each other")
+    lab = laboratory(file, source, link)
     if dry:
-        lab = lab.model_copy(update={"link": "dry"})
+        lab = lab.altered("--dry", link="dry")
     conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)
 
 

@@ -10,10 +10,17 @@ import typer
 
 
 def recover(
-    file: Annotated[Path, typer.Argument(help="The .part file that the run has left.")],
+    file: Annotated[
+        Path, typer.Argument(help="The .part file that the run has left; of a live run its folder.")
+    ],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Make a recording of what a killed run has left in its .part file."""
+    """Make a recording of what a killed run has left in its .part file, or in its folder."""
+    if file.is_dir():
+        from app.cli.live_recover import recover as recover_live
+
+        recover_live(file, as_json)
+        return
     from agents.record import recover as recover_part
 
     path, rows = recover_part(file)

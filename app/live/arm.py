@@ -13,8 +13,8 @@ from typing import Literal
 from worlds.refusal import Refusal, unknown
 
 State = Literal["safe", "armed", "emergency"]
-Wish = Literal["arm", "disarm", "hold", "emergency", "reset", "tune"]
-WISHES: tuple[Wish, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune")
+Wish = Literal["arm", "disarm", "hold", "emergency", "reset", "tune", "accompany"]
+WISHES: tuple[Wish, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune", "accompany")
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Request:
     cause: str
     """Who or what asks: `terminal`, `browser 3`, `link`."""
     words: str = ""
-    """Why; for `tune` the parameters as JSON."""
+    """Why; for `tune` the parameters as JSON, for `accompany` how many simulated cars."""
 
     def __post_init__(self) -> None:
         if self.wish not in WISHES:

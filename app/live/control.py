@@ -7,11 +7,12 @@ same comes out.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from app.live.arm import Request
-from app.live.driver import Driver, Tunable
+from app.live.driver import Accompanied, Companion, Driver, Tunable
 from app.live.events import Event
 from app.live.links.link import RUN
 from app.live.pose import Frame, Pose, Sighting
@@ -36,6 +37,8 @@ class Step:
     """What the rule wants, by car."""
     verdict: Verdict
     events: tuple[Event, ...]
+    companions: tuple[Companion, ...] = ()
+    """The simulated cars beside the real ones, as they are after it."""
 
 
 class Control:
@@ -44,6 +47,7 @@ class Control:
     def __init__(self, safety: Safety, driver: Driver):
         self.safety = safety
         self.driver = driver
+        self.accompanied = driver if isinstance(driver, Accompanied) else None
         self.tick = -1
         self.running = False
         self.reasons: dict[tuple[str, str], Reason] = {}
@@ -51,6 +55,11 @@ class Control:
         self.events: list[Event] = []
         self.sightings: tuple[Sighting, ...] = ()
         """Who was seen within the limit `stale`, where last."""
+
+    @property
+    def companions(self) -> tuple[Companion, ...]:
+        """The simulated cars beside the real ones."""
+        return self.accompanied.companions if self.accompanied is not None else ()
 
     def see(self, now: float, requests: Iterable[Request], frame: Frame | None) -> None:
         """Begin a tick at `now` (s): look at the newest frame, then do what is asked."""
@@ -66,6 +75,8 @@ class Control:
         try:
             if request.wish == "tune":
                 words = self.tune(request)
+            elif request.wish == "accompany":
+                words = self.accompany(request)
             else:
                 changed = self.safety.ask(now, request)
                 words = NAMES[kind] if changed else f"{NAMES[kind]}: nothing changed"
@@ -89,13 +100,24 @@ class Control:
         self.driver.tune(values)
         return ", ".join(f"{name} = {value}" for name, value in values.items())
 
+    def accompany(self, request: Request) -> str:
+        """Have other simulated cars beside the real ones; how many, in words. Raises Refusal."""
+        if self.accompanied is None:
+            raise Refusal("this driver has no simulated cars beside the real ones")
+        words = request.words
+        if not re.fullmatch(r"-?[0-9]{1,9}", words):
+            raise Refusal(f"simulated cars = {words[:40]!r} is not allowed: not a whole number")
+        count = int(words)
+        self.accompanied.accompany(count)
+        return "1 simulated car" if count == 1 else f"{count or 'no'} simulated cars"
+
     def act(self, now: float, injected: Pose | None) -> Step:
         """End the tick: ask the rule, judge what it wants."""
         wanted: dict[str, Command] = {}
         failed = ""
         try:
             cars = tuple(one for one in self.sightings if one.name in self.safety.cars)
-            answer = self.driver.drive(now, cars, injected)
+            answer = self.driver.drive(now, cars, injected, self.running)
             wanted = {
                 name: (float(answer[name][0]), float(answer[name][1]))
                 for name in self.safety.cars
@@ -105,7 +127,7 @@ class Control:
             failed = " ".join(f"{type(error).__name__}: {error}".split())
         verdict = self.safety.judge(now, wanted, failed)
         self.tell(now, verdict)
-        return Step(wanted, verdict, tuple(self.events))
+        return Step(wanted, verdict, tuple(self.events), self.companions)
 
     def tell(self, now: float, verdict: Verdict) -> None:
         """Write down what has changed: reasons that came and went, runs that began and ended."""

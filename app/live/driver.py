@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from app.live.pose import Pose, Sighting
+
+
+@dataclass(frozen=True, slots=True)
+class Companion:
+    """A simulated car in the world of the real ones."""
+
+    name: str
+    """`sim 1`, `sim 2`, ..."""
+    pose: Pose
+    steer: float
+    """Angle of its front wheels as a share of full lock, in [-1, 1]; left is positive."""
 
 
 class Driver(Protocol):
@@ -17,14 +29,15 @@ class Driver(Protocol):
     """
 
     def drive(
-        self, now: float, sightings: tuple[Sighting, ...], injected: Pose | None
+        self, now: float, sightings: tuple[Sighting, ...], injected: Pose | None, running: bool
     ) -> Mapping[str, tuple[float, float]]:
         """(steer, throttle) in [-1, 1] by car: left and forwards are positive.
 
         `now` is in seconds on the loop's clock. `sightings` has the cars, by the laboratory's
         names, that were seen within the limit `stale`, each where it was last seen; a car without
         a command gets no throttle. `injected` is the injected car, None where there is none.
-        Whatever it raises stops the cars.
+        `running` says whether the cars were told to run in the last tick. Whatever it raises stops
+        the cars.
         """
         ...
 
@@ -35,4 +48,19 @@ class Tunable(Protocol):
 
     def tune(self, values: Mapping[str, Any]) -> None:
         """Change parameters by name. Raises Refusal, and then changes nothing."""
+        ...
+
+
+@runtime_checkable
+class Accompanied(Protocol):
+    """A driver with simulated cars beside the real ones, which drive while those run."""
+
+    @property
+    def companions(self) -> tuple[Companion, ...]:
+        """The simulated cars as they are after the last tick."""
+        ...
+
+    def accompany(self, count: int) -> None:
+        """Have so many simulated cars from now on: new ones begin where there is room, the last
+        ones leave first. Raises Refusal, and then changes nothing."""
         ...

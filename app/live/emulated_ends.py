@@ -1,26 +1,29 @@
-"""The ends of a laboratory in software; apart from its room, which is quick to import."""
+"""The ends of a room in software: the source that tracks its cars, the link that they hear."""
 
 from __future__ import annotations
 
-from app.live.emulated_room import Build
-from app.live.ends import Ends
+from app.live.emulated_room import Build, free_port
+from app.live.kinds import SIMULATED, kind_of, port_of
 from app.live.lab import Lab
+from app.live.links.link import CarLink
 from app.live.links.links import open_link
-from app.live.sources.feed import Feed
+from app.live.links.place import Place
+from app.live.links.udp import open_udp
 from app.live.sources.simulated import Simulated
-from app.live.squashing_driver import FlockDriver
-
-PATIENCE = 30.0
-"""Seconds that the room may take to begin."""
+from app.live.sources.source import Source
 
 
-def open_emulated(lab: Lab) -> Ends:
-    """The ends of a laboratory that `emulated` has made. Raises Refusal."""
-    driver = FlockDriver(lab)
-    link = open_link(lab.link)
-    build = Build(lab.to_toml(), int(lab.link.rpartition(":")[2]))
-    try:
-        return Ends(Feed(Simulated(build, title="emulated cars"), PATIENCE), link, driver)
-    except BaseException:
-        link.close()
-        raise
+def open_emulated(lab: Lab) -> tuple[Source, CarLink]:
+    """The source of a room in software, not yet connected, and its link, open.
+
+    With the link `dry` there are cars too, and nobody tells them anything. Raises Refusal.
+    """
+    to_cars = kind_of(lab.link) == SIMULATED
+    port = (port_of(lab.link) if to_cars else 0) or free_port()
+    link = udp_link(lab.link, port) if to_cars else open_link(lab.link)
+    return Simulated(Build(lab.to_toml(), port), title="emulated cars"), link
+
+
+def udp_link(name: str, port: int) -> CarLink:
+    """A link to a UDP port of this machine."""
+    return open_udp(Place(name, "udp", f"127.0.0.1:{port}", {}))

@@ -15,12 +15,9 @@ from app.live.emulated_plant import EmulatedPlant
 from app.live.firmware import Firmware
 from app.live.lab import Lab, lab_from_toml
 from app.live.pose import Pose, Sighting, seen
-from worlds.refusal import Refusal
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
 """Of the tracking, standard deviation: m and rad."""
-SOURCE = "emulated:"
-"""What a laboratory in software has as its source."""
 
 
 class EmulatedRoom:
@@ -63,18 +60,6 @@ class Build:
     def __call__(self) -> EmulatedRoom:
         """The room."""
         return EmulatedRoom(lab_from_toml(self.laboratory, "the laboratory"), self.port)
-
-
-def emulated(lab: Lab, port: int) -> Lab:
-    """The laboratory with emulated cars and tracking in place of its own; they hear a UDP port.
-
-    Raises Refusal if it follows a body, which nobody carries here.
-    """
-    if lab.injected.path == "body":
-        raise Refusal(
-            'injected.path = "body" cannot be emulated: use "circle", "hand" or "none" there'
-        )
-    return lab.model_copy(update={"source": SOURCE, "link": f"udp:127.0.0.1:{port}"})
 
 
 def free_port() -> int:

@@ -7,14 +7,19 @@ from dataclasses import dataclass
 
 from app.live.control import Control
 from app.live.driver import Driver
+from app.live.emulated_ends import open_emulated
 from app.live.injected import Injected
+from app.live.kinds import SIMULATED, kind_of
 from app.live.lab import Lab
 from app.live.links.link import CarLink
 from app.live.links.links import open_link
 from app.live.loop import Frames, Journal, Loop
 from app.live.sources.feed import Feed
 from app.live.sources.opening import open_source
+from app.live.sources.source import Source
 
+PATIENCE = 90.0
+"""Seconds that a room in software may take to begin: it is built meanwhile."""
 Opener = Callable[[Lab], "Ends"]
 """Opens the ends of a laboratory in the process of its loop: a function of a module."""
 
@@ -47,9 +52,18 @@ class Ends:
 
 def open_ends(lab: Lab, driver: Driver) -> Ends:
     """The ends that the laboratory's file names. Raises Refusal."""
-    link = open_link(lab.link)
+    source, link = source_and_link(lab)
     try:
-        return Ends(Feed(open_source(lab.source)), link, driver)
+        feed = Feed(source, PATIENCE) if kind_of(lab.source) == SIMULATED else Feed(source)
+        return Ends(feed, link, driver)
     except BaseException:
         link.close()
         raise
+
+
+def source_and_link(lab: Lab) -> tuple[Source, CarLink]:
+    """The source of a laboratory, not yet connected, and its link, open. Raises Refusal."""
+    if kind_of(lab.source) == SIMULATED:
+        return open_emulated(lab)
+    source = open_source(lab.source)
+    return source, open_link(lab.link)

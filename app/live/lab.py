@@ -15,20 +15,17 @@ from pydantic import Field, ValidationError, model_validator
 from app.experiments.strict import Strict, Value
 from app.live.area import Area
 from app.live.injected import INJECTED, Injection
+from app.live.lab_ends import demand_choices, demand_one_room
 from app.live.lab_lines import line_of
 from app.live.limits import CarLimits, Limits
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.live.loop import RATE
+from app.live.misfit import Misfit
 from app.live.safety import Safety
 from worlds.refusal import Refusal, unknown
 
-
-class Misfit(ValueError):
-    """What does not fit together in a laboratory, and the keys that lead to it."""
-
-    def __init__(self, words: str, *keys: str):
-        super().__init__(words)
-        self.keys = keys
+MOST_SIMULATED = 32
+"""Simulated cars beside real ones: with more, a tick would not be done in time."""
 
 
 class Car(CarLimits):
@@ -39,6 +36,23 @@ class Car(CarLimits):
     """The name of its rigid body; empty: its own name."""
 
 
+class Simulated(Strict):
+    """Simulated cars beside the real ones: same rule, same world, hearing each other."""
+
+    cars: int = Field(default=0, ge=0, le=MOST_SIMULATED)
+    """How many there are at first."""
+    most: int = Field(default=8, ge=0, le=MOST_SIMULATED)
+    """How many a browser may ask for."""
+    seed: int = Field(default=1, ge=0)
+    """Of where they begin."""
+
+    @model_validator(mode="after")
+    def _are_in_order(self) -> Simulated:
+        if self.cars > self.most:
+            raise ValueError(f"cars must not be more than most, {self.most}")
+        return self
+
+
 class Lab(Strict):
     """A laboratory. See `docs/live-safety.md` for an example of the file."""
 
@@ -47,6 +61,10 @@ class Lab(Strict):
     """Where poses come from, such as `optitrack:192.168.1.5?up=y`."""
     link: str = Field(min_length=1)
     """How commands reach the cars, such as `serial:/dev/ttyUSB0?baud=57600`."""
+    sources: dict[str, str] = Field(default_factory=dict)
+    """Other sources that may be chosen in the laboratory, by what they are called there."""
+    links: dict[str, str] = Field(default_factory=dict)
+    """Other links that may be chosen in the laboratory, by what they are called there."""
     rule: str = Field(min_length=1)
     """What drives the cars."""
     parameters: dict[str, Value] = Field(default_factory=dict)
@@ -56,10 +74,14 @@ class Lab(Strict):
     area: Area
     limits: Limits = Limits()
     injected: Injection = Injection()
+    simulated: Simulated = Simulated()
     cars: dict[str, Car] = Field(min_length=1, max_length=MOST_CARS)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Lab:
+        demand_one_room(self.source, self.link, self.injected.path == "body")
+        demand_choices("sources", self.source, self.sources)
+        demand_choices("links", self.link, self.links)
         self.demand_distinct()
         self.demand_stops_in_time()
         self.demand_target_within()
@@ -137,6 +159,16 @@ class Lab(Strict):
         """The safety of this laboratory, unarmed."""
         return Safety(self.limits, self.area, self.cars, self.bodies)
 
+    def altered(self, origin: str, **values: Any) -> Lab:
+        """The laboratory with other values, which are checked as those of a file are.
+
+        Raises Refusal naming `origin`.
+        """
+        try:
+            return checked(self.model_dump(mode="json") | values)
+        except ValidationError as error:
+            raise refusal(error, "", origin) from None
+
     def to_toml(self) -> str:
         """The laboratory as a file; numbers keep every bit."""
         return tomlkit.dumps(self.model_dump(mode="json"))
@@ -146,6 +178,7 @@ TABLES: dict[str, type[Strict]] = {
     "area": Area,
     "limits": Limits,
     "injected": Injection,
+    "simulated": Simulated,
     "cars": Car,
 }
 
@@ -168,10 +201,15 @@ def lab_from_toml(text: str, origin: str) -> Lab:
     except tomllib.TOMLDecodeError as error:
         raise Refusal(f"{origin} is not TOML: {error}") from None
     try:
-        # as JSON, strict: a number in quotes is no number, but a list is a pair
-        return Lab.model_validate_json(json.dumps(values, default=no_json), strict=True)
+        return checked(values)
     except ValidationError as error:
         raise refusal(error, text, origin) from None
+
+
+def checked(values: Mapping[str, Any]) -> Lab:
+    """The laboratory of these values. Raises ValidationError."""
+    # as JSON, strict: a number in quotes is no number, but a list is a pair
+    return Lab.model_validate_json(json.dumps(values, default=no_json), strict=True)
 
 
 def no_json(date: object) -> dict[str, str]:

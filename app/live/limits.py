@@ -19,6 +19,8 @@ class Limits(Strict):
     """Within which a car that does not go where its commands take it is found."""
     leap: float = Field(default=0.25, ge=0.02, le=5.0)
     """A car seen further than this from where it can have come to is not believed."""
+    unattended: float = Field(default=2.0, ge=0.5, le=60.0)
+    """A desk that has been silent for longer takes the arming away: no stop could come from it."""
 
     @model_validator(mode="after")
     def _are_in_order(self) -> Limits:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.live.arm import State
+from app.live.driver import Companion
 from app.live.links.link import RUN
 from app.live.pose import Pose
 from app.live.safety import Command, Reason, Safety, Verdict
@@ -51,6 +52,8 @@ class Look:
     """Why the cars do not run, or could not be armed."""
     cars: tuple[CarLook, ...]
     injected: Pose | None
+    companions: tuple[Companion, ...]
+    """The simulated cars beside them."""
     period: Summary
     """Seconds from tick to tick."""
     latency: Summary

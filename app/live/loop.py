@@ -27,8 +27,11 @@ from app.live.timing import Spans
 
 RATE = 100.0
 """Ticks per second."""
-MOST_REQUESTS = 100
-"""Requests that are taken in one tick; the others wait for the next."""
+MOST_REQUESTS = 4
+"""Requests that are taken in one tick, up to half a millisecond each; the others wait."""
+UNDOING = ("reset", "arm")
+"""What is no longer meant once somebody has asked for an emergency stop."""
+OVERTAKEN = "overtaken by an emergency stop"
 PARTING = 5
 """Stop frames that are sent at the end."""
 LOOK_EVERY = 3
@@ -88,10 +91,15 @@ class Loop:
         self.events = Events()
         self.latest: Look | None = None
         """The newest look, of one of the last few ticks."""
+        self.attended: float | None = None
+        """When somebody last looked, by `time.monotonic()`, s; None: nobody ever has."""
         self.leaving = ""
         """Why the loop is to end; empty: it is not."""
-        self.urgent: queue.SimpleQueue[Request] = queue.SimpleQueue()
         self.asked: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        self.pending: list[Request] = []
+        """What was asked and waits for its turn."""
+        self.overtaken: list[Request] = []
+        """What an emergency stop has overtaken in this tick and may not undo it."""
         self.newest: Frame | None = None
         self.before: float | None = None
         self.periods = Spans()
@@ -105,7 +113,7 @@ class Loop:
 
     def ask(self, request: Request) -> None:
         """Ask for something, which is done at the next tick; an emergency stop before all else."""
-        (self.urgent if request.wish == "emergency" else self.asked).put(request)
+        self.asked.put(request)
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; kept within the fence. Raises Refusal for NaN."""
@@ -141,6 +149,7 @@ class Loop:
         frames = self.feed.since(self.newest.number if self.newest else -1)
         if frames:
             self.newest = frames[-1]
+        self.mind_the_desk(now)
         self.control.see(now, self.requests(), self.newest)
         control = self.control
         injected = self.injected.at(now, control.running, control.sightings)
@@ -160,15 +169,28 @@ class Loop:
         if control.tick % LOOK_EVERY == 0 or step.events:
             self.latest = self.look(now, injected, step.verdict)
 
+    def mind_the_desk(self, now: float) -> None:
+        """Take the arming away where whoever used to look has long been silent: the desk hangs."""
+        unattended = self.control.safety.limits.unattended
+        armed = self.control.safety.arm.state == "armed"
+        if armed and self.attended is not None and now - self.attended > unattended:
+            words = f"the desk has been silent for {unattended:g} s"
+            self.ask(Request("hold", "desk", words))
+
     def requests(self) -> list[Request]:
-        """What was asked since the last tick, emergency stops first."""
-        found: list[Request] = []
-        with suppress(queue.Empty):
-            while True:
-                found.append(self.urgent.get_nowait())
-        with suppress(queue.Empty):
-            while len(found) < MOST_REQUESTS:
-                found.append(self.asked.get_nowait())
+        """What is to be done in this tick, emergency stops first.
+
+        Nothing that was asked before an emergency stop may undo it or arm again.
+        """
+        self.pending += taken(self.asked)
+        urgent = [one for one in self.pending if one.wish == "emergency"]
+        if urgent:
+            last = max(k for k, one in enumerate(self.pending) if one.wish == "emergency")
+            self.overtaken = [one for one in self.pending[:last] if one.wish in UNDOING]
+            done = {id(one) for one in (*urgent, *self.overtaken)}
+            self.pending = [one for one in self.pending if id(one) not in done]
+        found = urgent + self.pending[:MOST_REQUESTS]
+        del self.pending[:MOST_REQUESTS]
         return found
 
     def send(self, mode: int, commands: Mapping[str, Command]) -> None:
@@ -185,8 +207,12 @@ class Loop:
         self.troubles["link"] = trouble
 
     def noticed(self, now: float) -> list[Event]:
-        """What has begun or ceased to be wrong with the source, the link or the recording."""
-        found = []
+        """What was overtaken, and what has begun or ceased to be wrong with source, link, disk."""
+        found = [
+            Event(self.control.tick, now, "refused", f"{one.wish}: {OVERTAKEN}", cause=one.cause)
+            for one in self.overtaken
+        ]
+        self.overtaken = []
         self.troubles["source"] = self.feed.trouble
         self.troubles["recording"] = self.journal.trouble if self.journal is not None else ""
         for kind, trouble in self.troubles.items():
@@ -198,7 +224,9 @@ class Loop:
 
     def part(self) -> None:
         """Send stops, and let go of the link. A latched emergency stop stays latched."""
-        latched = self.control.safety.arm.state == "emergency" or not self.urgent.empty()
+        latched = self.control.safety.arm.state == "emergency" or any(
+            one.wish == "emergency" for one in taken(self.asked)
+        )
         still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
         for _ in range(PARTING):
             self.send(EMERGENCY if latched else STOP, still)
@@ -207,15 +235,16 @@ class Loop:
 
     def look(self, now: float, injected: Pose | None, verdict: Verdict) -> Look:
         """What there is to see."""
-        safety = self.control.safety
+        control, safety = self.control, self.control.safety
         return Look(
-            self.control.tick,
+            control.tick,
             now,
             safety.arm.state,
             verdict.mode,
             verdict.reasons,
             cars_of(safety, verdict, now),
             injected,
+            control.companions,
             self.periods.summary(),
             self.latencies.summary(),
             self.missed,
@@ -223,3 +252,12 @@ class Loop:
             {kind: words for kind, words in self.troubles.items() if words},
             self.events.count,
         )
+
+
+def taken(waiting: queue.SimpleQueue[Request]) -> list[Request]:
+    """All that waits in a queue."""
+    found: list[Request] = []
+    with suppress(queue.Empty):
+        while True:
+            found.append(waiting.get_nowait())
+    return found

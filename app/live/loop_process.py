@@ -105,6 +105,7 @@ def attend(line: Connection, loop: Loop) -> None:
                 case Request() as request:
                     loop.ask(request)
                 case (int(known), hand):
+                    loop.attended = loop.clock()
                     if hand is not None:
                         loop.place(*hand)  # the desk has looked that these are numbers
                     count, new = loop.events.since(known)

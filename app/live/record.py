@@ -1,12 +1,13 @@
 """Recordings of a laboratory: a folder of Parquet tables that holds all that a replay needs.
 
-======== ==========================================================================================
-frames   tick that took it, number, received (s), sent; one row a frame, also of one without bodies
-poses    tick, number, received, name, x, y (m), yaw (rad), valid; one row a body; gaps are null
-commands tick, now, name, what the rule wanted, what was sent; one row a car and tick
-events   tick, time, kind, words, car, cause, asked, note
-ticks    tick, now (s), mode, arm, the injected car, latency (s); one row a tick
-======== ==========================================================================================
+========== ========================================================================================
+frames     tick that took it, number, received (s), sent; one row a frame, also of an empty one
+poses      tick, number, received, name, x, y (m), yaw (rad), valid; one row a body; gaps are null
+commands   tick, now, name, what the rule wanted, what was sent; one row a car and tick
+companions tick, name, x, y (m), yaw (rad), steer; one row a simulated car and tick, as it is after
+events     tick, time, kind, words, car, cause, asked, note
+ticks      tick, now (s), mode, arm, the injected car, latency (s); one row a tick
+========== ========================================================================================
 
 While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last half
 second even if the process is killed; `recover` makes the tables of what is left.
@@ -27,7 +28,8 @@ from app.live.moment import Moment
 from app.live.stream import Stream, finish
 from worlds.refusal import Refusal
 
-FORMAT = 1
+FORMAT = 2
+"""1 had no simulated cars."""
 EVERY = 0.5
 """Seconds between which the tables are brought to the disk."""
 TABLES = {
@@ -50,6 +52,14 @@ TABLES = {
         "wanted_throttle": "float64",
         "steer": "float64",
         "throttle": "float64",
+    },
+    "companions": {
+        "tick": "int64",
+        "name": "string",
+        "x": "float64",
+        "y": "float64",
+        "yaw": "float64",
+        "steer": "float64",
     },
     "events": {
         "tick": "int64",
@@ -164,6 +174,9 @@ def rows(table: str, moments: Iterable[Moment]) -> Iterator[tuple]:
                 yield from pose_rows(moment)
             case "commands":
                 yield from command_rows(moment)
+            case "companions":
+                for c in moment.step.companions:
+                    yield (moment.tick, c.name, c.pose.x, c.pose.y, c.pose.yaw, c.steer)
             case "events":
                 for e in moment.events:
                     yield (e.tick, e.time, e.kind, e.words, e.car, e.cause, e.asked, e.note)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -15,7 +15,7 @@ from typing import Any, cast
 from agents.record import KEY
 from app.live.arm import Request, Wish
 from app.live.control import Control, Step
-from app.live.driver import Driver
+from app.live.driver import Companion, Driver
 from app.live.lab import Lab, lab_from_toml
 from app.live.pose import Frame, Pose, Sighting
 from app.live.record import TABLES
@@ -38,6 +38,8 @@ class Tick:
     injected: Pose | None
     wanted: dict[str, tuple[float, float]]
     sent: dict[str, tuple[float, float]]
+    companions: tuple[Companion, ...]
+    """The simulated cars as they were after it."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +52,15 @@ class Recorded:
     """Seconds since 1970."""
     began_on_the_clock: float
     """The same moment on the clock of `now`, s."""
+    tables: tuple[str, ...]
+    """Those that recordings of its format have."""
 
     def ticks(self) -> Iterator[Tick]:
         """The ticks in their order."""
-        tables = {name: Cursor(self.folder / f"{name}.parquet") for name in TABLES}
+        tables = {name: Cursor(self.folder / f"{name}.parquet") for name in self.tables}
         for row in rows(self.folder / "ticks.parquet"):
-            yield tick_of(row, {name: cursor.take(row["tick"]) for name, cursor in tables.items()})
+            taken = {name: cursor.take(row["tick"]) for name, cursor in tables.items()}
+            yield tick_of(row, {"companions": [], **taken})
 
     def events(self) -> list[Row]:
         """All that happened."""
@@ -77,9 +82,12 @@ class Replayed:
 def read(folder: str | Path) -> Recorded:
     """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
     folder = Path(folder)
-    metas = [meta_of(folder / f"{name}.parquet") for name in TABLES]
-    lab = lab_from_toml(metas[0]["laboratory"], str(folder))
-    return Recorded(folder, lab, metas[0]["began"], metas[0]["began_on_the_clock"])
+    meta = meta_of(folder / "ticks.parquet")
+    tables = tuple(name for name in TABLES if meta["format"] > 1 or name != "companions")
+    for name in tables:
+        meta_of(folder / f"{name}.parquet")
+    lab = lab_from_toml(meta["laboratory"], str(folder))
+    return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables)
 
 
 def meta_of(path: Path) -> dict[str, Any]:
@@ -142,6 +150,10 @@ def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
             if one["wanted_steer"] is not None
         },
         {one["name"]: (one["steer"], one["throttle"]) for one in belongs["commands"]},
+        tuple(
+            Companion(one["name"], Pose(one["x"], one["y"], one["yaw"]), one["steer"])
+            for one in belongs["companions"]
+        ),
     )
 
 
@@ -208,9 +220,19 @@ def difference(tick: Tick, step: Step) -> str:
         for name in then:
             if bits(then[name]) != bits(now[name]):
                 return f"{what} for {name}: {now[name]} instead of {then[name]}"
+    if len(tick.companions) != len(step.companions):
+        return f"{len(step.companions)} simulated cars instead of {len(tick.companions)}"
+    for before, made in zip(tick.companions, step.companions, strict=True):
+        if before.name != made.name or bits(numbers(before)) != bits(numbers(made)):
+            return f"{made} instead of {before}"
     return ""
 
 
-def bits(command: tuple[float, float]) -> bytes:
-    """A command to the bit, so that 0 and -0 differ and NaN equals itself."""
-    return struct.pack("<dd", *command)
+def numbers(companion: Companion) -> tuple[float, ...]:
+    """x, y, yaw and steering of a simulated car."""
+    return companion.pose.x, companion.pose.y, companion.pose.yaw, companion.steer
+
+
+def bits(values: Sequence[float]) -> bytes:
+    """Numbers to the bit, so that 0 and -0 differ and NaN equals itself."""
+    return struct.pack(f"<{len(values)}d", *values)

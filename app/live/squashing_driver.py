@@ -2,7 +2,8 @@
 
 It keeps a flock of the laboratory's cars. Each tick it puts them where they were seen, lets the
 flock tick once, and reads off what the flock's computer would send to its cars. What the flock then
-makes of its cars' places is thrown away: the next tick brings the true ones.
+makes of its cars' places is thrown away: the next tick brings the true ones. Simulated cars beside
+them are further rows of the same flock, which stay where it brings them.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from agents.bodies import car
 from agents.bodies.car import driving
-from agents.bodies.car_signals import SIGNALS
+from agents.bodies.car_signals import FRESH, PACE, SIGNALS, STEERING, STUCK
 from agents.bodies.tracking import Tracking
 from agents.catalogue import MODELS
 from agents.declare import Rule, checked
@@ -25,7 +26,8 @@ from agents.motion import Motion
 from agents.rows import begun
 from agents.rules.squashing import SQUASHING
 from agents.start import Start
-from app.live.ends import Ends, open_ends
+from app.live.companions import begins, demand_allowed, named, resized
+from app.live.driver import Companion
 from app.live.lab import Lab
 from app.live.pose import Pose, Sighting
 from worlds.mission import Goal, Mission
@@ -41,23 +43,26 @@ NOT_SIMULATED = {
     "contact": "stops",
 }
 """What a real room has of its own and its rule therefore may not be told, and what the flock that
-decides takes for it; a tick lasts as long as the loop's."""
+decides takes for it, which goes for simulated cars too; a tick lasts as long as the loop's."""
+AT_ONCE = {"latency": 0.0, "hop": 0.0}
+"""The radio of simulated cars, unless the laboratory says otherwise; real ones have their own."""
 OVER = 10
 """Ticks over which the speed of a car is measured: noise of 0.5 mm then makes 7 mm/s."""
 CARS = (car.BODY.name, car.STEERED.name)
 ON_WHEELS = "-cars"
 """Behind a rule's name: the model of cars that go by it."""
-WHEEL, THROTTLE, PACE = (SIGNALS.index(one) for one in ("wheel sent 1", "throttle sent 1", "pace"))
+WHEEL, THROTTLE = (SIGNALS.index(one) for one in ("wheel sent 1", "throttle sent 1"))
 """Among the body's signals."""
 
 
 class FlockDriver(Motion):
-    """A driver by a rule of the catalogue; see `app.live.driver.Driver` and `Tunable`.
+    """A driver by a rule of the catalogue; see `app.live.driver`: `Tunable`, `Accompanied`.
 
     Raises Refusal if the rule is unknown or cannot drive cars, or for its parameters.
     """
 
     def __init__(self, lab: Lab):
+        self.lab = lab
         self.names = sorted(lab.cars)
         self.model = model_for(lab.rule)
         self.world = room(lab)
@@ -66,11 +71,15 @@ class FlockDriver(Motion):
         self._acted = set()
         self.fixed = NOT_SIMULATED | {"dt": 1.0 / lab.rate}
         fastest = max(one.speed for one in lab.cars.values())
-        self.parameters = self.agreed({"v_max": fastest} | dict(lab.parameters))
+        self.parameters = self.agreed({"v_max": fastest} | AT_ONCE | dict(lab.parameters))
         n = len(self.names)
         self.place = np.full((n, 2), np.nan)
         self.nose = np.tile((1.0, 0.0), (n, 1))
         self.past: list[deque[tuple[float, float, float]]] = [deque() for _ in self.names]
+        self.target: tuple[float, float] | None = None
+        """Where the injected car was last, m."""
+        self.wanted = lab.simulated.cars
+        """How many simulated cars there are to be; they begin once all real ones were seen."""
         self.first_signal = len(self.model.rule.signals)
         self.begin()
         self.warm()
@@ -112,27 +121,109 @@ class FlockDriver(Motion):
         self.law = self._make_law()
 
     def drive(
-        self, now: float, sightings: tuple[Sighting, ...], injected: Pose | None
+        self, now: float, sightings: tuple[Sighting, ...], injected: Pose | None, running: bool
     ) -> dict[str, tuple[float, float]]:
         """(steer, throttle) of every car that is seen, once all have been seen.
 
         Others hear a car that is not seen where it was last. No command for anybody while there
-        is an injected car in the laboratory that is not seen.
+        is an injected car in the laboratory that is not seen. Raises Refusal if there is no room
+        for the simulated cars to begin.
         """
         seen = [sighting.name for sighting in sightings if self.found(now, sighting)]
-        if np.isnan(self.place).any() or (injected is None and self.follows):
+        if injected is not None:
+            self.target = injected.x, injected.y
+        if not self.is_placed or (injected is None and self.follows):
+            self.stand()
             return {}
-        self.position[:], self.heading[:] = self.place, self.nose
-        self.speed[:] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
-        self._memory[self.first_signal + PACE] = self.speed
+        if self.wanted != self.simulated:
+            self.have(self.wanted)
+        n = len(self.names)
+        self.position[:n], self.heading[:n] = self.place, self.nose
+        self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
+        self.signal_row(PACE)[:n] = self.speed[:n]
         if injected is not None and self.follows:
             self.engine.ground.route[0, :2] = injected.x, injected.y
-        self.advance(1)
+        self.advance_once(running)
         most = math.radians(self.law.parameters.wheel_max)
-        steer = self._memory[self.first_signal + WHEEL] / most
-        throttle = self._memory[self.first_signal + THROTTLE]
+        steer = self.signal_row(WHEEL) / most
+        throttle = self.signal_row(THROTTLE)
         rows = [self.names.index(name) for name in seen]
         return {self.names[row]: (float(steer[row]), float(throttle[row])) for row in rows}
+
+    def advance_once(self, running: bool) -> None:
+        """Let the flock tick; while the cars do not run, simulated ones stay where they are."""
+        if running:
+            self.advance(1)
+            return
+        n = len(self.names)
+        own = self.position[n:], self.heading[n:], self._memory[:, n:]
+        before = [column.copy() for column in own]
+        self.advance(1)
+        for column, values in zip(own, before, strict=True):
+            column[:] = values
+        self.stand()
+        self.signal_row(STUCK)[:] = 0.0  # who does not get on because it may not is not stuck
+
+    def stand(self) -> None:
+        """Stop the simulated cars where they are."""
+        n = len(self.names)
+        self.speed[n:] = self.signal_row(PACE)[n:] = 0.0
+
+    def signal_row(self, which: int) -> np.ndarray:
+        """One of the body's signals of all cars, real ones first; a view."""
+        return self._memory[self.first_signal + which]
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is known where everybody is, or was last: each car and the injected one."""
+        return not np.isnan(self.place).any() and not (self.target is None and self.follows)
+
+    @property
+    def simulated(self) -> int:
+        """How many simulated cars there are."""
+        return len(self.ids) - len(self.names)
+
+    @property
+    def companions(self) -> tuple[Companion, ...]:
+        """The simulated cars as they are after the last tick."""
+        n = len(self.names)
+        wheels = (1.0 - self.signal_row(FRESH)) * self.signal_row(STEERING)
+        share = np.clip(wheels / math.radians(self.law.parameters.wheel_max), -1.0, 1.0)
+        return tuple(
+            Companion(named(number), Pose(x, y, math.atan2(uy, ux)), steer)
+            for number, ((x, y), (ux, uy), steer) in enumerate(
+                zip(
+                    self.position[n:].tolist(),
+                    self.heading[n:].tolist(),
+                    share[n:].tolist(),
+                    strict=True,
+                ),
+                1,
+            )
+        )
+
+    def accompany(self, count: int) -> None:
+        """Have so many simulated cars from now on: new ones begin where there is room, the last
+        ones leave first. Raises Refusal, and then changes nothing."""
+        demand_allowed(self.lab, count)
+        if self.is_placed:
+            self.have(count)
+        self.wanted = count
+
+    def have(self, count: int) -> None:
+        """Make it so many simulated cars. Raises Refusal if there is no room for them."""
+        n = len(self.names)
+        kept = n + min(count, self.simulated)
+        taken = [*self.place, *self.position[n:kept]]
+        if self.target is not None:
+            taken.append(self.target)
+        body = self.law.parameters
+        size = math.hypot(body.length, body.width)
+        more: list[Pose] = []
+        for number in range(kept - n + 1, count + 1):
+            more.append(begins(self.lab, number, taken, size))
+            taken.append((more[-1].x, more[-1].y))
+        self._use(resized(self.arrays, kept, more, self.model))
 
     @property
     def follows(self) -> bool:
@@ -201,8 +292,3 @@ def rules_by_name() -> dict[str, Rule]:
     for name, model in MODELS.items():
         found |= {model.rule.name: model.rule, name: model.rule}
     return found
-
-
-def open_driven(lab: Lab) -> Ends:
-    """The ends that the laboratory's file names, driven by its rule. Raises Refusal."""
-    return open_ends(lab, FlockDriver(lab))

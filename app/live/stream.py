@@ -29,19 +29,24 @@ class Stream:
         self.schema = pa.schema(fields, {KEY: json.dumps(meta).encode()})
         self.file = pa.OSFile(str(self.part), "wb")
         self.stream = pa.ipc.new_stream(self.file, self.schema)
-        self.file.flush()
+        # the schema comes before the first batch, and a table without rows is to be readable too
+        self.put([() for _ in fields])
 
     def write(self, rows: list[tuple]) -> None:
         """Append rows. Raises OSError."""
+        if rows:
+            self.put(list(zip(*rows, strict=True)))
+
+    def put(self, columns: list[tuple]) -> None:
+        """Append a batch of columns, and bring it to the disk. Raises OSError."""
         import pyarrow as pa
 
-        if rows:
-            arrays = [
-                pa.array(column, field.type, from_pandas=False)
-                for column, field in zip(zip(*rows, strict=True), self.schema, strict=True)
-            ]
-            self.stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self.schema))
-            self.file.flush()
+        arrays = [
+            pa.array(column, field.type, from_pandas=False)
+            for column, field in zip(columns, self.schema, strict=True)
+        ]
+        self.stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self.schema))
+        self.file.flush()
 
     def close(self) -> None:
         """End the stream. Raises OSError."""

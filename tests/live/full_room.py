@@ -9,11 +9,11 @@ import time
 
 from app.live.arm import Request
 from app.live.desk import Desk
+from app.live.driven import open_driven
 from app.live.emulated_cars import EmulatedCars, Terminal
 from app.live.emulated_plant import EmulatedPlant
 from app.live.firmware import Firmware
 from app.live.lab import lab_from_toml
-from app.live.squashing_driver import open_driven
 from live.natnet_emulator import Body, NatNetEmulator
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
@@ -86,8 +86,12 @@ class FullRoom:
         lab = lab_from_toml(text.format(source=source, link=terminal.link), "room")
         self.cars = EmulatedCars(self.firmware, self.plant, terminal, self.air)
         self.cars.__enter__()
-        self.desk = Desk(lab, open_driven, self.recording)
+        self.operate(lab)
         return self
+
+    def operate(self, lab):
+        """Open the desk."""
+        self.desk = Desk(lab, open_driven, self.recording)
 
     def __exit__(self, *_):
         self.desk.close()

@@ -50,7 +50,7 @@ class Steady:
 
     command: tuple[float, float] = (0.0, 1.0)
 
-    def drive(self, _now, sightings, _injected):
+    def drive(self, _now, sightings, _injected, _running):
         return {sighting.name: self.command for sighting in sightings}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import socket
@@ -184,6 +185,7 @@ def test_a_desk_that_hangs_does_not_hold_the_loop_up(other, cars):
         assert {command.mode for command in cars.heard[heard:]} == {RUN}
         numbers = [command.seq for command in cars.heard[heard:]]
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+        cars.listen(lambda: cars.mode() == STOP)  # for nobody could stop them there
     finally:
         os.kill(other.pid, signal.SIGCONT)
 
@@ -231,3 +233,57 @@ def test_a_recording_is_finished_when_the_desk_closes(cars, tmp_path):
     modes = [tick.mode for tick in recorded.ticks()]
     assert modes == sorted(modes)
     assert modes[-1] == RUN
+
+
+@pytest.fixture
+def software():
+    """The room of the tests in software, on a port that is known."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    text = LAB.replace('"mock:"', '"simulated"').replace('"dry"', f'"simulated?port={port}"')
+    one = Desk(lab(text), named)
+    one.port = port
+    yield one
+    one.close()
+
+
+def tracked(desk):
+    look = desk.look()
+    return look is not None and {car.tracking for car in look.cars} == {"tracked"}
+
+
+def taken(port):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return True
+        return False
+
+
+def test_a_room_in_software_is_seen_and_its_cars_obey(software):
+    wait_for(lambda: tracked(software))
+    assert taken(software.port)
+    begun = {car.name: car.pose for car in software.look().cars}
+    software.ask(Request("arm", "test"))
+    wait_for(lambda: software.look().mode == RUN)
+
+    def gone():
+        return [
+            math.hypot(car.pose.x - begun[car.name].x, car.pose.y - begun[car.name].y)
+            for car in software.look().cars
+        ]
+
+    wait_for(lambda: min(gone()) > 0.1)
+    software.close()
+    assert not taken(software.port)
+
+
+def test_a_room_in_software_is_seen_with_a_dry_link_too():
+    dry = Desk(lab(LAB.replace('"mock:"', '"simulated"')), named)
+    try:
+        wait_for(lambda: tracked(dry))
+        assert dry.look().troubles == {}
+    finally:
+        dry.close()

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from app.live.area import Area
 from app.live.injected import INJECTED
+from app.live.kinds import words_of
 from app.live.lab import lab_from_toml, read_lab
 from app.live.lab_lines import line_of
 from live.rooms import LAB, lab
@@ -171,6 +172,31 @@ REFUSED = [
     ('link = "dry"', "link = 3", "link = 3 is not allowed: input should be a valid string", 3),
     ('link = "dry"', 'link = ""', "link = '' is not allowed", None),
     ("[area]", "[area", "room.toml is not TOML", None),
+    (
+        '"mock:"',
+        '"simulated:here"',
+        "source = 'simulated:here' is of software and has no place: simulated",
+        2,
+    ),
+    (
+        'source = "mock:"\nlink = "dry"',
+        'source = "simulated"\nlink = "udp:127.0.0.1:5005"',
+        "source = 'simulated' needs link = 'simulated' or 'dry', not 'udp:127.0.0.1:5005'",
+        3,
+    ),
+    ('"dry"', '"simulated"', "link = 'simulated' needs source = 'simulated', not 'mock:'", 3),
+    (
+        'source = "mock:"\nlink = "dry"',
+        'source = "simulated"\nlink = "simulated?port=65536"',
+        "port = 65536 is outside [0, 65535] (link 'simulated?port=65536')",
+        3,
+    ),
+    (
+        'source = "mock:"\nlink = "dry"',
+        'source = "simulated"\nlink = "simulated:here"',
+        "the link 'simulated:here' leads to the room in software: write simulated",
+        3,
+    ),
 ]
 """What stands in the file, what is put in its place, what is said, of which line (0: none)."""
 
@@ -185,6 +211,55 @@ def test_what_is_wrong_is_refused_in_one_line_with_its_place(old, new, says, lin
     assert "\n" not in told
     if line is not None:
         assert told == f"{says} (room.toml{f', line {line}' if line else ''})"
+
+
+CHOICES_REFUSED = [
+    ("sources", '"" = "mock:"', "nothing can be called ''", 2),
+    ("sources", '"a\\nb" = "mock:"', "nothing can be called 'a\\nb'", 2),
+    ("sources", '"Emulated  cars" = "mock:"', "'Emulated  cars' cannot be told from", 2),
+    ("links", '"emulated cars" = "dry"', "'emulated cars' cannot be told from 'emulated cars'", 2),
+    ("links", '"Dry Run" = "udp:10.0.0.9:1"', "'Dry Run' cannot be told from 'dry run'", 2),
+    ("sources", '"mock:" = "mock:"', "'mock:' cannot be told from 'mock:'", 2),
+    ("sources", 'a = "mock:"\nA = "mock:"', "'A' cannot be told from 'a'", 3),
+    ("sources", 'a = "mocc:"', "unknown kind of source 'mocc': did you mean 'mock'? (known:", 2),
+    ("sources", 'a = "mock"', "source 'mock' is not of the form kind:place", 2),
+    ("sources", 'a = "simulated"', "'simulated' can be chosen anyway, as 'emulated cars'", 2),
+    ("sources", "a = 3", "sources.a = 3 is not allowed: input should be a valid string", 2),
+    ("links", 'a = "seriel:/dev/x"', "unknown link 'seriel': did you mean 'serial'? (known:", 2),
+    ("links", 'a = "serial:x?baud"', "'baud' is no option=value (link 'serial:x?baud')", 2),
+    ("links", 'a = "simulated?port=1"', "'simulated?port=1' can be chosen anyway, as", 2),
+]
+"""A table, what stands in it, what is said, of which of its lines (the first is its head)."""
+
+
+@pytest.mark.parametrize(("table", "entries", "says", "line"), CHOICES_REFUSED)
+def test_what_cannot_be_chosen_is_refused_with_its_line(table, entries, says, line):
+    at = LAB.splitlines().index("[area]")
+    with pytest.raises(Refusal) as refused:
+        lab(LAB.replace("[area]", f"[{table}]\n{entries}\n\n[area]"))
+    told = str(refused.value)
+    assert told.startswith(says)
+    assert told.endswith(f"(room.toml, line {at + line})")
+    assert "\n" not in told
+
+
+def test_a_body_cannot_be_the_injected_car_in_software():
+    software = LAB.replace('"mock:"', '"simulated"').replace('"dry"', '"simulated"')
+    assert lab(software).link == "simulated"
+    assert lab(software.replace('"circle"\nradius = 2.0', '"hand"')).injected.path == "hand"
+    with pytest.raises(Refusal) as refused:
+        lab(software.replace('path = "circle"\nradius = 2.0', 'path = "body"\nbody = "wand"'))
+    assert str(refused.value) == (
+        'injected.path = "body" cannot be emulated: use "circle", "hand" or "none" there '
+        "(room.toml, line 12)"
+    )
+
+
+def test_another_value_is_checked_as_those_of_the_file_are():
+    one = lab()
+    assert one.altered("here", rule="couzin-cars") == one.model_copy(update={"rule": "couzin-cars"})
+    with pytest.raises(Refusal, match=r"link = 'simulated' needs source .* \(here\)$"):
+        one.altered("here", link="simulated")
 
 
 def test_a_laboratory_without_cars_is_refused():
@@ -262,7 +337,7 @@ def test_what_is_clamped_is_within_the_fence_and_moved_no_further_than_needed(x,
     at = area.clamp(x, y)
     assert area.inside(*at) >= -1e-12
     if inside >= 0.0:
-        assert at == (x, y)
+        assert at == pytest.approx((x, y), abs=1e-12)
     else:
         assert max(abs(at[0] - x), abs(at[1] - y)) == pytest.approx(-inside, abs=1e-12)
 
@@ -274,7 +349,15 @@ def test_the_file_on_the_page_says_what_holds_without_it():
     assert shown.limits == lab().limits
     assert shown.area.fence == lab().area.fence
     assert shown.injected == lab().injected
+    assert shown.simulated == lab().simulated
+    assert shown.sources
+    assert shown.links
     for name in ("red", "blue"):
         rest = {"address": 0, "body": ""}
         one = shown.cars[name].model_dump() | rest
         assert one == lab().cars[name].model_dump() | rest
+
+
+def test_the_own_link_of_a_laboratory_is_called_by_its_file_alone():
+    own = lab(LAB.replace('"dry"', '"/home/ann/my_radio.py:/dev/ttyACM0"'))
+    assert words_of(own.link) == "my_radio.py:/dev/ttyACM0"

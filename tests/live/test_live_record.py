@@ -39,7 +39,7 @@ class Nervous:
         self.memory = 0.1
         self.gain = 0.3
 
-    def drive(self, now, sightings, injected):
+    def drive(self, now, sightings, injected, _running):
         told = {}
         for sighting in sightings:
             pose = sighting.pose
@@ -120,14 +120,14 @@ def make(_lab):
     return Nervous()
 
 
-def record(folder, ticks=600, seed=1, requests=None):
+def record(folder, ticks=600, seed=1, requests=None, text=LAB, make=make):
     """Record a run with faults; the loop."""
     requests = {5: ARM, 150: ARM, 300: ARM} if requests is None else requests
-    one = lab()
+    one = lab(text)
     clock, radio = Ticking(seed), open_link("dry")
-    with Recording(folder, LAB) as journal:
+    with Recording(folder, text) as journal:
         loop = Loop(
-            Control(one.safety(), Nervous()),
+            Control(one.safety(), make(one)),
             Wild(clock, radio, seed),
             radio,
             one.addresses,
@@ -287,6 +287,20 @@ def test_a_killed_recording_is_recovered_and_replays(tmp_path):
     assert replayed.ticks > 100
     with pytest.raises(Refusal, match="holds nothing to recover"):
         recover(folder)
+
+
+def test_a_kill_at_once_leaves_tables_without_rows(tmp_path):
+    folder = tmp_path / "run"
+    journal = Recording(folder, LAB)
+    journal.__enter__()
+    left = {part.name: part.read_bytes() for part in folder.iterdir()}  # as a kill would leave it
+    journal.__exit__()
+    for path in folder.iterdir():
+        path.unlink()
+    for name, content in left.items():
+        (folder / name).write_bytes(content)
+    assert recover(folder) == dict.fromkeys(TABLES, 0)
+    assert list(read(folder).ticks()) == []
 
 
 def test_a_recording_writes_over_nothing(tmp_path):

@@ -203,6 +203,28 @@ def test_an_emergency_stop_overtakes_every_other_request():
     assert radio.modes[:6] == [STOP, STOP, RUN, EMERGENCY, EMERGENCY, EMERGENCY]
 
 
+@pytest.mark.parametrize("before", [0, 3, 60])
+def test_what_was_asked_before_an_emergency_stop_does_not_undo_it(before):
+    loop, _, _ = loop_of()
+    loop.tick()
+    loop.ask(Request("emergency", "browser 1"))
+    loop.tick()
+    for _ in range(before):
+        loop.ask(Request("disarm", "browser 2"))
+    loop.ask(Request("reset", "browser 2"))
+    loop.ask(ARM)
+    loop.ask(Request("emergency", "browser 1"))
+    for _ in range(40):
+        loop.tick()
+    assert loop.control.safety.arm.state == "emergency"
+    refused = [one.words for one in loop.events.since(0)[1] if one.kind == "refused"]
+    assert refused == [f"{wish}: overtaken by an emergency stop" for wish in ("reset", "arm")]
+    loop.ask(Request("emergency", "browser 1"))
+    loop.ask(Request("reset", "browser 2"))
+    loop.tick()
+    assert loop.control.safety.arm.state == "safe"
+
+
 def test_a_source_that_falls_silent_stops_the_cars():
     loop, _, radio = loop_of()
     radio.then[1] = lambda: loop.ask(ARM)
@@ -235,6 +257,25 @@ def test_a_link_that_fails_takes_the_arming_away_once_more_if_armed_again():
     assert log.count(("link", "the radio is unplugged")) == 1
     assert log.count(("hold", "held: the radio is unplugged")) == 2
     assert log.count(("link", "the link works again")) == 1
+
+
+def test_a_desk_that_has_long_been_silent_takes_the_arming_away():
+    loop, clock, _ = loop_of()
+    loop.tick()
+    loop.ask(ARM)
+    loop.tick()
+    for silent in (1.9, 0.0, 1.9):
+        loop.attended = clock.now - silent
+        loop.tick()
+        assert loop.control.safety.arm.state == "armed"
+    loop.attended = clock.now - 2.1
+    loop.tick()
+    assert loop.control.safety.arm.state == "safe"
+    assert loop.events.since(0)[1][-1].words == "the cars stop"
+    held = [event for event in loop.events.since(0)[1] if event.kind == "hold"]
+    assert [(one.words, one.cause) for one in held] == [
+        ("held: the desk has been silent for 2 s", "desk")
+    ]
 
 
 def test_trouble_of_the_source_is_an_event():

@@ -191,7 +191,7 @@ class Broken:
         self.answer = answer
         self.good = True
 
-    def drive(self, _now, sightings, _injected):
+    def drive(self, _now, sightings, _injected, _running):
         if self.good:
             return {sighting.name: (0.0, 1.0) for sighting in sightings}
         if isinstance(self.answer, Exception):

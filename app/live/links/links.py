@@ -7,6 +7,7 @@ from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
 
+from app.live.kinds import FILE, SIMULATED, kind_of
 from app.live.links.chain import open_chain
 from app.live.links.dry import open_dry
 from app.live.links.link import CarLink
@@ -46,12 +47,23 @@ def open_link(text: str, folder: Path | None = None) -> CarLink:
     working directory if there is none. That runs the file: the text must come from the person who
     runs the laboratory, never from a browser. Raises Refusal.
     """
-    place = read_place(text)
-    if place.kind.endswith(".py"):
+    if kind_of(text) == SIMULATED:
+        raise Refusal(f"the link {text!r} has cars to reach only where a laboratory is opened")
+    place = known_link(text)
+    if place.kind.endswith(FILE):
         return opener_of((folder or Path()) / place.kind, text)(place)
-    if place.kind not in LINKS:
-        raise unknown("link", place.kind, LINKS, text)
     return LINKS[place.kind](place)
+
+
+def known_link(text: str) -> Place:
+    """The parts of a text. Raises Refusal if it is none of a link, or there is no such kind.
+
+    The kind `simulated` is opened together with its source, by `app.live.emulated_ends`.
+    """
+    place = read_place(text)
+    if place.kind not in LINKS and not place.kind.endswith(FILE):
+        raise unknown("link", place.kind, (*LINKS, SIMULATED), text)
+    return place
 
 
 def opener_of(file: Path, text: str) -> Opener:

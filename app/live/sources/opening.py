@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from app.live.kinds import SIMULATED, kind_of
 from app.live.sources import mocap, recorded
 from app.live.sources.address import Address, parsed
 from app.live.sources.source import Source
-from worlds.refusal import unknown
+from worlds.refusal import Refusal, unknown
 
 OPENERS: dict[str, Callable[[Address], Source]] = {
     "vicon": mocap.opened,
@@ -24,7 +25,18 @@ def open_source(text: str) -> Source:
 
     Raises Refusal in one line if there is no such kind, option or file, or its package is missing.
     """
+    if kind_of(text) == SIMULATED:
+        raise Refusal(f"source {text!r} has cars to show only where a laboratory is opened")
+    address = known_source(text)
+    return OPENERS[address.kind](address)
+
+
+def known_source(text: str) -> Address:
+    """The parts of a text. Raises Refusal if it is none of a source, or there is no such kind.
+
+    The kind `simulated` is opened together with its link, by `app.live.emulated_ends`.
+    """
     address = parsed(text)
     if address.kind not in OPENERS:
-        raise unknown("kind of source", address.kind, OPENERS, text)
-    return OPENERS[address.kind](address)
+        raise unknown("kind of source", address.kind, (*OPENERS, SIMULATED), text)
+    return address

@@ -1,0 +1,86 @@
+"""`flockscope live lab`: a laboratory of real or emulated cars in the browser."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from app.live.lab import Lab
+
+OURS = ("127.0.0.1", "localhost", "::1")
+"""Addresses that nobody else in the network reaches."""
+
+
+def lab(
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="The laboratory's file; without one, an example with emulated cars."),
+    ] = None,
+    source: Annotated[
+        str | None,
+        typer.Option(help="Another source: one that the file names, or `emulated cars`."),
+    ] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(help="Record each opening of the room in a new folder in this one."),
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on.")] = 8080,
+    host: Annotated[
+        str, typer.Option(help="Address to serve on; 0.0.0.0 lets the whole network in.")
+    ] = "127.0.0.1",
+    open_browser: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the browser.")
+    ] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print no events.")] = False,
+) -> None:
+    """Open a laboratory of cars in the browser. Nothing moves before it is armed.
+
+    Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
+    other key is the emergency stop, r resets it, d disarms, q leaves.
+    """
+    from app.cli.live_file import laboratory
+    from app.live.choices import known, sources
+    from app.live.example import example
+    from app.live.kinds import SIMULATED
+
+    if file is None:
+        found = example()
+        source = source or next(word for word, text in sources(found).items() if text == SIMULATED)
+    else:
+        found = laboratory(file)
+    if source is not None:
+        known("source", source, sources(found))
+    serve(found, host, port, source, record, open_browser, quiet)
+
+
+def serve(
+    lab: Lab,
+    host: str,
+    port: int,
+    source: str | None,
+    record: Path | None,
+    open_browser: bool,
+    quiet: bool,
+) -> None:
+    """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
+    from app.cli.live_console import Console
+    from app.cli.stopping import Stopping
+    from app.viewer.live.page import LivePage
+
+    with Stopping() as stopping:
+        page = LivePage(lab, host, port, source, record)
+        try:
+            typer.echo(f"flockscope is at {page.address} (q or Ctrl-C stops the cars and leaves)")
+            if host not in OURS:
+                typer.echo(
+                    f"warning: --host {host} lets anyone in the network drive the cars", err=True
+                )
+            if open_browser:
+                webbrowser.open(page.address)
+            Console(page.room, stopping, not quiet).operate()
+        finally:
+            page.close()

@@ -1,0 +1,74 @@
+"""The texts that name a source or a link: their kinds, and what they are called where one chooses.
+
+A text is `kind:place?option=value`. One that begins with `simulated` names the room in software,
+whose source and link go together; `app.live.emulated_ends` opens it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from app.live.links.place import read_place
+from worlds.refusal import Refusal
+
+SIMULATED = "simulated"
+"""The text of the source of a room in software, and the kind of the link to its cars."""
+DRY = "dry"
+"""The kind of the link that leads nowhere, and its text."""
+CALLED = {SIMULATED: "emulated cars", DRY: "dry run"}
+"""What is always there to choose: a text, and its words."""
+FILE = ".py"
+"""How the kind of a link ends that is a Python file."""
+
+
+def kind_of(text: str) -> str:
+    """The kind that a text begins with.
+
+    >>> kind_of("serial:/dev/ttyUSB0?baud=57600"), kind_of("simulated?port=5005")
+    ('serial', 'simulated')
+    """
+    return text.partition("?")[0].partition(":")[0]
+
+
+def words_of(text: str) -> str:
+    """What the source or the link of a laboratory's file is called where one chooses.
+
+    >>> words_of("optitrack:192.168.1.5?up=y"), words_of("/home/ann/my_radio.py:/dev/ttyACM0")
+    ('optitrack:192.168.1.5?up=y', 'my_radio.py:/dev/ttyACM0')
+    """
+    kind = kind_of(text)
+    if kind == SIMULATED:
+        return CALLED[SIMULATED]
+    if kind.endswith(FILE):
+        return Path(kind).name + text.removeprefix(kind)
+    return CALLED.get(text, text)
+
+
+def same(one: str, other: str) -> bool:
+    """Whether people would take two names for one: capitals and spaces do not tell them apart.
+
+    >>> same("Second  room", "second room "), same("room 1", "room 2")
+    (True, False)
+    """
+    return one.casefold().split() == other.casefold().split()
+
+
+def demand_name(name: str, others: Iterable[str]) -> None:
+    """Refuse a name that cannot be read, or that is like one of the others."""
+    if not name.strip() or not name.isprintable():
+        raise Refusal(f"nothing can be called {name!r}")
+    for other in others:
+        if same(name, other):
+            raise Refusal(f"{name!r} cannot be told from {other!r}")
+
+
+def port_of(link: str) -> int:
+    """The UDP port that the cars of a room in software hear, `simulated?port=5005`; 0: any.
+
+    Raises Refusal if the text says anything else.
+    """
+    place = read_place(link)
+    if place.where:
+        raise Refusal(f"the link {link!r} leads to the room in software: write {SIMULATED}")
+    return place.whole(port=(0, 0, 65535))["port"]

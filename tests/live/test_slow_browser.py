@@ -1,0 +1,195 @@
+"""A browser that takes nothing, one that is stopped, and a page that is killed.
+
+The control loop keeps its time, another browser's emergency stop comes through, and without the
+page the cars stop.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+from contextlib import suppress
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+
+from app.live.example import example
+from app.viewer.live.page import LivePage
+from tests.browser.conftest import ARGUMENTS, CHROMIUM
+from tests.live.served_room import ServedRoom, descendants, is_there
+from tests.live.stand_in import StandIn
+from tests.live.waiting import until
+
+BEGINS = 240.0
+"""Seconds that a room may take to open: its rule is compiled, by a machine that may be busy."""
+SOON = 20.0
+WATCHED = 3.0
+"""Seconds for which the loop is watched."""
+SLOWER = 0.6
+"""Share of its usual ticks that the loop may come down to, on a machine that others use too."""
+AT_ONCE = 8.0
+"""Seconds within which an emergency stop is in the loop, on a machine that is very busy."""
+LITTLE = 4096
+"""Bytes of the buffers between the page and the browser that takes nothing."""
+LATEST, FURTHEST = 2.5, 0.75
+"""Seconds until the cars stand, and metres that they come meanwhile."""
+
+
+@pytest.fixture(scope="module")
+def page():
+    one = LivePage(example(), port=0, source="emulated cars")
+    try:
+        until(lambda: one.room.look is not None and one.room.state.status == "open", BEGINS)
+        until(lambda: not one.room.look.reasons, BEGINS)
+        yield one
+    finally:
+        one.close()
+
+
+@pytest.fixture
+def operator(page):
+    """A browser that works; the cars are driving, armed by it."""
+    with StandIn(page.server.get_port()) as browser:
+        arm(page, browser)
+        browser.usual, _ = pace(page)
+        yield browser
+        browser.stop()
+        until(lambda: page.room.look.arm == "emergency", SOON)
+        browser.press("Reset the emergency stop")
+        until(lambda: page.room.look.arm == "safe", SOON)
+
+
+def arm(page, browser):
+    """Arm, again where a busy machine had the cars held, until they drive."""
+
+    def drives():
+        if page.room.look.arm == "safe" and not page.room.look.reasons:
+            browser.arm()
+            time.sleep(0.2)
+        return page.room.frame.speed.min() > 0.3
+
+    until(drives, BEGINS)
+
+
+def pace(page):
+    """Ticks per second of the loop's own clock, and of this machine's."""
+    before, began = page.room.look, time.monotonic()
+    time.sleep(WATCHED)
+    look, took = page.room.look, time.monotonic() - began
+    ticks = look.tick - before.tick
+    return ticks / (look.time - before.time), ticks / took
+
+
+def keeps_its_time(page, usual):
+    """The loop ticks as before, which a machine that is busy lets it, and the cars go on."""
+    places = page.room.frame.position
+    ticks, seen = pace(page)
+    look = page.room.look
+    assert look.period.median == pytest.approx(0.01, abs=0.002)
+    assert ticks > SLOWER * usual
+    assert seen > SLOWER * usual
+    if look.arm == "armed":  # a machine that is very busy may have held them
+        assert abs(page.room.frame.position - places).sum(axis=1).min() > 0.1
+
+
+def stopped_within(page, browser):
+    """Seconds from pressing the emergency stop until the loop has it."""
+    began = time.monotonic()
+    browser.stop()
+    until(lambda: page.room.look.arm == "emergency", SOON)
+    return time.monotonic() - began
+
+
+def clog(page, before):
+    """Make the way to the newest browser narrow, and wait until it is full."""
+    until(lambda: len(page.server._websock_server._live_connections) > before, SOON)
+    line = list(page.server._websock_server._live_connections.values())[-1]
+    line.transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, LITTLE)
+    full = line.transport.get_write_buffer_limits()[1]
+    until(lambda: line.transport.get_write_buffer_size() > full, SOON)
+    return line
+
+
+def test_a_browser_that_takes_nothing_holds_nobody_up(page, operator):
+    count = len(page.server._websock_server._live_connections)
+    with StandIn(page.server.get_port(), reads=False):
+        line = clog(page, count)
+        drawn = page.drawing.drawn[0]
+        keeps_its_time(page, operator.usual)
+        assert page.drawing.drawn[0] is not drawn
+        assert line.transport.get_write_buffer_size() > 0
+        assert stopped_within(page, operator) < AT_ONCE
+
+
+@pytest.fixture
+def flood(page, operator):
+    """A browser that moves a slider to and fro as fast as it can."""
+    slider = operator.found("β")
+    over = threading.Event()
+
+    def pour():
+        with StandIn(page.server.get_port(), reads=False) as browser, suppress(ConnectionClosed):
+            for value in itertools.cycle((2.0, 2.1)):
+                browser.say(type="GuiUpdateMessage", uuid=slider, updates={"value": value})
+                if over.is_set():
+                    return
+
+    thread = threading.Thread(target=pour, daemon=True)
+    thread.start()
+    yield
+    over.set()
+    thread.join(SOON)
+
+
+@pytest.mark.usefixtures("flood")
+def test_a_browser_that_never_stops_asking_holds_nobody_up(page, operator):
+    events = len(page.room.events)
+    keeps_its_time(page, operator.usual)
+    assert any(event.kind == "tune" for event in page.room.events[events:])
+    assert stopped_within(page, operator) < AT_ONCE
+
+
+@pytest.fixture
+def chromium(page):
+    """A real browser on the page, in a session of its own, which can be stopped as a whole."""
+    if CHROMIUM is None or shutil.which(CHROMIUM) is None:
+        pytest.skip("no chromium: install it to run this test")
+    count = page.browsers()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        asked = [CHROMIUM, *ARGUMENTS, "--headless=new", f"--user-data-dir={folder}", page.address]
+        silent = subprocess.DEVNULL
+        process = subprocess.Popen(asked, start_new_session=True, stdout=silent, stderr=silent)
+        try:
+            until(lambda: page.browsers() > count, 60.0)
+            yield process
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+def test_a_browser_that_is_stopped_holds_nobody_up(page, operator, chromium):
+    os.killpg(chromium.pid, signal.SIGSTOP)
+    keeps_its_time(page, operator.usual)
+    assert stopped_within(page, operator) < AT_ONCE
+
+
+def test_a_page_that_is_killed_stops_the_cars():
+    pytest.importorskip("motioncapture")
+    pytest.importorskip("serial")
+    with ServedRoom("red", "blue") as room:
+        room.run()
+        others = descendants(room.process.pid)
+        assert others
+        room.process.kill()
+        seconds, metres = room.stops()
+        assert seconds < LATEST
+        assert metres < FURTHEST
+        until(lambda: not any(map(is_there, others)), SOON)
+        assert room.states() <= {"stopped", "lost"}
