@@ -9,6 +9,7 @@ import numpy as np
 from agents.crashes import Crashes
 from agents.inspection import Inspection
 from app.viewer.cars import Cars
+from app.viewer.live.live import Live
 from worlds.world import World
 
 
@@ -71,6 +72,8 @@ class Frame:
     """(N,) share of its induced drag that each saves, NaN unknown; None: it is not measured."""
     cars: Cars | None = None
     """Of agents that are cars; None for any others."""
+    live: Live | None = None
+    """Of a room with real cars; None for a simulation."""
     title: str = ""
     """What its model is called, if there is another flock beside it."""
     beside: Frame | None = None

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import viser
 
@@ -22,22 +20,19 @@ from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.plots import Plots
 from app.viewer.panels.run import RunPanel
 from app.viewer.panels.setup import SetupPanel
-from app.viewer.panels.style import CSS
 from app.viewer.panels.view import ViewPanel
 from app.viewer.panels.world import WorldPanel
 from app.viewer.picture import Wanted
 from app.viewer.readings import Readings
 from app.viewer.scene import COLOURINGS, Look, Scene
 from app.viewer.server import close_server, open_server
+from app.viewer.shell import address, dock, dress, settle
 from app.viewer.simulation import Simulation
 from app.viewer.start import Start, lively_speed
 from app.viewer.state import State
 from app.viewer.steering import leader, usable_pose
 from app.viewer.uploads import accept_uploads
 from app.viewer.values import show
-
-SETTLING = 5.0
-"""Time in which a new browser's canvas finds its shape, s."""
 
 
 class Laboratory:
@@ -73,8 +68,7 @@ class Laboratory:
     @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        host = "localhost" if self.host in ("0.0.0.0", "::", "127.0.0.1") else self.host
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.server.get_port()}"
+        return address(self.server, self.host)
 
     def close(self) -> None:
         """Stop drawing, running and serving."""
@@ -85,14 +79,7 @@ class Laboratory:
     def furnish(self) -> None:
         """Build the panels."""
         gui = self.server.gui
-        gui.configure_theme(
-            control_width="large",
-            show_logo=False,
-            show_share_button=False,
-            brand_color=(28, 126, 214),
-        )
-        gui.set_panel_label("flockscope")
-        gui.add_html(CSS)
+        dress(gui, "flockscope")
         state = self.simulation.state
         run_place = gui.add_folder(None)
         tabs = gui.add_tab_group()
@@ -116,10 +103,7 @@ class Laboratory:
             self.plots = Plots(gui)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
-        left.dock_left()
-        left.set_width(310)
-        gui.main_panel.dock_right()
-        gui.main_panel.set_width(330)
+        dock(gui, left)
         self.guide = Guide()
         self.inspector = Inspector(gui, lambda: self.select(None))
 
@@ -203,18 +187,14 @@ class Laboratory:
 
     async def settle(self, client: viser.ClientHandle) -> None:
         """Point a new browser's camera again when its panels have taken their places."""
-        connected, shape = time.monotonic(), client.camera.aspect
 
-        async def reshaped(camera: viser.CameraHandle) -> None:
-            nonlocal shape
+        def point() -> bool:
             frame = self.simulation.frame
-            new = camera.image_width / max(1, camera.image_height)
-            if frame is None or time.monotonic() > connected + SETTLING or abs(new - shape) < 0.02:
-                return
-            shape = new
-            self.point(client, "top-down" if frame.dim == 2 else "perspective")
+            if frame is not None:
+                self.point(client, "top-down" if frame.dim == 2 else "perspective")
+            return frame is not None
 
-        client.camera.on_update(reshaped)
+        settle(client, point)
 
     def steer(self, position: np.ndarray, heading: np.ndarray) -> None:
         """Put the information agent where it was dragged, within the world."""

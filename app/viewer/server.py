@@ -21,8 +21,9 @@ from viser import _messages as messages
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from app.viewer.allowance import Allowance
 from app.viewer.origin import trusted
-from app.viewer.values import UnusableError, usable
+from app.viewer.values import UnusableError, is_pose, usable
 from worlds.refusal import Refusal
 
 UNWANTED = (
@@ -99,14 +100,17 @@ def refused(request: Request) -> Response | None:
 
 
 def guard(gui: viser.GuiApi) -> None:
-    """Clamp what browsers send to controls before viser, callbacks and other browsers see it."""
+    """Clamp what browsers send before viser, callbacks and other browsers see it."""
     accept = gui._handle_gui_updates
+    allowance = Allowance()
 
     async def accept_usable(client_id: Any, message: messages.GuiUpdateMessage) -> None:
         if not isinstance(message.uuid, str) or not isinstance(message.updates, dict):
             return
         control = gui._gui_input_handle_from_uuid.get(message.uuid)
         if control is None or set(message.updates) != {"value"}:
+            return
+        if not isinstance(control, viser.GuiButtonHandle) and not allowance.has(client_id):
             return
         sent = message.updates["value"]
         try:
@@ -121,8 +125,24 @@ def guard(gui: viser.GuiApi) -> None:
 
     gui._websock_interface.unregister_handler(messages.GuiUpdateMessage)
     gui._websock_interface.register_handler(messages.GuiUpdateMessage, accept_usable)
+    guard_drags(gui._websock_interface)
+
+
+def guard_drags(line: Any) -> None:
+    """Drop drags that lead nowhere: viser keeps what is sent, and nobody could draw it again."""
+    kind = messages.TransformControlsUpdateMessage
+    handlers = tuple(line._incoming_handlers[kind])
+    allowance = Allowance()
+
+    async def accept_usable(client_id: Any, message: messages.TransformControlsUpdateMessage):
+        if allowance.has(client_id) and is_pose(message.position, message.wxyz):
+            for handler in handlers:
+                await handler(client_id, message)
+
+    line.unregister_handler(kind)
+    line.register_handler(kind, accept_usable)
 
 
 async def guard_client(client: viser.ClientHandle) -> None:
-    """Guard the controls that only one browser has."""
+    """Guard the controls and handles that only one browser has."""
     guard(client.gui)

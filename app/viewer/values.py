@@ -41,6 +41,21 @@ def one_of(value: Any, choices: tuple[str, ...]) -> str:
     return value
 
 
+def is_pose(position: Any, wxyz: Any) -> bool:
+    """Whether a browser has dragged something to a place, with an attitude.
+
+    >>> is_pose((1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)), is_pose((1.0, 2.0), (1.0, 0.0, 0.0, 0.0))
+    (True, False)
+    """
+    try:
+        place, attitude = [float(x) for x in position], [float(x) for x in wxyz]
+    except (TypeError, ValueError, OverflowError):
+        return False
+    if len(place) != 3 or len(attitude) != 4:
+        return False
+    return all(map(math.isfinite, place)) and 1e-6 < math.hypot(*attitude) < math.inf
+
+
 def usable(control: Any, value: Any) -> Any:
     """The value that a control may take when a browser sends `value`. Raises UnusableError."""
     if getattr(control, "disabled", False):

@@ -41,7 +41,7 @@ def absent(what: str) -> None:
     pytest.skip(f"no {what}: install it to run the browser tests")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def chromium():
     """One running browser."""
     try:
@@ -56,7 +56,7 @@ def chromium():
         browser.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def served(chromium):
     """A laboratory on a port of its own."""
     assert chromium.is_connected()
@@ -65,10 +65,12 @@ def served(chromium):
     laboratory.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def shared_window(chromium, served):
-    """A browser window that has loaded the laboratory."""
-    return Window(chromium.new_page(viewport={"width": 1280, "height": 800}), served)
+    """A browser window that has loaded the laboratory; closed, since a picture costs a core."""
+    page = chromium.new_page(viewport={"width": 1280, "height": 800})
+    yield Window(page, served)
+    page.close()
 
 
 def refill(fields) -> None:

@@ -18,8 +18,8 @@ class Window:
     def __init__(self, page: Any, laboratory: Laboratory):
         self.page = page
         page.goto(laboratory.address)
-        page.locator(".fs-card").first.wait_for(timeout=30_000)
-        until(self.shows_a_flock, 30, "a flock on the screen")
+        page.locator(".fs-card").first.wait_for(timeout=90_000)
+        until(self.shows_a_flock, 90, "a flock on the screen")
 
     def card(self, name: str) -> str:
         """What a monitor says."""

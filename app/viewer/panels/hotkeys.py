@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import viser
@@ -30,13 +30,17 @@ KEYS = {
 """Key -> what it does; every one has an action in some call of `add_hotkeys`."""
 
 
-def add_hotkeys(gui: viser.GuiApi, actions: dict[str, Callable[[viser.ClientHandle], Any]]) -> None:
-    """Give keys of KEYS actions, which take the browser where they were pressed.
+def add_hotkeys(
+    gui: viser.GuiApi,
+    actions: dict[str, Callable[[viser.ClientHandle], Any]],
+    keys: Mapping[str, str] = KEYS,
+) -> None:
+    """Give keys actions, which take the browser where they were pressed.
 
-    A key may have several actions.
+    A key may have several actions; `keys` say what each does.
     """
     for key, action in actions.items():
-        command: Any = gui.add_command(KEYS[key], hotkey=key)  # type: ignore[arg-type]
+        command: Any = gui.add_command(keys[key], hotkey=key)  # type: ignore[arg-type]
         command.on_trigger(triggered(action))
 
 

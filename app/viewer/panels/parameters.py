@@ -82,15 +82,7 @@ class ParametersPanel:
 
     def control(self, one: Declared, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
-        label, hint = worded(one)
-        made: Any
-        if one.kind == "switch":
-            made = self.gui.add_checkbox(label, bool(value), hint=hint)
-        elif one.kind == "choice":
-            made = self.gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
-        else:
-            made = self.slider(one, label, hint, value)
-
+        made = add_control(self.gui, one, value)
         models = self.models
 
         async def changed(event: viser.GuiEvent) -> None:
@@ -108,15 +100,19 @@ class ParametersPanel:
         made.on_update(changed)
         return made
 
-    def slider(self, one: Declared, label: str, hint: str, value: Any) -> Any:
-        """A slider over the declared range."""
-        assert one.low is not None
-        assert one.high is not None
-        kind = int if isinstance(one.default, int) else float
-        step = one.step or (1 if kind is int else (one.high - one.low) / 200)
-        return self.gui.add_slider(
-            label, kind(one.low), kind(one.high), kind(step), kind(value), hint=hint
-        )
+
+def add_control(gui: viser.GuiApi, one: Declared, value: Any) -> Any:
+    """A switch, a choice, or a slider over the declared range, for one parameter."""
+    label, hint = worded(one)
+    if one.kind == "switch":
+        return gui.add_checkbox(label, bool(value), hint=hint)
+    if one.kind == "choice":
+        return gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
+    assert one.low is not None
+    assert one.high is not None
+    kind = int if isinstance(one.default, int) else float
+    step = one.step or (1 if kind is int else (one.high - one.low) / 200)
+    return gui.add_slider(label, kind(one.low), kind(one.high), kind(step), kind(value), hint=hint)
 
 
 def sides(model: Model, own: list[Declared]) -> tuple[list[Declared], list[Declared]]:

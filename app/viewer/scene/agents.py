@@ -9,6 +9,7 @@ from app.viewer.scene import tone
 from app.viewer.scene.birds import Birds
 from app.viewer.scene.fleet import Fleet
 from app.viewer.scene.flight import Flight
+from app.viewer.scene.ghosts import Ghosts
 from app.viewer.scene.picture import (
     FEW_LEADERS,
     POINTS_BEYOND,
@@ -28,6 +29,7 @@ class Agents:
     def __init__(self, scene: SceneApi, root: str, flight: Flight) -> None:
         self._birds = Birds(scene, root, flight)
         self._fleet = Fleet(scene, root)
+        self._ghosts = Ghosts(scene, root)
         nowhere, level = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
         self._darts = scene.add_batched_meshes_simple(
             f"{root}/flock/darts",
@@ -58,6 +60,7 @@ class Agents:
             *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
             *self._birds.draw(picture, rows if picture.as_birds else nobody),
             *self._fleet.draw(picture, rows if picture.as_cars else nobody),
+            *self._ghosts.draw(picture),
             *(self._draw_points(picture) if as_points else []),
             (self._points, "visible", as_points),
         ]

@@ -69,6 +69,17 @@ def cabin() -> Mesh:
     return _tube(np.array(rings))
 
 
+def outline() -> np.ndarray:
+    """The edges of the hull and of the roof as line segments (K, 2, 3)."""
+    vertices, _ = hull()
+    rings = vertices.reshape(-1, 4, 3)
+    body, roof = rings[: len(HULL)], rings[len(HULL) :, 2:].reshape(4, 3)
+    along = np.stack([body[:-1], body[1:]], axis=2).reshape(-1, 2, 3)
+    ends = body[[0, -1]]
+    across = np.stack([ends, np.roll(ends, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+    return np.concatenate([along, across, np.stack([roof, roof[[1, 3, 0, 2]]], axis=1)])
+
+
 def wheel() -> Mesh:
     """A drum that rolls along x."""
     turn = 2.0 * np.pi * np.arange(FACETS) / FACETS

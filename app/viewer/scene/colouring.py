@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.viewer.frame import Frame
+from app.viewer.live.live import SIMULATED
 from app.viewer.scene import palette
 from app.viewer.scene.look import Look
 
@@ -34,6 +35,10 @@ def _colours(frame: Frame, look: Look) -> np.ndarray:
             return _known(frame.layer, palette.by_layer, count)
         case "group":
             return _known(frame.group, palette.by_group, count)
+        case "state" if frame.live is not None:
+            return palette.by_state(frame.live.states)
+        case "state":
+            return np.tile(palette.UNKNOWN, (count, 1))
         case "energy saved":
             return _known(frame.saved, lambda saved: palette.by_saving(saved, MOST_SAVED), count)
     return np.tile(palette.PLAIN, (count, 1))
@@ -68,6 +73,8 @@ def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
             return _group_legend(frame) + leader
         case "energy saved":
             return _saving_legend(frame) + leader
+        case "state":
+            return _state_legend(frame)
     return [("agent", palette.css(palette.PLAIN)), *leader]
 
 
@@ -101,6 +108,17 @@ def _saving_legend(frame: Frame) -> list[tuple[str, str]]:
     words[-1] += " of its induced drag"
     colours = map(palette.css, palette.by_saving(shares, MOST_SAVED))
     return [*zip(words, colours, strict=True), ("unknown", palette.css(palette.UNKNOWN))]
+
+
+def _state_legend(frame: Frame) -> list[tuple[str, str]]:
+    if frame.live is None:
+        return [("only real cars have a state", palette.css(palette.UNKNOWN))]
+    there = frame.live.are(SIMULATED).any()
+    return [
+        (state, palette.css(colour))
+        for state, colour in palette.STATES.items()
+        if state != SIMULATED or there
+    ]
 
 
 def _layer_legend(frame: Frame) -> list[tuple[str, str]]:

@@ -11,7 +11,7 @@ from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.shapes import box_edges, dashes
 
 INSIDE = 0.5
-"""Distance of the fence from the edge of the area, m."""
+"""Distance of the fence from the edge of the area, m, where no laboratory has its own."""
 ABOVE, DASH = 0.014, 0.009
 """Height of the line on the display, and its dashes as a multiple of the longest side."""
 
@@ -26,7 +26,7 @@ class Fence:
     def draw(self, picture: Picture) -> Changes:
         """Draw it where there is one."""
         corners = fence(picture)
-        drawn = (picture.stage, corners is None)
+        drawn = (picture.stage, None if corners is None else tuple(np.concatenate(corners)))
         if drawn == self._drawn:
             return []
         self._drawn = drawn
@@ -42,8 +42,12 @@ class Fence:
 
 def fence(picture: Picture) -> tuple[np.ndarray, np.ndarray] | None:
     """Corners (2,) of the fence: that of an open world of cars which has room for one, or None."""
-    frame = picture.frame
+    frame, live = picture.frame, picture.live
     is_open = set(frame.world.edges) == {"open"}
-    if not (picture.as_cars and picture.look.fence and is_open and min(frame.size) > 4.0 * INSIDE):
+    if not (picture.as_cars and picture.look.fence and is_open):
         return None
-    return frame.low + INSIDE, frame.low + frame.size - INSIDE
+    if live is None:
+        inside, room = INSIDE, bool(min(frame.size) > 4.0 * INSIDE)
+    else:
+        inside, room = live.fence, live.fence > 0.0
+    return (frame.low + inside, frame.low + frame.size - inside) if room else None

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
+from app.viewer.live.live import LOST, SIMULATED
 from app.viewer.scene import palette, tone
 from app.viewer.scene.attitude import attitude
 from app.viewer.scene.car import HEIGHT, TREAD, WHEEL, cabin, hubs, hull, wheel
-from app.viewer.scene.picture import SHADOWS_UP_TO, Changes, Picture
+from app.viewer.scene.picture import PALE, SHADOWS_UP_TO, Changes, Picture
 from app.viewer.scene.shapes import Mesh
 
 HUBS = hubs()
@@ -18,9 +19,9 @@ class CarMeshes:
     """Any number of cars; nodes are called `name`/..."""
 
     def __init__(self, scene: SceneApi, name: str) -> None:
-        self._hulls = _add(scene, f"{name}/hulls", hull())
-        self._cabins = _add(scene, f"{name}/cabins", cabin())
-        self._wheels = _add(scene, f"{name}/wheels", wheel())
+        self._hulls = add_cars(scene, f"{name}/hulls", hull())
+        self._cabins = add_cars(scene, f"{name}/cabins", cabin())
+        self._wheels = add_cars(scene, f"{name}/wheels", wheel())
 
     def draw(
         self,
@@ -30,18 +31,21 @@ class CarMeshes:
         size: np.ndarray,
         colour: np.ndarray,
         shadows: bool,
+        pale: np.ndarray | None = None,
     ) -> Changes:
         """Draw N cars on the road: their middles `at` (N, 3) on the display, headings `azimuth`
         (N,) and angles of the front wheels `steering` (N,), rad, lengths and widths `size` (N, 2)
-        on the display, colours (N, 3) sRGB."""
+        on the display, colours (N, 3) sRGB of their hulls, and the share `pale` (N,) of the floor
+        in those of their windows and wheels."""
         if not len(at):
             return self.hide()
         bodies = np.column_stack([size, HEIGHT * size[:, 1]])
         turned = facing(azimuth)
         hub, rolling = wheels(at, azimuth, steering, size)
         tyres = np.column_stack([WHEEL * size[:, 0], TREAD * size[:, 1], WHEEL * size[:, 0]])
-        dark = np.tile(palette.GLASS, (len(at), 1))
-        rubber = np.tile(palette.TYRE, (4 * len(at), 1))
+        paleness = np.zeros((len(at), 1)) if pale is None else pale[:, None]
+        dark = palette.GLASS + paleness * (palette.FLOOR - palette.GLASS)
+        rubber = palette.TYRE + paleness.repeat(4, axis=0) * (palette.FLOOR - palette.TYRE)
         changes: Changes = []
         for node, place, wxyz, scale, paint in (
             (self._hulls, at, turned, bodies, colour),
@@ -64,14 +68,17 @@ class CarMeshes:
 
 
 class Fleet:
-    """A flock of cars."""
+    """A flock of cars; beside real ones those that are simulated are `Ghosts`."""
 
     def __init__(self, scene: SceneApi, root: str) -> None:
         self._cars = CarMeshes(scene, f"{root}/flock/cars")
 
     def draw(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
         """Draw the agents of some rows as cars."""
-        known = picture.frame.cars
+        known, live = picture.frame.cars, picture.live
+        rows = np.arange(len(picture.at))[rows]
+        if live is not None:
+            rows = rows[~live.are(SIMULATED)[rows]]
         at = picture.at[rows]
         if known is None or not len(at):
             return self._cars.hide()
@@ -86,6 +93,7 @@ class Fleet:
             np.column_stack([length, length * known.width / known.length]),
             picture.colour[rows],
             picture.look.shadows and len(at) <= SHADOWS_UP_TO,
+            None if live is None else PALE * live.are(LOST)[rows],
         )
 
 
@@ -111,7 +119,10 @@ def wheels(
     return hub.reshape(-1, 3), facing(angle.ravel())
 
 
-def _add(scene: SceneApi, name: str, mesh: Mesh) -> BatchedMeshHandle:
+def add_cars(
+    scene: SceneApi, name: str, mesh: Mesh, opacity: float | None = None
+) -> BatchedMeshHandle:
+    """A node of any number of parts of cars, hidden; what is not opaque casts no shadow."""
     return scene.add_batched_meshes_simple(
         name,
         *mesh,
@@ -121,6 +132,8 @@ def _add(scene: SceneApi, name: str, mesh: Mesh) -> BatchedMeshHandle:
         batched_colors=np.zeros((1, 3), dtype=np.uint8),
         flat_shading=True,
         lod="off",
+        opacity=opacity,
+        cast_shadow=opacity is None,
         receive_shadow=False,
         visible=False,
     )

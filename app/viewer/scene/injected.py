@@ -9,14 +9,18 @@ from app.viewer.scene import palette
 from app.viewer.scene.fleet import CarMeshes
 from app.viewer.scene.picture import Changes, Picture
 
-MOVED = 1e-4
-"""A move that shows which way it goes, as a multiple of the longest side."""
+MOVED, MOVED_LIVE = 1e-4, 1.5e-3
+"""A move that shows which way it goes, as a multiple of the longest side; among real cars more than
+the noise of their tracking."""
 CLEAR = 0.95
 """Distance of its name from its middle, as a multiple of its length."""
 
 
 class InjectedCar:
-    """It has no wheels of its own to steer: it looks to where it goes, or has last gone."""
+    """It has no wheels of its own to steer: it looks to where it goes, or has last gone.
+
+    Beside real cars its name is one of `LiveLabels`.
+    """
 
     def __init__(self, scene: SceneApi, name: str) -> None:
         self._car = CarMeshes(scene, f"{name}/car")
@@ -50,7 +54,7 @@ class InjectedCar:
                 picture.look.shadows,
             ),
             (self._label, "position", at + np.array([0.0, CLEAR * length, 0.0])),
-            (self._label, "visible", True),
+            (self._label, "visible", picture.live is None),
         ]
 
     def _look_ahead(self, picture: Picture, at: np.ndarray) -> None:
@@ -59,7 +63,8 @@ class InjectedCar:
             self._run, self._at = picture.frame.run, at
             self._azimuth = along_route(picture, at)
         step = at - self._at
-        if np.hypot(*step) > MOVED * picture.stage.side:
+        moved = MOVED if picture.live is None else MOVED_LIVE
+        if np.hypot(*step) > moved * picture.stage.side:
             self._at, self._azimuth = at, float(np.arctan2(step[1], step[0]))
 
 

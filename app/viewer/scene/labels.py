@@ -39,8 +39,9 @@ class Labels:
 
     def _draw_identities(self, picture: Picture) -> Changes:
         count = len(picture.at)
-        wanted = min(count, MOST) if picture.look.labels else 0
-        if picture.look.labels and count > MOST and picture.frame.inspected is not None:
+        asked = picture.look.labels and picture.live is None
+        wanted = min(count, MOST) if asked else 0
+        if asked and count > MOST and picture.frame.inspected is not None:
             rows = picture.frame.inspected.neighbours[:MOST]
         else:
             rows = np.arange(wanted)

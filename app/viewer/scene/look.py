@@ -7,6 +7,10 @@ from dataclasses import dataclass
 COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
 
+STATE = "state"
+LIVE_COLOURINGS = (STATE, "heading", "speed", "plain")
+"""What that of a car in a room with real ones may: also whether it is tracked, lost, ..."""
+
 TRAILS = OFF, LINE, RIBBON, RISING = ("off", "line", "ribbon", "rising in time")
 """What an agent may leave behind it; what rises in time does so in flat worlds, else it is flat."""
 
@@ -22,7 +26,7 @@ class Look:
     """How a frame is drawn. Nothing in it changes the flock."""
 
     colour: str = "heading"
-    """One of `COLOURINGS`."""
+    """One of `COLOURINGS` or `LIVE_COLOURINGS`."""
     links: bool = False
     """Draw a line between neighbours (needs `Frame.links`)."""
     trails: str = OFF
@@ -36,7 +40,8 @@ class Look:
     wake: bool = False
     """Draw where the wing tips of birds have been."""
     labels: bool = False
-    """Write the identity beside each agent (small flocks)."""
+    """Write the identity beside each agent (small flocks); where there are real cars their names
+    are written always."""
     mission: bool = True
     """Draw the information agents' path and the goal."""
     start: bool = True
@@ -53,7 +58,8 @@ class Look:
     """Let agents cast shadows (up to 2 000 of them)."""
 
     def __post_init__(self) -> None:
-        if self.colour not in COLOURINGS:
-            raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(COLOURINGS)}")
+        known = dict.fromkeys(COLOURINGS + LIVE_COLOURINGS)
+        if self.colour not in known:
+            raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(known)}")
         if self.trails not in TRAILS:
             raise ValueError(f"trails = {self.trails!r} is not one of {', '.join(TRAILS)}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
@@ -94,6 +96,16 @@ GLASS, TYRE = srgb("#26323f"), srgb("#1b222b")
 """The windows and the wheels of cars."""
 FENCE = srgb("#d9730d")
 """Where real cars are made to stop; and what is stuck."""
+STATES = {
+    "tracked": srgb("#12a07f"),
+    "late": srgb("#eba10c"),
+    "lost": srgb("#d92b2b"),
+    "stopped": srgb("#64748b"),
+    "simulated": srgb("#3f9fe8"),
+}
+"""What a car in a room with real ones is."""
+ARMS = {"safe": srgb("#64748b"), "armed": srgb("#0e8f8a"), "emergency": srgb("#d92b2b")}
+"""The edge of a capture area, by what the laboratory may do."""
 CRASHED = srgb("#a3706c")
 CRASH = srgb("#c9302c")
 """The place of a crash that has just happened."""
@@ -166,6 +178,11 @@ def by_saving(saved: np.ndarray, full: float) -> np.ndarray:
     known = np.isfinite(saved)
     share = np.clip(np.where(known, saved, 0.0) / full, -1.0, 1.0)
     return np.where(known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
+
+
+def by_state(states: Sequence[str]) -> np.ndarray:
+    """States of N cars -> colours (N, 3)."""
+    return np.array([STATES[state] for state in states], dtype=float).reshape(-1, 3)
 
 
 def by_layer(layer: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from viser import SceneApi
 
 from app.viewer.scene.agents import Agents
+from app.viewer.scene.area import CaptureArea
 from app.viewer.scene.crashes import CrashMarks
 from app.viewer.scene.fence import Fence
 from app.viewer.scene.flight import Flight
@@ -12,6 +13,8 @@ from app.viewer.scene.halos import Halos
 from app.viewer.scene.inspection import InspectionMarks
 from app.viewer.scene.labels import Labels
 from app.viewer.scene.links import Links
+from app.viewer.scene.live_labels import LiveLabels
+from app.viewer.scene.live_rings import LiveRings
 from app.viewer.scene.mission import MissionMarks
 from app.viewer.scene.obstacles import Obstacles
 from app.viewer.scene.picture import Changes, Picture
@@ -30,7 +33,12 @@ class Parts:
     """A flock and the room around it; nodes are called `root`/..."""
 
     def __init__(self, scene: SceneApi, root: str = "") -> None:
-        self._room = (Surroundings(scene, root), Walls(scene, root), Obstacles(scene, root))
+        self._room = (
+            Surroundings(scene, root),
+            Walls(scene, root),
+            Obstacles(scene, root),
+            CaptureArea(scene, root),
+        )
         self._flight = Flight()
         self._flock = (
             Agents(scene, root, self._flight),
@@ -45,6 +53,8 @@ class Parts:
             CrashMarks(scene, root),
             StuckMarks(scene, root),
             Fence(scene, root),
+            LiveRings(scene, root),
+            LiveLabels(scene, root),
             InspectionMarks(scene, root),
             ZoneMarks(scene, root),
             Reasons(scene, root),

@@ -7,6 +7,9 @@ import numpy as np
 from app.viewer.frame import Frame
 from app.viewer.scene.identities import rows_of
 
+INJECTED = -1
+"""Identity of the injected car, which leaves a band too."""
+
 
 class Past:
     """The knots of one run; forgotten when the run changes."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.viewer.frame import Frame
+from app.viewer.live.live import LOST, Live
 from app.viewer.scene import palette
 from app.viewer.scene.attitude import attitude
 from app.viewer.scene.colouring import agent_colours
@@ -55,6 +56,11 @@ class Picture:
         return as_cars(self.frame)
 
     @property
+    def live(self) -> Live | None:
+        """Of a room with real cars, drawn as such; None for a simulation."""
+        return self.frame.live if self.as_cars else None
+
+    @property
     def backdrop(self) -> np.ndarray:
         """What lies behind the agents: faint things are mixed with it."""
         return palette.FLOOR if self.stage.dim == 2 else palette.FOG
@@ -99,6 +105,8 @@ KEPT = 1.15
 than half of what it would be without."""
 INSPECTED_SIZE = 1.45
 DIMMED = 0.72
+PALE = 0.6
+"""Share of the floor in the colour of a car that is lost."""
 
 
 def as_birds(count: int, dim: int, look: Look) -> bool:
@@ -149,6 +157,9 @@ def picture(frame: Frame, look: Look, stage: Stage) -> Picture:
     down = frame.down
     heading = laid(frame.heading, down)
     made = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
+    if made.live is not None:
+        lost = made.live.are(LOST)
+        colour[lost] = made.mixed(colour[lost], PALE)
     if made.inspected is not None:
         _single_out(made)
         if driven:

@@ -13,11 +13,12 @@ from app.viewer.scene import palette, tone
 from app.viewer.scene.attitude import attitude
 from app.viewer.scene.lines import add_lines, segments
 from app.viewer.scene.look import RIBBON, RISING
-from app.viewer.scene.past import Past
+from app.viewer.scene.past import INJECTED, Past
 from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.seam import jumps
 from app.viewer.scene.shapes import Mesh
 from app.viewer.scene.streaks import FAINTEST, STRONGEST, chosen
+from app.viewer.scene.time_scale import TimeScale
 
 MOST_AGENTS = 75
 PIECES = 1200
@@ -35,8 +36,6 @@ LAID, LAYER, LAYERS = 0.012, 0.0006, 20
 at heights of their own."""
 LIGHT = 1.45
 """Light on what is turned up to the sun, as a multiple of its own colour."""
-INJECTED = -1
-"""Identity of the injected car, which leaves a band too."""
 
 
 class Ribbons:
@@ -59,18 +58,24 @@ class Ribbons:
             visible=False,
         )
         self._plumb = add_lines(scene, f"{root}/flock/ribbons/plumb", 1.0, many_coloured=True)
+        self._scale = TimeScale(scene, f"{root}/flock/ribbons/scale")
 
     def draw(self, picture: Picture) -> Changes:
         """Draw the bands, if the look asks for them."""
         look = picture.look
         if look.trails not in (RIBBON, RISING) or look.trail_length < 1:
             self._past.clear()
-            return [(self._pieces, "visible", False), (self._plumb, "visible", False)]
+            nodes = (self._pieces, self._plumb)
+            return [*((node, "visible", False) for node in nodes), *self._scale.hide()]
         ids, here, colour = walkers(picture)
         knots = int(np.clip(PIECES // max(len(ids), 1), *KNOTS))
         self._past.remember(picture.frame, ids, here, look.trail_length, knots)
         way, age = self._way(picture, here)
-        return self._draw_pieces(picture, way, age, colour) + self._draw_plumb(picture, way, colour)
+        return [
+            *self._draw_pieces(picture, way, age, colour),
+            *self._draw_plumb(picture, way, colour),
+            *self._draw_scale(picture),
+        ]
 
     def _way(self, picture: Picture, here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The knots and the present, (K, M, 3), at their heights, and the age of each, (K,): 1 for
@@ -81,9 +86,8 @@ class Ribbons:
         if picture.stage.dim == 2:
             way[..., 2] = LAID + LAYER * (np.arange(way.shape[1]) % LAYERS)
         if is_rising(picture):
-            way[..., 2] += heights(ticks, self._past.began, now, length)[:, None] * (
-                RISE * picture.stage.side
-            )
+            up = heights(ticks, self._past.began, now, length)
+            way[..., 2] += up[:, None] * risen(picture)
         return way, np.clip((now - ticks) / length, 0.0, 1.0)
 
     def _draw_pieces(
@@ -119,6 +123,14 @@ class Ribbons:
         ends = np.repeat(tone.unlit(picture.mixed(colour, 0.5))[there][:, None], 2, axis=1)
         return segments(self._plumb, np.stack([top, foot], axis=1)[there], ends)
 
+    def _draw_scale(self, picture: Picture) -> Changes:
+        """How much time the height stands for, where bands rise."""
+        if not is_rising(picture):
+            return self._scale.hide()
+        now, length = picture.frame.tick, picture.look.trail_length
+        (share,) = heights(np.array([now]), self._past.began, now, length)
+        return self._scale.draw(picture, risen(picture), float(share))
+
 
 def walkers(picture: Picture) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Identities (M,), places (M, 3) and colours (M, 3) of all that leave a band."""
@@ -149,6 +161,11 @@ def heights(ticks: np.ndarray, began: int, now: int, length: int) -> np.ndarray:
 def is_rising(picture: Picture) -> bool:
     """Whether bands rise: in a flat world, where there is room above."""
     return picture.look.trails == RISING and picture.stage.dim == 2
+
+
+def risen(picture: Picture) -> float:
+    """Height of the present where bands rise, on the display; 0 where they do not."""
+    return RISE * picture.stage.side if is_rising(picture) else 0.0
 
 
 def breadth(picture: Picture) -> float:

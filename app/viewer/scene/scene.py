@@ -9,6 +9,7 @@ from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from app.viewer.frame import Frame
 from app.viewer.scene.beside import Beside, meant, sights
+from app.viewer.scene.calm import Calm
 from app.viewer.scene.colouring import legend
 from app.viewer.scene.gizmo import Dragged, Grabbed, LeaderGizmo
 from app.viewer.scene.handles import Handles
@@ -35,6 +36,7 @@ class Scene:
         self._parts = Parts(scene, root)
         self._beside = Beside(scene)
         self._fog = Fog(scene)
+        self._calm = Calm()
         self._gizmo = LeaderGizmo(scene, root)
         self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
@@ -47,6 +49,7 @@ class Scene:
 
         Call it from one thread, at most about 30 times a second.
         """
+        frame = self._calm.calmed(frame)
         shown = picture(frame, look, Stage.of(frame))
         second = frame.beside
         other = None if second is None else picture(second, look, Stage.of(second))

@@ -12,6 +12,7 @@ from viser import ClientHandle, ViserServer
 from app.viewer.scene.camera import View, view
 from app.viewer.scene.look import RIDE, STEP_OFF
 from app.viewer.scene.picture import Picture
+from app.viewer.scene.ribbons import risen
 from app.viewer.scene.ride import Ride
 from app.viewer.scene.stage import Stage
 
@@ -65,6 +66,8 @@ class Viewpoints:
             return
         self._forget(client)
         low, high = whole(self._sights)
+        if name != "top-down":
+            high[2] = max(high[2], risen(self._sights[0].picture))
         _set(client, view(name, self._sights[0].picture.stage.dim, low, high, _aspect(client)))
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:

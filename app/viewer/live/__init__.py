@@ -1,0 +1,1 @@
+"""Real cars in the laboratory: the room, its picture, its panels and its page."""

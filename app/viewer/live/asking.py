@@ -1,0 +1,171 @@
+"""What may be asked of a room, from any thread; nothing of it waits, and nothing raises."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from app.live.arm import Request, Wish
+from app.live.choices import chosen, links, rules, sources
+from app.live.lab import Lab
+from app.viewer.live.opened import Opened
+from app.viewer.live.room_state import Choice, RoomState
+from app.viewer.live.wanted import number, parameter_value, whole_number, word
+from app.viewer.words import in_words
+from worlds.refusal import Refusal
+
+ASKED: dict[str, Wish] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
+"""What may be asked with `ask`."""
+CLOSED = "was not answered: the room was closed"
+"""What becomes of changes that wait then."""
+
+
+class Asking:
+    """The near side of a room. What is refused becomes a notice.
+
+    `source` is one of the words of `app.live.choices.sources`. Raises Refusal for any other, or if
+    it does not fit the laboratory.
+    """
+
+    def __init__(self, lab: Lab, source: str | None):
+        self.lab = lab
+        offered = sources(lab)
+        first = next(iter(offered)) if source is None else word("source", source, offered)
+        choice = Choice(first, next(iter(links(lab))), rules(lab)[0])
+        self.fitting(choice)
+        self.state = RoomState(choice.source, choice.link, choice.rule)
+        self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
+        """What must be told in browsers."""
+        self.newest = choice
+        """What was chosen last."""
+        self.next: Choice | None = choice
+        """What is to be opened next."""
+        self.opened: Opened | None = None
+        self.changing = threading.Lock()
+        """Of the state and of what is chosen; held for moments only."""
+        self.latch = ""
+        """Who asked for an emergency stop that was not reset: the next opening begins with it."""
+        self.closing = threading.Event()
+        self.woken = threading.Event()
+
+    def ask(self, wish: str, cause: str) -> None:
+        """Arm, disarm or reset."""
+        with self.telling():
+            wanted = ASKED[word("request", wish, ASKED)]
+            if wanted == "arm" and self.next is not None:
+                raise Refusal("cannot be armed: another room is about to be opened")
+            self.open_one().desk.ask(Request(wanted, cause))
+
+    def emergency(self, cause: str) -> None:
+        """Stop the cars now, and latched. While no desk is open the next begins so."""
+        with self.telling():
+            self.latch = cause or "the page"
+            opened = self.opened
+            if opened is not None:
+                opened.desk.ask(Request("emergency", cause))
+            else:
+                self.notices.put(f"EMERGENCY STOP ({cause}): the next room begins with it")
+            self.change(latched=True)
+
+    def tune(self, name: str, value: Any, cause: str) -> Future:
+        """Give a parameter of the rule a new value; the answer is the one that the loop took."""
+        answer: Future = Future()
+        try:
+            opened = self.open_one()
+            taken = parameter_value(opened.setting.model, opened.values, name, value)
+            change = opened.tuning.begin(name, taken, cause)
+            opened.desk.ask(change.request)
+            if self.opened is not opened:  # closed meanwhile: nobody would answer
+                opened.tuning.end(CLOSED)
+        except Exception as error:
+            self.notices.put(in_words(error))
+            answer.set_exception(error)
+            return answer
+        return change.answer
+
+    def accompany(self, count: int, cause: str) -> None:
+        """Have so many simulated cars beside the real ones."""
+        with self.telling():
+            found = whole_number("simulated cars", count, self.lab.simulated.most)
+            self.open_one().desk.ask(Request("accompany", cause, str(found)))
+
+    def place(self, x: float, y: float) -> None:
+        """Move the injected car of the hand, m; the loop keeps it within the fence."""
+        with self.telling():
+            at = number("x", x), number("y", y)
+            opened = self.opened
+            if opened is not None:
+                opened.desk.place(*at)
+
+    def choose(
+        self,
+        source: str | None = None,
+        link: str | None = None,
+        rule: str | None = None,
+        cause: str = "",
+    ) -> None:
+        """Close the room and open another, by words of `app.live.choices`; what is not given stays.
+
+        Not while the cars are armed. Of several choices at once only the last is opened.
+        """
+        with self.telling():
+            opened = self.opened
+            if self.closing.is_set():
+                raise Refusal("the room is closed")
+            if opened is not None and opened.armed:
+                raise Refusal("no other room is opened while the cars are armed: disarm them first")
+            with self.changing:
+                last = self.newest
+            choice = Choice(
+                last.source if source is None else word("source", source, sources(self.lab)),
+                last.link if link is None else word("link", link, links(self.lab)),
+                last.rule if rule is None else word("rule", rule, rules(self.lab)),
+                cause,
+            )
+            self.fitting(choice)
+            with self.changing:
+                self.newest = self.next = choice
+            self.woken.set()
+
+    def reopen(self, cause: str) -> None:
+        """Close the room, if it is open, and open it again."""
+        self.choose(cause=cause)
+
+    def browsers(self, count: int) -> None:
+        """Say how many browsers are open: armed by a browser, the cars stop when none is left."""
+        opened = self.opened
+        if count == 0 and opened is not None:
+            opened.deserted()
+
+    # What helps them.
+
+    @contextmanager
+    def telling(self) -> Iterator[None]:
+        """Whatever is raised within becomes a notice."""
+        try:
+            yield
+        except Exception as error:
+            self.notices.put(in_words(error))
+
+    def open_one(self) -> Opened:
+        """The opening. Raises Refusal if there is none."""
+        opened = self.opened
+        if opened is None:
+            raise Refusal(f"the room is not open ({self.state.status})")
+        return opened
+
+    def fitting(self, choice: Choice) -> Lab:
+        """The laboratory as chosen. Raises Refusal."""
+        return chosen(self.lab, choice.source, choice.link, choice.rule)
+
+    def change(self, **changes: Any) -> None:
+        """Change the state; a closed room stays closed."""
+        with self.changing:
+            if self.state.status == "closed":
+                changes.pop("status", None)
+            self.state = replace(self.state, **changes)

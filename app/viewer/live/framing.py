@@ -1,0 +1,169 @@
+"""Looks at a control loop as frames for the drawing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from agents.model import Model
+from app.live.lab import Lab
+from app.live.look import Look
+from app.live.squashing_driver import room as world_of
+from app.viewer.cars import LENGTH, WIDTH, Cars
+from app.viewer.frame import Errand, Frame
+from app.viewer.live.live import LOST, SIMULATED, Live
+from worlds.world import World
+
+OVER = 0.1
+"""Seconds over which speeds are measured: noise of 0.5 mm then makes 7 mm/s."""
+TOO_SHORT = 0.02
+"""Seconds between two poses of which no speed is made."""
+FIRST_SIMULATED = 1000
+"""The identity of the first simulated car; that of a real one is its row in the laboratory."""
+WHEEL = 45.0
+"""Full lock of cars that go by a rule without one, deg."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What stays from frame to frame of one opening of a room."""
+
+    run: int
+    lab: Lab
+    world: World
+    model: Model
+
+    @staticmethod
+    def of(run: int, lab: Lab, model: Model) -> Setting:
+        """The setting of an opening."""
+        return Setting(run, lab, world_of(lab), model)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One car of a frame."""
+
+    identity: int
+    name: str
+    state: str
+    age: float
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    steer: float
+
+
+def frame_of(
+    setting: Setting, look: Look, values: Mapping[str, Any], past: Sequence[Look] = ()
+) -> Frame:
+    """The frame of a look; the looks before it, oldest first, tell how fast the cars are.
+
+    A lost car stays where it was last seen; one that was never seen is left out.
+    """
+    cars = drawn(look, past)
+    yaw = np.array([car.yaw for car in cars])
+    lab, count = setting.lab, len(cars)
+    lock = math.radians(float(values.get("wheel_max", WHEEL)))
+    fastest = max(car.fastest for car in lab.cars.values())
+    injected = look.injected
+    goal = None if injected is None else np.array([injected.x, injected.y])
+    return Frame(
+        run=setting.run,
+        tick=look.tick,
+        world=setting.world,
+        reach=float(values.get(setting.model.rule.reach, math.inf)),
+        speed_scale=float(values.get("v_max", fastest)),
+        position=np.array([(car.x, car.y) for car in cars]).reshape(count, 2),
+        heading=np.stack([np.cos(yaw), np.sin(yaw)], axis=1),
+        speed=np.array([car.speed for car in cars]),
+        informed=np.zeros(count, bool),
+        ids=np.array([car.identity for car in cars], int),
+        dt=1.0 / lab.rate,
+        unit="s",
+        errand=Errand(goal),
+        cars=Cars(
+            length=float(values.get("length", LENGTH)),
+            width=float(values.get("width", WIDTH)),
+            steering=lock * np.array([car.steer for car in cars]),
+            stuck=np.zeros(count, bool),
+            predator=np.zeros(count, bool),
+        ),
+        live=Live(
+            names=tuple(car.name for car in cars),
+            states=tuple(car.state for car in cars),
+            ages=np.array([car.age for car in cars]),
+            fence=lab.area.fence,
+            arm=look.arm,
+        ),
+    )
+
+
+def drawn(look: Look, past: Sequence[Look]) -> list[Drawn]:
+    """The cars of a look that are somewhere: the real ones, then the simulated ones."""
+    looks = [one for one in past if look.time - OVER - TOO_SHORT <= one.time < look.time]
+    real = [
+        Drawn(
+            row, car.name, car.state, car.age, car.pose.x, car.pose.y, car.pose.yaw,
+            pace([place(one, car.name) for one in (*looks, look)]), car.sent[0],
+        )
+        for row, car in enumerate(look.cars)
+        if car.pose is not None
+    ]  # fmt: skip
+    simulated = [
+        Drawn(
+            FIRST_SIMULATED + k, one.name, SIMULATED, 0.0, one.pose.x, one.pose.y, one.pose.yaw,
+            pace([simulated_place(other, one.name) for other in (*looks, look)]), one.steer,
+        )
+        for k, one in enumerate(look.companions)
+    ]  # fmt: skip
+    return real + simulated
+
+
+Place = tuple[float, float, float]
+"""When (s) and where (m)."""
+
+
+def place(look: Look, name: str) -> Place | None:
+    """When and where a look has a car; None if it never was seen."""
+    for car in look.cars:
+        if car.name == name and car.pose is not None:
+            return look.time - car.age, car.pose.x, car.pose.y
+    return None
+
+
+def simulated_place(look: Look, name: str) -> Place | None:
+    """When and where a look has a simulated car; None if it is not there."""
+    for one in look.companions:
+        if one.name == name:
+            return look.time, one.pose.x, one.pose.y
+    return None
+
+
+def pace(places: Sequence[Place | None]) -> float:
+    """The speed (m/s) from the first of these places to the last; 0 where none can be told.
+
+    >>> pace([None, (10.0, 1.0, 1.0), (10.5, 1.0, 1.25)])
+    0.5
+    """
+    known = [one for one in places if one is not None]
+    if not known:
+        return 0.0
+    (then, x, y), (now, at_x, at_y) = known[0], known[-1]
+    return math.hypot(at_x - x, at_y - y) / (now - then) if now - then >= TOO_SHORT else 0.0
+
+
+def deserted(frame: Frame) -> Frame:
+    """The last frame of a room that nobody looks at any more: where its cars are is not known."""
+    live = frame.live
+    assert live is not None
+    states = tuple(state if state == SIMULATED else LOST for state in live.states)
+    return replace(
+        frame,
+        speed=np.zeros(len(frame.ids)),
+        live=replace(live, states=states, arm="safe"),
+    )

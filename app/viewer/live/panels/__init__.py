@@ -1,0 +1,1 @@
+"""The panels of a laboratory of real cars."""

@@ -1,0 +1,91 @@
+"""What happened: the last events, newest on top, and all of them as a file."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import datetime
+
+import viser
+
+from app.live.events import Event
+from app.viewer.live.room import Room
+from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, block
+
+LATEST = 60
+"""Events in the list."""
+COLOURS = {
+    "emergency": RED,
+    "arm": GREEN,
+    "run": GREEN,
+    "cleared": GREEN,
+    "stop": GREY,
+    "disarm": GREY,
+    "reset": GREY,
+    "room": GREY,
+    "tune": BLUE,
+    "accompany": BLUE,
+}
+"""Of what was asked or is well; every other kind is a reason to stop, or refused."""
+COLUMNS = ("at", "tick", "kind", "car", "words", "cause", "asked", "note")
+
+
+class LogPanel:
+    """The log of a room, of all its openings."""
+
+    def __init__(self, gui: viser.GuiApi, room: Room):
+        self.room = room
+        self.shown = -1
+        save = gui.add_button("Download all (CSV)", icon=viser.Icon.DOWNLOAD, color="gray")
+        self.list = gui.add_html(block(listed([])))
+        save.on_click(self.send)
+
+    async def send(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            name = f"flockscope-events-{datetime.now():%Y-%m-%d-%H%M%S}.csv"
+            content = as_csv(list(self.room.events)).encode()
+            event.client.send_file_download(name, content, save_immediately=True)
+
+    def refresh(self) -> None:
+        """Show what is new."""
+        events = self.room.events
+        if len(events) != self.shown:
+            self.shown = len(events)
+            self.list.content = block(listed(events[-LATEST:]))
+
+
+def listed(events: Sequence[Event]) -> str:
+    """Events as HTML, the newest on top."""
+    if not events:
+        return '<div class="fs-quiet">Nothing has happened yet.</div>'
+    return f'<div class="fs-log">{"".join(map(entry, reversed(events)))}</div>'
+
+
+def entry(event: Event) -> str:
+    """One event."""
+    colour = COLOURS.get(event.kind, ORANGE)
+    cause = f" <i>{html.escape(event.cause)}</i>" if event.cause else ""
+    return (
+        f'<div style="border-color:{colour}"><i>{clock(event.time):%H:%M:%S.%f}'[:-4]
+        + f"</i><b>{html.escape(event.kind)}</b> {html.escape(event.words)}{cause}</div>"
+    )
+
+
+def clock(monotonic: float) -> datetime:
+    """The time of day of a moment on this machine's monotonic clock (s)."""
+    return datetime.fromtimestamp(time.time() - time.monotonic() + monotonic)
+
+
+def as_csv(events: Sequence[Event]) -> str:
+    """All events as a table, the oldest first; `at` is this machine's time of day."""
+    made = io.StringIO()
+    writer = csv.writer(made)
+    writer.writerow(COLUMNS)
+    for event in events:
+        row = asdict(event) | {"at": clock(event.time).isoformat(timespec="milliseconds")}
+        writer.writerow([row[name] for name in COLUMNS])
+    return made.getvalue()

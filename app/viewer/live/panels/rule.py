@@ -1,0 +1,103 @@
+"""The rule that drives the cars, and a control for every parameter that may be changed."""
+
+from __future__ import annotations
+
+import html
+from concurrent.futures import Future
+from functools import partial
+from typing import Any
+
+import viser
+
+from agents.declare import Declared, declared
+from app.live.squashing_driver import NOT_SIMULATED
+from app.viewer.live.panels.state import whose
+from app.viewer.live.room import Room
+from app.viewer.live.room_state import RoomState
+from app.viewer.panels.parameters import add_control, meanings, sides
+from app.viewer.panels.style import block
+from app.viewer.values import show
+
+
+class RulePanel:
+    """Sliders, switches and choices that act on the running loop; the rule only while it stands."""
+
+    def __init__(self, gui: viser.GuiApi, room: Room, rules: tuple[str, ...]):
+        self.gui = gui
+        self.room = room
+        self.rule = gui.add_dropdown(
+            "Rule",
+            rules,
+            initial_value=room.state.rule,
+            hint="What drives the cars. Another one can be chosen while they are not armed; the "
+            "room is then opened again",
+        )
+        self.rule.on_update(self.chosen)
+        self.about = gui.add_html("", visible=False)
+        self.folder = gui.add_folder(None)
+        self.controls: dict[str, Any] = {}
+        self.shown: tuple[int, str] = (-1, "")
+        """The opening and the model whose controls there are."""
+        self.told: dict[str, Any] = {}
+        """The values as they were shown last."""
+
+    async def chosen(self, event: viser.GuiEvent) -> None:
+        if event.client is not None and self.rule.value != self.room.state.rule:
+            self.room.choose(rule=self.rule.value, cause=whose(event))
+
+    def refresh(self, state: RoomState, armed: bool) -> None:
+        """Follow the room: other controls for another rule, values as the loop has them."""
+        self.rule.disabled = armed
+        if state.status != "opening" and not armed and self.rule.value != state.rule:
+            show(self.rule, state.rule)
+        if state.model is None:
+            return
+        if self.shown != (state.run, state.model.name):
+            self.shown = state.run, state.model.name
+            self.rebuild(state)
+        for name, control in self.controls.items():
+            if name in state.values and self.told.get(name) != state.values[name]:
+                show(control, state.values[name])
+        self.told = dict(state.values)
+
+    def rebuild(self, state: RoomState) -> None:
+        """Controls for what of the model's parameters may be changed in a real room."""
+        assert state.model is not None
+        for child in tuple(self.folder._children.values()):
+            child.remove()
+        own = [
+            one
+            for one in declared(state.model.parameters)
+            if one.name not in NOT_SIMULATED and one.name in state.values
+        ]
+        self.about.visible = True
+        self.about.content = block(
+            f'<div class="fs-quiet">{html.escape(state.model.rule.summary)}</div>'
+        )
+        titles = "Rule", f"Body: {state.model.body.title}"
+        self.controls = {}
+        with self.folder:
+            for title, part in zip(titles, sides(state.model, own), strict=True):
+                if part:
+                    self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
+                for one in part:
+                    self.controls[one.name] = self.control(one, state.values[one.name])
+            self.gui.add_html(block(meanings(own)))
+        self.told = dict(state.values)
+
+    def control(self, one: Declared, value: Any) -> Any:
+        """The control of one parameter; it goes back to what the loop has if that refuses."""
+        made = add_control(self.gui, one, value)
+
+        async def changed(event: viser.GuiEvent) -> None:
+            if event.client is not None:
+                value = made.value
+                answer = self.room.tune(one.name, value, whose(event))
+                answer.add_done_callback(partial(restore, value))
+
+        def restore(value: Any, answer: Future) -> None:
+            if answer.cancelled() or answer.exception() is not None or answer.result() != value:
+                made.value = self.room.state.values.get(one.name, value)
+
+        made.on_update(changed)
+        return made

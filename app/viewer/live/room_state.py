@@ -1,0 +1,43 @@
+"""How a room stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from agents.model import Model
+
+Status = Literal["opening", "open", "failed", "closed"]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen to be opened, in the words of `app.live.choices`, and by whom."""
+
+    source: str
+    link: str
+    rule: str
+    cause: str = ""
+
+
+@dataclass(frozen=True)
+class RoomState:
+    """How a room stands; replaced as a whole, never changed."""
+
+    source: str
+    """Words of the source, the link and the rule that are open or being opened."""
+    link: str
+    rule: str
+    status: Status = "opening"
+    trouble: str = ""
+    """What is wrong, in one line."""
+    model: Model | None = None
+    """The cars that go by the rule; None until they are known."""
+    values: dict[str, Any] = field(default_factory=dict)
+    """The parameters of the model, name -> value, as the control loop has them."""
+    recording: str = ""
+    """The folder of this opening's recording; empty: none is made."""
+    run: int = 0
+    """Counts the openings."""
+    latched: bool = False
+    """Whether an emergency stop was asked for and no reset has followed, in whichever opening."""

@@ -1,0 +1,109 @@
+"""Changes of parameters that were asked of a control loop and wait for its answer."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future, InvalidStateError
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+from app.live.arm import Request
+from app.live.events import Event
+from worlds.refusal import Refusal
+
+PATIENCE = 2.0
+"""Seconds that the loop has to answer."""
+MOST = 8
+"""Changes that may wait: no browser can keep the loop busy by asking for ever more."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change that waits; each is answered once."""
+
+    request: Request
+    words: str
+    value: Any
+    due: float
+    answer: Future = field(default_factory=Future)
+
+    def settle(self, refusal: Refusal | None = None) -> None:
+        """Answer with the value that was taken, or with a refusal."""
+        with suppress(InvalidStateError):
+            if refusal is None:
+                self.answer.set_result(self.value)
+            else:
+                self.answer.set_exception(refusal)
+
+
+class Tuning:
+    """The changes that wait for an answer, oldest first. Any thread may begin one and end them; one
+    hears and settles.
+
+    `notify` is told what was refused and what was not answered.
+    """
+
+    def __init__(self, notify: Callable[[str], None], clock: Callable[[], float] = time.monotonic):
+        self.notify = notify
+        self.clock = clock
+        self.lock = threading.Lock()
+        self.waiting: list[Change] = []
+        self.heard: list[tuple[Change, Refusal | None]] = []
+        """Changes that the loop has answered, and what it refused them with."""
+
+    def begin(self, name: str, value: Any, cause: str) -> Change:
+        """A change whose request is to be sent now. Raises Refusal if too many wait already."""
+        request = Request("tune", cause, json.dumps({name: value}))
+        change = Change(request, f"{name} = {value}", value, self.clock() + PATIENCE)
+        with self.lock:
+            if len(self.waiting) >= MOST:
+                raise Refusal(f"{change.words} is too much at once: {MOST} changes wait already")
+            self.waiting.append(change)
+        return change
+
+    def hear(self, event: Event) -> dict[str, Any]:
+        """The values that the loop took, as an event says; empty if it says nothing of them."""
+        if event.asked != "tune":
+            return {}
+        refused = event.kind != "tune"
+        if refused:
+            self.notify(event.words)
+        change = self.found(event)
+        if change is not None:
+            self.heard.append((change, Refusal(event.words) if refused else None))
+        taken: dict[str, Any] = {} if refused else json.loads(event.note)
+        return taken
+
+    def settle(self) -> None:
+        """Answer the changes that have been heard of; by now their values are to be seen."""
+        heard, self.heard = self.heard, []
+        for change, refusal in heard:
+            change.settle(refusal)
+
+    def found(self, event: Event) -> Change | None:
+        """The change that an event answers, which waits no more; None for somebody else's."""
+        with self.lock:
+            for change in self.waiting:
+                if (change.request.cause, change.request.words) == (event.cause, event.note):
+                    self.waiting.remove(change)
+                    return change
+        return None
+
+    def give_up(self) -> None:
+        """Refuse what has waited for too long."""
+        now = self.clock()
+        self.end("has no answer from the control loop", lambda change: change.due <= now)
+
+    def end(self, why: str, which: Callable[[Change], bool] = lambda _: True) -> None:
+        """Refuse what waits."""
+        with self.lock:
+            over = [change for change in self.waiting if which(change)]
+            self.waiting = [change for change in self.waiting if not which(change)]
+        for change in over:
+            refusal = Refusal(f"{change.words} {why}")
+            self.notify(str(refusal))
+            change.settle(refusal)

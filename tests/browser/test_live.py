@@ -1,0 +1,174 @@
+"""Emulated cars as a browser shows and drives them."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+
+from app.live.example import FILE
+from app.live.lab import lab_from_toml
+from app.viewer.live.page import LivePage
+from tests.viewer.waiting import until
+
+EMULATED = "emulated cars"
+OPENS = 180.0
+"""Seconds that the room may take to open: the rule may have to be compiled."""
+SOON = 20.0
+"""Seconds for what is done at once, on a busy machine."""
+
+
+def patient() -> str:
+    """The example with slow cars and one simulated one, which bears a machine that is busy."""
+    text = (
+        FILE.read_text().replace("speed = 1.0", "speed = 0.5").replace("fence = 0.5", "fence = 0.7")
+    )
+    return text + "\n[limits]\nstale = 0.25\nlong_gap = 10.0\nfrozen = 1.2\n[simulated]\ncars = 1\n"
+
+
+@pytest.fixture(scope="module")
+def room_page(chromium):
+    """A room with emulated cars and one simulated one."""
+    assert chromium.is_connected()
+    lab = lab_from_toml(patient(), "the test")
+    page = LivePage(lab, port=0, source=EMULATED)
+    yield page
+    page.close()
+
+
+class Operator:
+    """A person at a browser."""
+
+    def __init__(self, chromium, room_page):
+        self.page = chromium.new_page(viewport={"width": 1000, "height": 700})
+        self.page.goto(room_page.address)
+        self.page.locator(".fs-banner").wait_for(timeout=1000 * OPENS)
+
+    def sees(self, kind: str, seconds: float = SOON) -> None:
+        """Wait until the banner is of a kind."""
+        self.page.locator(f".fs-banner.fs-{kind}").wait_for(timeout=1000 * seconds)
+
+    def press(self, label: str) -> None:
+        """Click a button."""
+        button = self.page.get_by_role("button", name=label, exact=True)
+        button.click(timeout=1000 * SOON)
+
+    def arm(self) -> None:
+        """Arm, and say yes."""
+        self.press("Arm …")
+        self.press("Arm")
+        self.sees("running")
+
+    def table(self) -> dict[str, list[str]]:
+        """The table of cars, name -> cells."""
+        rows = self.page.evaluate(
+            """() => [...document.querySelectorAll('.fs-cars tr')].map(
+                row => [...row.querySelectorAll('td')].map(cell => cell.textContent))"""
+        )
+        return {row[0]: row[1:] for row in rows if row}
+
+
+@pytest.fixture(scope="module")
+def browser(chromium, room_page):
+    """One browser at the room."""
+    one = Operator(chromium, room_page)
+    yield one
+    one.page.close()
+
+
+@pytest.fixture
+def operator(browser, room_page):
+    """Somebody at that browser, with the room safe and ready to be armed."""
+    room = room_page.room
+    until(lambda: room.look is not None or room.state.status == "failed", OPENS)
+    assert room.state.status == "open", room.state.trouble
+    room.emergency("test")
+    until(lambda: room.look.arm == "emergency", SOON)
+    room.ask("reset", "test")
+    browser.sees("safe")
+    until(lambda: not room_page.state.arm.disabled, OPENS)
+    return browser
+
+
+def places(room) -> np.ndarray:
+    return np.array([(car.pose.x, car.pose.y) for car in room.look.cars])
+
+
+def test_cars_are_armed_run_and_are_stopped_by_a_key_in_every_browser(
+    chromium, operator, room_page
+):
+    first, second = operator, Operator(chromium, room_page)
+    room = room_page.room
+    before = places(room)
+    until(lambda: {"red", "blue", "sim 1"} <= set(first.table()), SOON)
+    first.arm()
+    second.sees("running")
+    until(lambda: (np.linalg.norm(places(room) - before, axis=1) > 0.2).all(), SOON)
+    until(lambda: float(second.table()["red"][1]) > 0.2, SOON)
+
+    second.page.keyboard.press("Space")
+    first.sees("emergency")
+    second.sees("emergency")
+    stopped = room.events[-1]
+    assert any(one.kind == "emergency" and "browser" in one.cause for one in room.events), stopped
+    until(lambda: max(float(row[1]) for row in first.table().values()) < 0.05, SOON)
+
+    first.press("Reset the emergency stop")
+    second.sees("safe")
+    assert room.look.arm == "safe"
+    second.page.close()
+
+
+@pytest.mark.parametrize("key", ["Space", "Escape", "Shift+Space"])
+def test_the_keys_stop_even_while_a_number_is_being_typed(operator, room_page, key):
+    first = operator
+    first.arm()
+    box = first.page.locator(f'[id="{room_page.rule.controls["C"]._impl.uuid}"] ~ div input')
+    box.click()
+    first.page.keyboard.press(key)
+    first.sees("emergency")
+    assert room_page.room.state.values["C"] == 0.7
+
+
+def test_the_key_does_not_press_the_button_that_was_pressed_last(operator, room_page):
+    first = operator
+    first.press("Arm …")
+    first.page.get_by_role("button", name="Arm", exact=True).focus()
+    first.page.keyboard.press("Space")
+    first.sees("emergency")
+    first.page.wait_for_timeout(500)
+    assert first.page.locator(".fs-question").count() == 0
+    assert room_page.room.look.arm == "emergency"
+    assert not [one for one in room_page.room.events[-3:] if one.asked == "arm"]
+
+
+def test_the_stop_stays_in_view_however_far_one_scrolls(operator):
+    first = operator
+    stop = first.page.get_by_role("button", name="EMERGENCY STOP", exact=True)
+    first.page.get_by_text("Body: Car").wait_for(timeout=1000 * SOON)
+    top = stop.bounding_box()["y"]
+    stop.hover()
+    first.page.mouse.wheel(0, 4000)
+    until(lambda: not in_view(first.page.get_by_label("Rule", exact=True).first), SOON)
+    box = stop.bounding_box()
+    assert box["y"] == pytest.approx(top, abs=20)
+    stop.click()
+    first.sees("emergency")
+
+
+def in_view(thing) -> bool:
+    box = thing.bounding_box()
+    return box is not None and box["y"] > 0
+
+
+def test_the_log_is_shown_and_downloaded(operator, tmp_path):
+    first = operator
+    first.page.get_by_role("tab", name="Log", exact=True).click()
+    first.page.locator(".fs-log").wait_for(timeout=1000 * SOON)
+    with first.page.expect_download() as download:
+        first.press("Download all (CSV)")
+    file = tmp_path / "events.csv"
+    download.value.save_as(file)
+    rows = list(csv.DictReader(file.open()))
+    assert {"room", "emergency"} <= {row["kind"] for row in rows}

@@ -1,0 +1,193 @@
+"""The panels of a room with real cars: what they say, and the hand that drags the injected car."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.live.events import Event
+from app.live.example import example
+from app.live.links.link import RUN
+from app.live.pose import Pose
+from app.live.safety import Reason
+from app.live.squashing_driver import model_for
+from app.viewer.live.course import Course
+from app.viewer.live.framing import Setting, frame_of
+from app.viewer.live.hand import Hand
+from app.viewer.live.keys import everywhere
+from app.viewer.live.panels.log import COLUMNS, as_csv, listed
+from app.viewer.live.panels.monitors import cars, numbers
+from app.viewer.live.panels.plots import WINDOW, LivePlots, colours
+from app.viewer.live.panels.room import injected, limited
+from app.viewer.live.panels.state import banner
+from app.viewer.live.room_state import RoomState
+from app.viewer.live.standing import standing
+from app.viewer.server import close_server, open_server
+from tests.viewer.stub_desk import car_look, companion, look_at
+
+OPEN = RoomState("emulated cars", "dry run", "squashing", status="open")
+UNSEEN = Reason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
+
+
+@pytest.fixture
+def server():
+    made = open_server(port=0)
+    yield made
+    close_server(made)
+
+
+@pytest.mark.parametrize(
+    ("state", "look", "kind", "words"),
+    [
+        (replace(OPEN, status="opening"), None, "opening", "compiled"),
+        (replace(OPEN, status="opening", latched=True), None, "emergency", "begins stopped"),
+        (replace(OPEN, status="failed", trouble="no frame within 5 s"), None, "failed", "no frame"),
+        (OPEN, None, "opening", "Waiting"),
+        (OPEN, look_at(), "safe", "Ready"),
+        (OPEN, replace(look_at(), reasons=(UNSEEN,)), "safe", "Cannot be armed"),
+        (OPEN, look_at(arm="armed"), "running", "run"),
+        (OPEN, replace(look_at(arm="armed"), mode=0, reasons=(UNSEEN,)), "held up", "0.40 s"),
+        (OPEN, look_at(arm="emergency"), "emergency", "stop"),
+        (OPEN, replace(look_at(arm="armed"), troubles={"link": "gone"}), "running", "link: gone"),
+    ],
+)
+def test_the_banner_says_how_the_room_stands(state, look, kind, words):
+    now = standing(state, look)
+    assert now.kind == kind
+    assert words in banner(now)
+    assert f"fs-{kind.replace(' ', '-')}" in banner(now)
+    assert now.armable == (kind == "safe" and not now.reasons)
+
+
+def test_what_a_tracking_or_a_link_says_is_no_html():
+    look = replace(look_at(), reasons=(replace(UNSEEN, words="<img src=x>"),))
+    assert "<img" not in banner(standing(OPEN, look))
+    assert "<img" not in listed([Event(1, 0.0, "rule", "<img src=x>", cause="<img>")])
+
+
+def drag(x: float, y: float, client: int = 1, phase: str = "update") -> Any:
+    """What viser tells of a drag on the display."""
+    target = SimpleNamespace(position=np.array([x, y, 0.0]))
+    return SimpleNamespace(phase=phase, client_id=client, target=target)
+
+
+@pytest.fixture
+def hand(server):
+    placed = []
+    made = Hand(server.scene, example().area, lambda x, y: placed.append((x, y)))
+    made.draw(whole_frame())
+    return made, placed
+
+
+def whole_look(arm="armed"):
+    return replace(
+        look_at(7, 1.0, arm, [car_look("blue"), car_look("red", Pose(0.0, -2.0, 0.0), 0.06)],
+                Pose(2.0, 0.0, 0.0), [companion(1, -2.0, 0.0, -0.4)]),
+        mode=RUN,
+    )  # fmt: skip
+
+
+def whole_frame(look=None):
+    lab = example()
+    setting = Setting.of(1, lab, model_for(lab.rule))
+    return frame_of(setting, look or whole_look(), {"length": 0.22})
+
+
+def moved(hand: Hand, event: Any) -> None:
+    """Give it a drag, as viser's event loop does."""
+    with pytest.raises(StopIteration):
+        hand.moved(event).send(None)
+
+
+def test_the_hand_stays_within_the_fence(hand):
+    made, placed = hand
+    assert made.handle.visible
+    moved(made, drag(0.0, 0.0, phase="start"))
+    moved(made, drag(500.0, 0.1))
+    moved(made, drag(math.nan, 0.0))
+    area = example().area
+    (x, _), (far, _) = placed
+    assert x == pytest.approx(0.0)
+    assert far == pytest.approx(area.high[0] - area.fence)
+
+
+def test_only_who_holds_the_hand_moves_it(hand):
+    made, placed = hand
+    moved(made, drag(0.0, 0.0, client=1, phase="start"))
+    moved(made, drag(1.0, 0.0, client=2))
+    assert len(placed) == 1
+    before = np.array(made.handle.position)
+    made.draw(whole_frame())
+    np.testing.assert_array_equal(made.handle.position, before)
+    moved(made, drag(1.0, 0.0, client=1, phase="end"))
+    moved(made, drag(2.0, 0.0, client=1))
+    assert len(placed) == 2
+
+
+def test_the_table_has_every_car_with_its_state():
+    look = whole_look()
+    course = Course(example().injected).after(look)
+    shown = cars(look, whole_frame(look), course, chosen=1)
+    assert [f">{name}</td>" in shown for name in ("blue", "red", "sim 1")] == [True] * 3
+    assert "0 ms" in shown
+    assert "60 ms" in shown
+    assert "−0.40" in shown
+    assert shown.count("fs-chosen") == 1
+    assert 'title="simulated"' in shown
+    told = numbers(look, course, example().injected, 3)
+    assert (told["loop"], told["browsers"], told["ticks missed"]) == ("10.0 ms", "3", "0")
+    assert told["least distance"] == "2.69 m"
+
+
+def test_a_car_that_was_never_seen_is_in_the_table():
+    look = look_at(0, 0.0, "safe", [car_look("blue", None), car_look("red")])
+    shown = cars(look, whole_frame(look), Course(example().injected), None)
+    assert "never" in shown
+    assert 'title="lost"' in shown
+
+
+def test_plots_reach_back_a_minute(server):
+    plots = LivePlots(server.gui, 100.0)
+    course = Course(example().injected)
+    look = whole_look()
+    for second in range(90):
+        course = course.after(replace(look, time=float(second)))
+    names = ["blue", "red", "sim 1"]
+    plots.refresh(course, names, 0.22)
+    ago, median, *_ = plots.times.plot.data
+    assert (ago[0], ago[-1], median[-1]) == (-WINDOW, 0.0, 10.0)
+    assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 4
+    assert plots.lags.plot.data[2][-1] == pytest.approx(90.0)
+    plots.refresh(course, ["red"], 0.22)
+    assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 2
+    assert len(set(colours(names).values())) == 3
+
+
+def test_the_log_has_the_newest_on_top_and_the_file_has_all():
+    events = [Event(k, float(k), "tune", f"beta = {k}", cause="browser 1") for k in (1, 2)]
+    shown = listed(events)
+    assert shown.index("beta = 2") < shown.index("beta = 1")
+    header, first, second = csv.reader(io.StringIO(as_csv(events)))
+    assert tuple(header) == COLUMNS
+    assert (first[1], second[4]) == ("1", "beta = 2")
+
+
+def test_the_room_says_its_limits_and_what_the_injected_car_does():
+    lab = example()
+    assert "6.10 × 6.71 m" in limited(lab)
+    assert "red" in limited(lab)
+    plan = lab.injected.model_copy(update={"path": "hand"})
+    assert "drag" in injected(plan)
+
+
+def test_the_stop_keys_are_heard_by_a_handler_that_is_an_attribute():
+    assert 'onerror="' in everywhere()
+    assert everywhere().count('"') == 6
+    assert "</" not in everywhere()
