@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
+from app.cli.flight_options import AsJson
 from app.cli.outcome import as_json
 
 
-def aircraft(
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> None:
+def aircraft(json_asked: AsJson = False) -> None:
     """List what --set can change: value, range, meaning, and whether the thesis says so."""
     from agents.declare import declared
     from agents.flight.aircraft import Aircraft

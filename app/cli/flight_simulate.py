@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
 from app.cli.outcome import as_json
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, demand_folder, request, within
@@ -17,8 +18,8 @@ LONGEST = 120.0
 
 def simulate(
     speed: Annotated[float, typer.Option(help="Mean speed of the trim, m/s, 2 to 15.")] = SPEED,
-    frequency: Annotated[float, typer.Option(help="Of flap and twist, Hz, 0.5 to 6.")] = FREQUENCY,
-    twist: Annotated[float, typer.Option(help="R of the wing tip, deg, 0 to 45.")] = TWIST,
+    frequency: Frequency = FREQUENCY,
+    twist: Twist = TWIST,
     seconds: Annotated[float, typer.Option(help="How long it flies, s, 0.1 to 120.")] = 8.0,
     push: Annotated[
         list[str] | None,
@@ -27,19 +28,11 @@ def simulate(
             " may be repeated."
         ),
     ] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            help="Of the aircraft (flight aircraft lists them), NAME=VALUE; may be repeated.",
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for numbers and pictures.")] = Path(
-        "results/flight-simulate"
-    ),
+    settings: Settings = None,
+    out: Out = Path("results/flight-simulate"),
     pictures: Annotated[bool, typer.Option(help="Draw the pictures as PNG and SVG.")] = True,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    json_asked: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Fly the aircraft from its trim, with a push at the start, and see what becomes of it.
 

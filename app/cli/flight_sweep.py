@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
 from app.cli.outcome import as_json
 from app.cli.progress import Progress
 from app.cli.settings import numbers
@@ -17,21 +18,13 @@ DEFAULT = "2.5,3,3.25,3.5,4,4.5,5,6,7"
 
 def sweep(
     speeds: Annotated[str, typer.Option(help="Mean speeds, m/s, 2 to 15.")] = DEFAULT,
-    frequency: Annotated[float, typer.Option(help="Of flap and twist, Hz, 0.5 to 6.")] = FREQUENCY,
-    twist: Annotated[float, typer.Option(help="R of the wing tip, deg, 0 to 45.")] = TWIST,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            help="Of the aircraft (flight aircraft lists them), NAME=VALUE; may be repeated.",
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for numbers and pictures.")] = Path(
-        "results/flight-sweep"
-    ),
+    frequency: Frequency = FREQUENCY,
+    twist: Twist = TWIST,
+    settings: Settings = None,
+    out: Out = Path("results/flight-sweep"),
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    json_asked: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Trim the aircraft at every speed and print and draw what a metre of flight costs.
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
 from app.cli.outcome import as_json
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, demand_folder, request
@@ -14,21 +15,13 @@ from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, demand_fold
 
 def trim(
     speed: Annotated[float, typer.Option(help="Mean speed, m/s, 2 to 15.")] = SPEED,
-    frequency: Annotated[float, typer.Option(help="Of flap and twist, Hz, 0.5 to 6.")] = FREQUENCY,
-    twist: Annotated[float, typer.Option(help="R of the wing tip, deg, 0 to 45.")] = TWIST,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            help="Of the aircraft (flight aircraft lists them), NAME=VALUE; may be repeated.",
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for numbers and pictures.")] = Path(
-        "results/flight-trim"
-    ),
+    frequency: Frequency = FREQUENCY,
+    twist: Twist = TWIST,
+    settings: Settings = None,
+    out: Out = Path("results/flight-trim"),
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    json_asked: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find flap amplitude and tail angle at which the aircraft flies level at a speed.
 

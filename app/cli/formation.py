@@ -77,12 +77,12 @@ def vee(
     draws: Annotated[int, typer.Option(help="Draws for each jitter.")] = 1000,
     step: Annotated[float, typer.Option(help="How far behind the next, in spans.")] = 0.5,
     tip: Annotated[
-        float | None, typer.Option(help="Wing-tip spacing in spans.  [default: the best]")
+        float | None, typer.Option(help="Wing-tip spacing in spans. \\[default: the best]")
     ] = None,
     induced: Annotated[float, typer.Option(help="Share of the power that is induced.")] = 0.35,
     energy: Annotated[
         float | None,
-        typer.Option(help="J/m of a bird alone.  [default: the thesis's aircraft in trim]"),
+        typer.Option(help="J/m of a bird alone. \\[default: the thesis's aircraft in trim]"),
     ] = None,
     speed: Annotated[float, typer.Option(help="Speed of that aircraft, m/s.")] = 3.5,
     seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def paper(
     name: Annotated[str, typer.Argument(help="Which one, see `flockscope list papers`.")],
-    runs: Annotated[int | None, typer.Option(help="Runs per row.  [default: the paper's]")] = None,
+    runs: Annotated[int | None, typer.Option(help="Runs per row. \\[default: the paper's]")] = None,
     agents: Annotated[str, typer.Option(help="Only these sizes of flock: 100,200.")] = "",
     models: Annotated[str, typer.Option(help="Only these models: vem,hwvem.")] = "",
     seed: Annotated[
@@ -31,9 +31,9 @@ def paper(
         typer.Option(help="Seed of the first run of each row."),
     ] = 1,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for runs and pictures.  [default: results/NAME]")
+        Path | None, typer.Option(help="Folder for runs and pictures. \\[default: results/NAME]")
     ] = None,
-    workers: Annotated[int | None, typer.Option(help="Runs at a time.  [default: cores]")] = None,
+    workers: Annotated[int | None, typer.Option(help="Runs at a time. \\[default: cores]")] = None,
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,

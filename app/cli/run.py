@@ -25,22 +25,22 @@ if TYPE_CHECKING:
 def run(
     model: Annotated[str | None, typer.Argument(help="A model, see `flockscope list`.")] = None,
     agents: Annotated[
-        int | None, typer.Option(help="Ordinary agents.  [default: the model's own, or 100]")
+        int | None, typer.Option(help="Ordinary agents. \\[default: the model's own, or 100]")
     ] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
     ticks: Annotated[int, typer.Option(help="Ticks to run.")] = 100,
-    seed: Annotated[int | None, typer.Option(help="Seed of the run.  [default: drawn]")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the run. \\[default: drawn]")] = None,
     size: Annotated[
         str | None, typer.Option(help="Side of the box, or one per axis: 7 or 7,5.")
     ] = None,
     dim: Annotated[
-        int | None, typer.Option(help="2 or 3 dimensions.  [default: the world's own]")
+        int | None, typer.Option(help="2 or 3 dimensions. \\[default: the world's own]")
     ] = None,
     world: Annotated[
         str | None,
-        typer.Option(help="A built-in world or a TOML file.  [default: the model's own]"),
+        typer.Option(help="A built-in world or a TOML file. \\[default: the model's own]"),
     ] = None,
     informed: Annotated[int | None, typer.Option(help="Information agents.")] = None,
     activation: Annotated[
@@ -66,7 +66,7 @@ def run(
     observe: Annotated[
         str | None,
         typer.Option(
-            help="Observables with commas, or `all`, see `flockscope list`.  [default: what the "
+            help="Observables with commas, or `all`, see `flockscope list`. \\[default: what the "
             "model and its world ask for]"
         ),
     ] = None,

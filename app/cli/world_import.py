@@ -16,15 +16,15 @@ def import_drawing(
     out: Annotated[Path, typer.Option(help="The layout to write (TOML).")],
     scale: Annotated[
         float | None,
-        typer.Option(help="Metres per unit of the file.  [default: 1; DXF: its $INSUNITS]"),
+        typer.Option(help="Metres per unit of the file. \\[default: 1; DXF: its $INSUNITS]"),
     ] = None,
     obstacles: Annotated[
         list[str] | None,
-        typer.Option(help="A layer that is solid; may be repeated.  [default: all others]"),
+        typer.Option(help="A layer that is solid; may be repeated. \\[default: all others]"),
     ] = None,
     walkable: Annotated[
         str | None,
-        typer.Option(help="The layer of the walkable area.  [default: walkable, if there is one]"),
+        typer.Option(help="The layer of the walkable area. \\[default: walkable, if there is one]"),
     ] = None,
     edges: Annotated[
         str, typer.Option(help="solid, open or wrap for all sides, or one per axis: wrap,solid.")
@@ -34,7 +34,7 @@ def import_drawing(
     ] = None,
     margin: Annotated[
         float | None,
-        typer.Option(help="Room around the obstacles, m.  [default: a tenth of their extent]"),
+        typer.Option(help="Room around the obstacles, m. \\[default: a tenth of their extent]"),
     ] = None,
     to_origin: Annotated[
         bool, typer.Option("--to-origin", help="Move the lower corner of the box to (0, 0).")

@@ -16,7 +16,7 @@ PICTURES = (".png", ".svg")
 
 def show(
     name: Annotated[str, typer.Argument(help="A built-in world or a layout file.")],
-    out: Annotated[Path | None, typer.Option(help="PNG or SVG file.  [default: NAME.png]")] = None,
+    out: Annotated[Path | None, typer.Option(help="PNG or SVG file. \\[default: NAME.png]")] = None,
     dim: Annotated[int | None, typer.Option(min=2, max=3, help="2 or 3 dimensions.")] = None,
     size: Annotated[
         str | None, typer.Option(help="Side of the box, or one per axis, if the layout has none.")

@@ -7,6 +7,7 @@ import json
 import os
 import pty
 import re
+import shutil
 import signal
 import subprocess
 import termios
@@ -14,14 +15,17 @@ import time
 from pathlib import Path
 
 import pytest
-from live.natnet_emulator import Body, NatNetEmulator
+from live.natnet_emulator import Body, NatNetEmulator, free_port
 
 from app.cli.live_file import laboratory
 from app.live.example import FILE, example
 from app.live.lab import lab_from_toml
 from app.live.links.links import open_link
+from app.live.record import TABLES, Recording
+from app.live.replay import read
 from app.live.squashing_driver import FlockDriver
 from cli.calling import PROGRAM, call, refusal, start
+from worlds.refusal import Refusal
 
 PATIENCE = 60.0
 
@@ -65,6 +69,72 @@ def standing(_seconds):
 def source_of(server):
     options = "&".join(f"{name}={value}" for name, value in server.options.items())
     return {"192.168.1.5?up=y": f"127.0.0.1?up=y&{options}"}
+
+
+MORE = """
+[sources]
+"second room" = "optitrack:192.168.1.6?up=y"
+
+[links]
+radio = "serial:/dev/no-such-port"
+"""
+
+
+def with_choices(path, **changes):
+    """The same file, with other sources and links to choose."""
+    text = path.read_text().replace("[parameters]", MORE + "[parameters]")
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    path.write_text(text)
+    return path
+
+
+def test_a_check_lists_what_may_be_chosen(room):
+    path = with_choices(room())
+    made = call("live", "check", path, "--file-only")
+    assert "sources: optitrack:192.168.1.5?up=y, second room, emulated cars" in made.stdout
+    assert "links: dry run, radio" in made.stdout
+    assert "rules: squashing, " in made.stdout
+    found = json.loads(call("live", "check", path, "--file-only", "--json").stdout)
+    assert found["choices"]["links"] == {"dry run": "dry", "radio": "serial:/dev/no-such-port"}
+
+
+def test_sources_and_links_are_named_on_the_command_line(room):
+    path = with_choices(room())
+    port = refusal("live", "check", path, "--link", "radio", "--source", "second room")
+    assert port.endswith("cannot open /dev/no-such-port: there is no such port")
+    assert "unknown source 'third room'" in refusal(
+        "live", "check", path, "--source", "third room", "--file-only"
+    )
+    assert "unknown link 'wire'" in refusal("live", "run", path, "--link", "wire", "--quiet")
+    line = refusal("live", "run", path, "--link", "radio", "--dry", "--quiet")
+    assert line == "flockscope: --dry and --link 'radio' exclude each other"
+    line = refusal("live", "run", path, "--source", "emulated cars", "--link", "radio", "--quiet")
+    assert "emulated cars have a link of their own" in line
+
+
+@pytest.mark.parametrize("options", [(), ("--source", "emulated cars")])
+def test_a_check_of_a_room_in_software_sees_its_cars(room, options):
+    path = room()
+    if not options:
+        text = path.read_text().replace('link = "dry"', 'link = "simulated"')
+        path.write_text(text.replace("optitrack:192.168.1.5?up=y", "simulated"))
+    made = call("live", "check", path, "--json", "--within", PATIENCE, *options)
+    assert made.exit_code == 0, made.stderr
+    found = json.loads(made.stdout)
+    assert found["amiss"] == []
+    assert found["link"] == {"text": "simulated", "shortage": ""}
+    assert found["source"]["what"] == "emulated cars at 100 Hz"
+    assert {at["called"] for at in found["source"]["bodies"].values()} == {"red", "blue"}
+
+
+def test_a_room_in_software_is_run_as_any_other(room):
+    path = room()
+    options = ("--source", "emulated cars", "--arm", "--json", "--seconds", 5)
+    made = call("live", "run", path, *options)
+    *events, summary = map(json.loads, made.stdout.splitlines())
+    assert ("arm", "--arm") in [(event["kind"], event["cause"]) for event in events]
+    assert summary["ticks"] > 100
 
 
 def test_a_check_tells_who_is_seen_and_sends_nothing(room):
@@ -112,15 +182,31 @@ def test_options_out_of_range_are_refused(room, tmp_path):
     assert "cannot be read" in refusal("live", "run", tmp_path / "none.toml")
     assert "cannot be read" in refusal("live", "replay", tmp_path / "none")
     assert "holds nothing to recover" in refusal("live", "recover", tmp_path)
+    assert "holds nothing to recover" in refusal("recover", tmp_path)
+
+
+@pytest.mark.parametrize("command", [("recover",), ("live", "recover")])
+def test_the_folder_of_a_killed_live_run_is_recovered(tmp_path, command):
+    with Recording(tmp_path / "run", example().to_toml()):
+        shutil.copytree(tmp_path / "run", tmp_path / "killed")
+    made = call(*command, tmp_path / "killed", "--json")
+    assert json.loads(made.stdout) == {
+        "folder": str(tmp_path / "killed"),
+        "rows": dict.fromkeys(TABLES, 0),
+    }
+    assert read(tmp_path / "killed").lab == example()
 
 
 def test_a_recording_of_emulated_cars_replays_to_the_bit(tmp_path):
-    folder = tmp_path / "run"
-    made = call("live", "emulate", "--arm", "--json", "--seconds", 8, "--record", folder)
+    folder, port = tmp_path / "run", free_port()
+    options = ("--arm", "--json", "--seconds", 8, "--port", port)
+    made = call("live", "emulate", *options, "--record", folder)
     assert made.exit_code == 0
     *events, summary = map(json.loads, made.stdout.splitlines())
     assert ("arm", "--arm") in [(event["kind"], event["cause"]) for event in events]
     assert summary["recording"] == str(folder)
+    lab = read(folder).lab
+    assert (lab.source, lab.link) == ("simulated", f"simulated?port={port}")
     replayed = json.loads(call("live", "replay", folder, "--json").stdout)
     assert replayed["same"]
     assert replayed["ticks"] >= summary["ticks"] > 100
@@ -199,7 +285,14 @@ SHOWN = re.findall(r"^flockscope live (\w+)(.*)$", PAGE.read_text(encoding="utf-
 
 
 def test_the_page_shows_every_command():
-    assert {name for name, _ in SHOWN} == {"check", "run", "replay", "recover", "emulate"}
+    assert {name for name, _ in SHOWN} == {
+        "check",
+        "emulate",
+        "lab",
+        "recover",
+        "replay",
+        "run",
+    }
 
 
 @pytest.mark.parametrize(("name", "rest"), SHOWN)
@@ -223,3 +316,13 @@ def test_a_link_of_ones_own_lies_beside_the_laboratorys_file(room, tmp_path):
     assert laboratory(path).link == f"{tmp_path.resolve() / 'mine.py'}:"
     with pytest.raises(ValueError, match="here"):
         open_link(laboratory(path).link)
+
+
+def test_the_links_that_may_be_chosen_lie_there_too(room, tmp_path):
+    (tmp_path / "mine.py").write_text("raise ValueError('it must not be run')\n")
+    path = with_choices(room(), **{"serial:/dev/no-such-port": "mine.py:a"})
+    assert laboratory(path).links == {"radio": f"{tmp_path.resolve() / 'mine.py'}:a"}
+    assert laboratory(path, link="radio").link == f"{tmp_path.resolve() / 'mine.py'}:a"
+    (tmp_path / "mine.py").unlink()
+    with pytest.raises(Refusal, match=r"there is no file .*mine\.py \(link 'mine\.py:a'\)"):
+        laboratory(path)

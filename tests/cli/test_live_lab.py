@@ -1,0 +1,68 @@
+"""`flockscope live lab`: the page and the terminal beside it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from app.cli.live_console import Console
+from app.cli.live_lab import lab
+from app.cli.stopping import Stopping
+from app.live.events import Event
+from worlds.refusal import Refusal
+
+
+class Asked:
+    """A room that only takes down what is asked of it."""
+
+    def __init__(self, *events, trouble=""):
+        status = "failed" if trouble else "open"
+        self.state = SimpleNamespace(status=status, trouble=trouble)
+        self.events = list(events)
+        self.asked = []
+
+    def ask(self, wish, cause):
+        self.asked.append((wish, cause))
+
+    def emergency(self, cause):
+        self.asked.append(("emergency", cause))
+
+
+@pytest.mark.parametrize(
+    ("pressed", "wishes"),
+    [
+        ("a", ["arm"]),
+        ("d", ["disarm"]),
+        ("r", ["reset"]),
+        (" ", ["emergency"]),
+        ("x", ["emergency"]),
+        ("ra", ["reset", "arm"]),
+        ("ra ", ["emergency"]),
+        ("", []),
+    ],
+)
+def test_any_key_that_means_nothing_else_is_the_emergency_stop(pressed, wishes):
+    room = Asked()
+    Console(room, Stopping(), said=False).obey(pressed)
+    assert room.asked == [(wish, "terminal") for wish in wishes]
+
+
+def test_it_prints_each_event_once_and_why_a_room_is_not_open(capsys):
+    room = Asked(Event(1, 1.0, "arm", "armed", cause="browser 2"), trouble="no frame within 5 s")
+    console = Console(room, Stopping(), said=True)
+    console.see()
+    console.see()
+    told = capsys.readouterr()
+    assert told.out.split() == ["0.00", "s", "arm", "armed", "(browser", "2)"]
+    assert told.err == "no frame within 5 s\n"
+
+
+def test_quiet_it_prints_no_event(capsys):
+    Console(Asked(Event(1, 1.0, "arm", "armed")), Stopping(), said=False).see()
+    assert capsys.readouterr().out == ""
+
+
+def test_an_unknown_source_is_refused_before_anything_is_opened():
+    with pytest.raises(Refusal, match="unknown source 'nowhere'"):
+        lab(source="nowhere", open_browser=False)
