@@ -15,11 +15,14 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import sync_playwright
 
+from app.live.example import example
 from app.viewer.laboratory import Laboratory
+from app.viewer.live.page import LivePage
 from app.viewer.scene import STEP_OFF
 from app.viewer.start import Start, at_home
 
 HERE = Path(__file__).parent
+LIVE = "live-armed.png"
 ARGUMENTS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -60,6 +63,8 @@ def main(only: tuple[str, ...] = ()) -> None:
     ):
         if not only or name in only:
             take(name, *scene)
+    if not only or LIVE in only:
+        take_live()
 
 
 def in_layers(laboratory: Laboratory, _page: Any) -> None:
@@ -190,6 +195,29 @@ def take(
         arrange(laboratory, page)
         time.sleep(2.0)
         page.screenshot(path=HERE / name)
+        browser.close()
+    laboratory.close()
+
+
+def take_live() -> None:
+    """Two emulated cars and two simulated ones drive for a while, armed in the browser."""
+    lab = example()
+    lab = lab.model_copy(update={"simulated": lab.simulated.model_copy(update={"cars": 2})})
+    laboratory = LivePage(lab, port=0, source="emulated cars")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=ARGUMENTS
+        )
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.set_default_timeout(180_000)
+        page.goto(laboratory.address)
+        page.get_by_text("Software WebGL").wait_for()
+        page.locator(".mantine-Notification-closeButton").first.click()
+        page.get_by_role("button", name="Arm …").click()
+        page.get_by_role("button", name="Arm", exact=True).click()
+        page.locator(".fs-running").wait_for()
+        time.sleep(12.0)
+        page.screenshot(path=HERE / LIVE)
         browser.close()
     laboratory.close()
 
