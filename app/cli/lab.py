@@ -11,6 +11,7 @@ import typer
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
+from app.cli.serving_options import Host, OpenBrowser, Port
 from app.cli.settings import assignment
 from app.cli.stopping import Stopping
 from app.viewer.beside import companion, shared_by
@@ -58,13 +59,9 @@ def lab(
     ] = None,
     speed: Annotated[float | None, typer.Option(min=0.1, help="Ticks per second at first.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on.")] = 8080,
-    host: Annotated[
-        str, typer.Option(help="Address to serve on; 0.0.0.0 lets the whole network in.")
-    ] = "127.0.0.1",
-    open_browser: Annotated[
-        bool, typer.Option("--open/--no-open", help="Open the browser.")
-    ] = True,
+    port: Port = 8080,
+    host: Host = "127.0.0.1",
+    open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
     from app.viewer.laboratory import Laboratory

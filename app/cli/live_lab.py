@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli.serving_options import Host, OpenBrowser, Port
+
 if TYPE_CHECKING:
     from app.live.lab import Lab
 
@@ -28,13 +30,9 @@ def lab(
         Path | None,
         typer.Option(help="Record each opening of the room in a new folder in this one."),
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on.")] = 8080,
-    host: Annotated[
-        str, typer.Option(help="Address to serve on; 0.0.0.0 lets the whole network in.")
-    ] = "127.0.0.1",
-    open_browser: Annotated[
-        bool, typer.Option("--open/--no-open", help="Open the browser.")
-    ] = True,
+    port: Port = 8080,
+    host: Host = "127.0.0.1",
+    open_browser: OpenBrowser = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print no events.")] = False,
 ) -> None:
     """Open a laboratory of cars in the browser. Nothing moves before it is armed.

@@ -21,13 +21,11 @@ from websockets.exceptions import ConnectionClosed
 from agents.declare import declared
 from app.live.choices import links, rules, sources
 from app.live.example import example
-from app.viewer.live.page import LivePage
 from app.viewer.server import UNWANTED
+from tests.live.opened_page import opened
 from tests.live.stand_in import CAMERA, StandIn
 from tests.live.waiting import until
 
-BEGINS = 240.0
-"""Seconds that a room may take to open: its rule is compiled, by a machine that may be busy."""
 SOON = 20.0
 """Seconds within which the page has taken in what it was sent."""
 BUTTONS = (viser.GuiButtonHandle, viser.GuiButtonGroupHandle)
@@ -95,13 +93,8 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*does not match annotation")
 @pytest.fixture(scope="module")
 def page():
     lab = example().altered("the test", injected={"path": "hand", "speed": 1.0})
-    one = LivePage(lab, port=0, source="emulated cars")
-    try:
-        until(lambda: one.room.look is not None and one.room.state.status == "open", BEGINS)
-        until(lambda: not one.room.look.reasons, BEGINS)
+    with opened(lab) as one:
         yield one
-    finally:
-        one.close()
 
 
 @pytest.fixture

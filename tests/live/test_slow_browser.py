@@ -21,14 +21,12 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from app.live.example import example
-from app.viewer.live.page import LivePage
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
+from tests.live.opened_page import BEGINS, opened
 from tests.live.served_room import ServedRoom, descendants, is_there
 from tests.live.stand_in import StandIn
 from tests.live.waiting import until
 
-BEGINS = 240.0
-"""Seconds that a room may take to open: its rule is compiled, by a machine that may be busy."""
 SOON = 20.0
 WATCHED = 3.0
 """Seconds for which the loop is watched."""
@@ -44,13 +42,8 @@ LATEST, FURTHEST = 2.5, 0.75
 
 @pytest.fixture(scope="module")
 def page():
-    one = LivePage(example(), port=0, source="emulated cars")
-    try:
-        until(lambda: one.room.look is not None and one.room.state.status == "open", BEGINS)
-        until(lambda: not one.room.look.reasons, BEGINS)
+    with opened(example()) as one:
         yield one
-    finally:
-        one.close()
 
 
 @pytest.fixture

@@ -20,20 +20,8 @@ from app.viewer.laboratory import Laboratory
 from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.parameters import worded
 from app.viewer.start import Start
+from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
-
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1.0, 0.0, 0.0, 0.0],
-    "position": [0.0, 0.0, 40.0],
-    "fov": 0.3,
-    "near": 0.1,
-    "far": 100.0,
-    "image_height": 900,
-    "image_width": 800,
-    "look_at": [0.0, 0.0, 0.0],
-    "up_direction": [0.0, 0.0, 1.0],
-}
 
 
 @pytest.fixture(scope="module")

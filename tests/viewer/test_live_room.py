@@ -11,23 +11,10 @@ import pytest
 from app.live.choices import rules, sources
 from app.live.example import example
 from app.viewer.live.room import Room
-from tests.viewer.live_rooms import EMULATED, Rooms, armed, told
+from tests.viewer.live_rooms import EMULATED, armed, told
 from tests.viewer.stub_desk import driver
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
-
-
-@pytest.fixture
-def enter():
-    """Makes rooms with stub desks."""
-    with Rooms() as rooms:
-        yield rooms
-
-
-@pytest.fixture
-def desks(enter):
-    """The desks of these rooms."""
-    return enter.desks
 
 
 def test_it_opens_the_file_s_own_room_and_shows_it(enter, desks):

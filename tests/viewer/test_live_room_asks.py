@@ -8,22 +8,9 @@ import pytest
 
 from app.viewer.live import tuning
 from app.viewer.live.opened import GONE
-from tests.viewer.live_rooms import Rooms, armed, told
+from tests.viewer.live_rooms import armed, told
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
-
-
-@pytest.fixture
-def enter():
-    """Makes rooms with stub desks."""
-    with Rooms() as rooms:
-        yield rooms
-
-
-@pytest.fixture
-def desks(enter):
-    """The desks of these rooms."""
-    return enter.desks
 
 
 def test_a_parameter_takes_the_value_that_the_loop_took(enter, desks):

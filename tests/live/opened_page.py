@@ -1,0 +1,25 @@
+"""A page of emulated cars in this process, once its room is open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from app.live.lab import Lab
+from app.viewer.live.page import LivePage
+from tests.live.waiting import until
+
+BEGINS = 240.0
+"""Seconds that a room may take to open: its rule is compiled, by a machine that may be busy."""
+
+
+@contextmanager
+def opened(lab: Lab) -> Iterator[LivePage]:
+    """The page of this laboratory with emulated cars, ready to be armed; closed when left."""
+    page = LivePage(lab, port=0, source="emulated cars")
+    try:
+        until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
+        until(lambda: not page.room.look.reasons, BEGINS)
+        yield page
+    finally:
+        page.close()
