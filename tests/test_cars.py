@@ -333,9 +333,9 @@ def test_cars_are_on_a_plane():
 
 def test_a_rule_that_wishes_a_heading_drives_cars_by_its_name(monkeypatch):
     monkeypatch.setattr(catalogue, "MODELS", dict(catalogue.MODELS))
-    flock = Flock("vem-cars", rng=3)
+    flock = Flock("hwvem-cars", rng=3)
     flock.advance(50)
-    assert flock.model.name == "vem-cars"
+    assert flock.model.name == "hwvem-cars"
     assert flock.world.name == "cars-torus"
     assert flock.speed.min() > 0.5
     again = Flock.from_spec(flock.spec)

@@ -68,7 +68,7 @@ def served(chromium):
 @pytest.fixture(scope="package")
 def shared_window(chromium, served):
     """A browser window that has loaded the laboratory; closed, since a picture costs a core."""
-    page = chromium.new_page(viewport={"width": 1280, "height": 800})
+    page = chromium.new_page(viewport={"width": 1000, "height": 640})
     yield Window(page, served)
     page.close()
 

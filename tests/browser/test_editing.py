@@ -155,7 +155,7 @@ def test_a_polygon_is_drawn_corner_by_corner_and_one_that_crosses_itself_is_refu
 
 
 def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_path):
-    other = Window(chromium.new_page(viewport={"width": 1000, "height": 700}), builder.laboratory)
+    other = Window(chromium.new_page(viewport={"width": 900, "height": 600}), builder.laboratory)
     other.tab("World")
     builder.choose("A click to", "place a box")
     builder.click(44.0, 20.0)

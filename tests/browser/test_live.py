@@ -41,7 +41,7 @@ class Operator:
     """A person at a browser."""
 
     def __init__(self, chromium, room_page):
-        self.page = chromium.new_page(viewport={"width": 1000, "height": 700})
+        self.page = chromium.new_page(viewport={"width": 900, "height": 600})
         self.page.goto(room_page.address)
         self.page.locator(".fs-banner").wait_for(timeout=1000 * OPENS)
 
