@@ -13,7 +13,7 @@ from agents.catalogue import model as find_model
 from agents.declare import checked
 from app.cli.serving_options import Host, OpenBrowser, Port
 from app.cli.settings import assignment
-from app.cli.stopping import Stopping
+from app.cli.stopping import Stopping, leave
 from app.viewer.beside import companion, shared_by
 from app.viewer.start import at_home
 from worlds.layout import layout_names
@@ -130,3 +130,4 @@ def serve(laboratory: Any, open_browser: bool) -> None:
         typer.echo("", err=True)
     finally:
         laboratory.close()
+    leave()
