@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from agents.bodies.upwash import CORE, WITHIN, relief, saved_within
 from agents.engine.block import Me, Near
-from worlds.compiled import entry
+from agents.engine.cache import kept
 from worlds.refusal import Refusal
 
 FAR = 1e9
@@ -34,14 +34,14 @@ class Spacing(NamedTuple):
     """Share of its induced drag saved there."""
 
 
-@entry
+@kept
 def relieve(dx, dy, dz, core, out):
     """`relief` for arrays (M,) of lengths in spans."""
     for i in range(dx.shape[0]):
         out[i] = relief(dx[i], dy[i], dz[i], core)
 
 
-@entry
+@kept
 def sum_up(position, heading, size, images, b, block, none, out):
     """Each bird's `saved` (N,); `block` (3, N) holds the others' nearest images, `none` nothing."""
     n = position.shape[1]
