@@ -21,12 +21,14 @@ def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> 
 
     >>> str(unknown("model", "hwven", ["vem", "hwvem"]))
     "unknown model 'hwven': did you mean 'hwvem'? (known: vem, hwvem)"
+    >>> str(unknown("source", "vicon", ["emulated cars"]))
+    "unknown source 'vicon' (known: emulated cars)"
     """
     known = list(known)
     near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    hint = f": did you mean {near[0]!r}?" if near else ""
     where = f" ({origin})" if origin else ""
-    return Refusal(f"unknown {kind} {name!r}: {hint}(known: {', '.join(known)}){where}")
+    return Refusal(f"unknown {kind} {name!r}{hint} (known: {', '.join(known)}){where}")
 
 
 def first_refusal(
