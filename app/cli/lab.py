@@ -20,6 +20,8 @@ from worlds.layout import layout_names
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
+LOOK = 0.1
+"""Time between two looks whether somebody asked it to stop, s."""
 
 
 def lab(
@@ -114,9 +116,9 @@ def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def serve(laboratory: Any, open_browser: bool) -> None:
-    """Tell the address and serve until Ctrl-C."""
-    try:
-        with Stopping(at_once=True):
+    """Tell the address and serve until Ctrl-C or SIGTERM."""
+    with Stopping() as stopping:
+        try:
             typer.echo(f"flockscope is at {laboratory.address} (Ctrl-C stops it)")
             if not laboratory.simulation.ready.wait(0.8):
                 typer.echo(
@@ -124,10 +126,9 @@ def serve(laboratory: Any, open_browser: bool) -> None:
                 )
             if open_browser:
                 webbrowser.open(laboratory.address)
-            while True:
-                time.sleep(3600)
-    except KeyboardInterrupt:
-        typer.echo("", err=True)
-    finally:
-        laboratory.close()
+            while not stopping.asked:
+                time.sleep(LOOK)
+        finally:
+            typer.echo("", err=True)
+            laboratory.close()
     leave()

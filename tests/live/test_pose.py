@@ -121,7 +121,7 @@ def test_yaw_is_the_angle_about_the_up_axis_whatever_the_pitch(yaw, pitch, up):
 @pytest.mark.parametrize(
     ("declared", "says"),
     [
-        ({"up": "Z"}, "unknown up axis 'Z': did you mean 'z'?|unknown up axis 'Z': "),
+        ({"up": "Z"}, "unknown up axis 'Z'"),
         ({"unit": "millimetres"}, "unknown unit 'millimetres'"),
         ({"nose": "w"}, "unknown nose axis 'w'"),
     ],

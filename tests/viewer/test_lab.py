@@ -25,7 +25,7 @@ def start(*arguments: str, **environment: str) -> subprocess.Popen:
     return subprocess.Popen(
         [*COMMAND, "--no-open", "--agents", "20", *arguments],
         cwd=ROOT,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"} | environment,
+        env=os.environ | {"PYTHONUNBUFFERED": "1", "PYTHONFAULTHANDLER": "1"} | environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -40,6 +40,9 @@ def stopped(process, how):
         assert b"<html" in urllib.request.urlopen(address, timeout=10).read()
         process.send_signal(how)
         out, err = process.communicate(timeout=20)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGABRT)  # what its threads are at
+        pytest.fail(process.communicate()[1])
     finally:
         process.kill()
     assert "Traceback" not in out + err
