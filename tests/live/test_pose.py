@@ -121,7 +121,7 @@ def test_yaw_is_the_angle_about_the_up_axis_whatever_the_pitch(yaw, pitch, up):
 @pytest.mark.parametrize(
     ("declared", "says"),
     [
-        ({"up": "Z"}, "unknown up axis 'Z'"),
+        ({"up": "Z"}, r"unknown up axis 'Z' \(known: z, y\)"),
         ({"unit": "millimetres"}, "unknown unit 'millimetres'"),
         ({"nose": "w"}, "unknown nose axis 'w'"),
     ],
