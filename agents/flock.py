@@ -24,13 +24,17 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
-from agents.record import Recorder, read_state
+from agents.record import STATES, Recorder, read_state
 from agents.rows import begun, joined, without
 from agents.space import FlockSpace
-from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
+from agents.room import demand_room
+from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
+
+
+MOST_THREADS = 1024
 
 
 class Flock(Motion, mesa.Model):
@@ -50,11 +54,11 @@ class Flock(Motion, mesa.Model):
     noise: `angular` or `vectorial`: what `eta` means.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
         `agents` is then not used.
-    rng: the run's seed, an integer >= 0; None draws one.
+    rng: the run's seed, an integer in [0, 2^63); None draws one.
     spacing: least distance at the start between agents and of agents to obstacles and solid
         edges, length >= 0; by default the model's own, which may be None: bodies only start clear
         of what is solid.
-    threads: used from 10 000 agents on; the numbers do not depend on it.
+    threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
 
@@ -86,7 +90,7 @@ class Flock(Motion, mesa.Model):
         **parameters: Any,
     ):
         self.model = catalogue.model(model)
-        seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0)
+        seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0, LARGEST_SEED)
         self.seed = seed
         if activation not in ACTIVATIONS:
             raise unknown("activation", activation, ACTIVATIONS)
@@ -94,6 +98,8 @@ class Flock(Motion, mesa.Model):
             raise unknown("noise", noise, NOISES)
         agents = whole("agents", self.model.agents if agents is None else agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
+        self.threads = whole("threads", threads, 1, MOST_THREADS)
+        demand_room(self.model, agents + informed, self.threads)
         self.parameters = checked(self.model.parameters, parameters)
         self.world = find_world(self.model, world, dim, size, agents + informed, seed)
         if informed > 0 and not self.model.rule.led:
@@ -104,7 +110,6 @@ class Flock(Motion, mesa.Model):
         self.tick = 0
         self.activation = activation
         self.noise = noise
-        self.threads = whole("threads", threads, 1)
         self.spacing = self.model.spacing if spacing is None else positive("spacing", spacing)
         if start is None:
             begin, self.given = self._begin(agents, informed), False
@@ -287,8 +292,11 @@ class Flock(Motion, mesa.Model):
         )
 
     def save(self, path: str | Path) -> None:
-        """Write the state to a Parquet file; `Flock.load` goes on from it to the bit."""
-        with Recorder(path, self) as recorder:
+        """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
+
+        The name ends in .parquet or .pq; a file of that name is replaced. Raises Refusal.
+        """
+        with Recorder(path, self, endings=STATES) as recorder:
             recorder.write()
 
     @classmethod

@@ -262,8 +262,26 @@ def positive(name: str, value: Any) -> float:
     return float(value)
 
 
-def whole(name: str, value: Any, least: int) -> int:
-    """`value` as a whole number >= `least`. Raises Refusal."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise Refusal(f"{name} = {value!r} is not allowed: a whole number >= {least} is needed")
+MOST = 10**15
+"""The largest count, unless there is a reason for a smaller one."""
+
+
+def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+    """`value` as a whole number in [least, most]. Raises Refusal."""
+    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not right or value < least:
+        raise Refusal(
+            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
+        )
+    if value > most:
+        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
     return int(value)
+
+
+def shortened(value: Any) -> str:
+    """A value as it is written, the middle left out of what is long."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes no number of more than 4300 digits
+        return "a number of thousands of digits"
+    return text if len(text) <= 60 else f"{text[:28]}...{text[-28:]}"
