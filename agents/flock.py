@@ -25,14 +25,13 @@ from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
 from agents.record import STATES, Recorder, read_state
+from agents.room import demand_room
 from agents.rows import begun, joined, without
 from agents.space import FlockSpace
-from agents.room import demand_room
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
-
 
 MOST_THREADS = 1024
 

@@ -18,7 +18,7 @@ from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, shortened, unknown
 from worlds.route import along_route
 from worlds.survey import survey
 from worlds.world import World
@@ -276,12 +276,3 @@ def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
     if value > most:
         raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
     return int(value)
-
-
-def shortened(value: Any) -> str:
-    """A value as it is written, the middle left out of what is long."""
-    try:
-        text = repr(value)
-    except ValueError:  # Python writes no number of more than 4300 digits
-        return "a number of thousands of digits"
-    return text if len(text) <= 60 else f"{text[:28]}...{text[-28:]}"

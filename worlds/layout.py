@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import tomllib
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -15,11 +15,14 @@ from worlds.mission import mission
 from worlds.obstacles import obstacle
 from worlds.random_obstacles import random_obstacles
 from worlds.refusal import Refusal, unknown
+from worlds.toml import toml
 
 EDGES = ("wrap", "open", "solid")
 """What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
 DISTANCES = ("nearest-image", "plain")
 """How distance is measured where an axis wraps: across the seam, or within the box only."""
+DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
+"""Endings of files that are no layouts, but may come to be some."""
 LAYOUTS = files("worlds") / "layouts"
 KEYS = (
     "title",
@@ -52,14 +55,22 @@ def read_layout(name: str) -> dict[str, Any]:
     Raises Refusal for an unknown name, a missing file or a file that is not TOML.
     """
     path = LAYOUTS / f"{name}.toml" if name in layout_names() else Path(name)
+    if path.suffix.lower() in DRAWINGS:
+        again = f"{shlex.quote(name)} --out {shlex.quote(path.stem + '.toml')}"
+        raise Refusal(
+            f"world {name!r} is a drawing: `flockscope world import {again}` makes a layout of it"
+        )
     if name not in layout_names() and not name.endswith(".toml"):
         raise unknown("world", name, layout_names())
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise Refusal(f"world file {name!r} cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise Refusal(f"world file {name!r} is not TOML: {error}") from None
+    except ValueError:  # a zero byte
+        raise Refusal(f"{name!r} is no name that a file can have") from None
+    return toml(text, f"world file {name!r}")
 
 
 def layout_dim(name: str) -> int | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from worlds.refusal import Refusal
@@ -17,15 +18,11 @@ LIMITS = (
 def memory() -> float:
     """Bytes of memory that this machine, or the container, has; infinity where it does not say."""
     found = [float("inf")]
-    try:
+    with suppress(AttributeError, OSError, ValueError):
         found.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, OSError, ValueError):
-        pass
     for path in LIMITS:
-        try:
+        with suppress(OSError, ValueError):
             found.append(float(path.read_text()))
-        except (OSError, ValueError):
-            continue
     return min(one for one in found if one > 0.0)
 
 

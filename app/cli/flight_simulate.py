@@ -7,10 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
-from app.cli.outcome import as_json
+from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
-from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, demand_folder, request, within
+from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
+from app.results import demand_folder, drawn
 
 LONGEST = 120.0
 """Seconds."""
@@ -31,6 +32,7 @@ def simulate(
     settings: Settings = None,
     out: Out = Path("results/flight-simulate"),
     pictures: Annotated[bool, typer.Option(help="Draw the pictures as PNG and SVG.")] = True,
+    overwrite: Overwrite = False,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -41,7 +43,12 @@ def simulate(
     asked_speed("--speed", speed)
     within("--seconds", seconds, 0.1, LONGEST, "s")
     asked = request(frequency, twist, settings)
-    demand_folder("--out", out)
+    demand_folder(
+        "--out",
+        out,
+        ("history.csv", *drawn("history", pictures), *drawn("beats", pictures)),
+        overwrite,
+    )
     from app.flight.flown import flown, pushes
     from app.flight.sheet import beat_columns, write_sheet
 
@@ -71,4 +78,4 @@ def simulate(
     else:
         typer.echo("\n".join(made.lines()))
     if not quiet:
-        typer.echo("written: " + ", ".join(str(path) for path in files.values()), err=True)
+        tell_written(*files.values())

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome import as_json, tell_written
 from app.cli.world_file import demand_new, edges_asked, size_text, write_layout
+from worlds.counting import counted
 
 
 def import_drawing(
@@ -63,4 +64,6 @@ def import_drawing(
         value = {"layout": str(out), "obstacles": solid, "size": made.size, "low": made.low}
         typer.echo(as_json({**value, "notes": geometry.notes}))
     else:
-        typer.echo(f"written: {out}, {solid} obstacles in {size_text(made)}")
+        typer.echo(f"{counted(solid, 'obstacle')} in {size_text(made)}")
+    if not quiet:
+        tell_written(out)

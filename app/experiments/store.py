@@ -11,6 +11,7 @@ from app.experiments.experiment import Cell
 from app.experiments.kinds.settings import Measure
 from app.experiments.trial import Result
 from worlds.refusal import Refusal
+from worlds.writing import demand_writable
 
 KEYS = ("model", "agents", "parameters", "seed", "fingerprint")
 """The first columns of a store; those of the measures follow, then the seconds."""
@@ -50,6 +51,8 @@ class Store:
     def __enter__(self) -> Store:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
+            demand_writable("store of runs", self.path, overwrite=True)
+            self.demand_ours()
             self.mend()
             self.read()
             self.file = open(self.path, "a", buffering=1, newline="", encoding="utf-8")
@@ -67,6 +70,15 @@ class Store:
         """The refusal for a file that cannot be read or written."""
         return Refusal(f"{str(self.path)!r} cannot be kept: {error.strerror or error}")
 
+    def demand_ours(self) -> None:
+        """Refuse a file of anything else before a byte of it is changed. Raises Refusal."""
+        if self.path.exists():
+            head = (",".join(self.columns) + "\n").encode()
+            with open(self.path, "rb") as file:
+                begins = file.read(len(head))
+            if begins != head[: len(begins)]:
+                raise Refusal(f"{str(self.path)!r} is not a store of runs: move it away")
+
     def mend(self) -> None:
         """Cut off a torn last line."""
         if self.path.exists():
@@ -82,9 +94,7 @@ class Store:
         try:
             with open(self.path, newline="", encoding="utf-8") as file:
                 lines = csv.reader(file)
-                header = next(lines, None)
-                if header is not None and tuple(header) != self.columns:
-                    raise Refusal(f"{str(self.path)!r} is not a store of runs: move it away")
+                next(lines, None)
                 for number, line in enumerate(lines, 2):
                     self.take(number, line)
         except (UnicodeDecodeError, csv.Error):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-import tomllib
 from pathlib import Path
 
 from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
 from worlds.readers import read_geometry, world_around
 from worlds.refusal import Refusal, unknown
+from worlds.toml import toml
 from worlds.world import World, layout_names, world_from_layout
 
 LARGEST = 5_000_000
@@ -60,9 +60,10 @@ def plain_name(name: str) -> str:
 def from_toml(name: str, content: bytes) -> World:
     """The world of a layout in TOML. Raises Refusal."""
     try:
-        layout = tomllib.loads(content.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
         raise Refusal(f"{name} is not TOML: {error}") from None
+    layout = toml(text, name)
     obstacles = layout.get("obstacle", [])
     if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
         raise too_many(name, len(obstacles))
