@@ -13,7 +13,7 @@ PICTURES = ("png", "svg")
 """Endings of every picture that a command draws into a folder."""
 
 
-def drawn(name: str, pictures: bool = True) -> tuple[str, ...]:
+def picture_files(name: str, pictures: bool = True) -> tuple[str, ...]:
     """The files that a picture of that name comes to, none if there are no pictures."""
     return tuple(f"{name}.{kind}" for kind in PICTURES) if pictures else ()
 

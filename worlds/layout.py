@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from worlds.counting import counted
 from worlds.mission import mission
 from worlds.obstacles import obstacle
 from worlds.random_obstacles import random_obstacles
@@ -55,8 +56,8 @@ def read_layout(name: str) -> dict[str, Any]:
     Raises Refusal for an unknown name, a missing file or a file that is not TOML.
     """
     path = LAYOUTS / f"{name}.toml" if name in layout_names() else Path(name)
-    if path.suffix.lower() in DRAWINGS:
-        again = f"{shlex.quote(name)} --out {shlex.quote(path.stem + '.toml')}"
+    if Path(name).suffix.lower() in DRAWINGS:
+        again = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
         raise Refusal(
             f"world {name!r} is a drawing: `flockscope world import {again}` makes a layout of it"
         )
@@ -135,7 +136,9 @@ def own_dim(layout: Mapping[str, Any], name: str) -> int | None:
         value = layout.get(key)
         if isinstance(value, list):
             if dim is not None and len(value) != dim:
-                raise Refusal(f"{key} = {value} has {len(value)} numbers, not {dim} ({name})")
+                raise Refusal(
+                    f"{key} = {value} has {counted(len(value), 'number')}, not {dim} ({name})"
+                )
             dim = len(value)
     edges = layout.get("edges")
     return len(edges) if dim is None and isinstance(edges, list) and len(edges) == 2 else dim
@@ -153,7 +156,7 @@ def chosen_edges(layout: Mapping[str, Any], dim: int, stands: bool, name: str) -
         edges = (*edges, edges[0] if edges[0] == edges[1] else "solid")
     if len(edges) != dim:
         raise Refusal(
-            f"edges = {list(edges)} names {len(edges)} axes, the world has {dim} ({name})"
+            f"edges = {list(edges)} names {counted(len(edges), 'axis', 'axes')}, the world has {dim} ({name})"
         )
     for edge in edges:
         if edge not in EDGES:
@@ -215,7 +218,7 @@ def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
     """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
     sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size).ravel().tolist())
     if len(sides) != dim:
-        raise Refusal(f"size = {size} has {len(sides)} sides, a {dim}-D world has {dim}")
+        raise Refusal(f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}")
     for side in sides:
         if isinstance(side, bool | str) or not (0.0 < float(side) < 1e9 and math.isfinite(side)):
             raise Refusal(f"size = {side!r} is not allowed: a side is a length in (0, 1e9)")

@@ -11,7 +11,8 @@ from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Set
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
-from app.results import demand_folder, drawn
+from app.results import demand_folder, picture_files
+from worlds.counting import counted
 
 LONGEST = 120.0
 """Seconds."""
@@ -46,7 +47,7 @@ def simulate(
     demand_folder(
         "--out",
         out,
-        ("history.csv", *drawn("history", pictures), *drawn("beats", pictures)),
+        ("history.csv", *picture_files("history", pictures), *picture_files("beats", pictures)),
         overwrite,
     )
     from app.flight.flown import flown, pushes
@@ -68,7 +69,7 @@ def simulate(
         files |= {f"history-{kind}": path for kind, path in drawn.items()}
         if made.beats:
             mean, weight = averaged(made.flown, made.per_beat), asked.aircraft.weight
-            title += f"\nmean of {made.beats} wing beats, with their least and largest"
+            title += f"\nmean of {counted(made.beats, 'wing beat')}, with their least and largest"
             drawn = paint(lambda f: draw_beat(f, mean, weight), title, out, "beats")
             files |= {f"beats-{kind}": path for kind, path in drawn.items()}
     value: dict[str, Any] = made.value()

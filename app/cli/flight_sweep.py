@@ -12,7 +12,7 @@ from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.settings import numbers
 from app.flight.request import FREQUENCY, TWIST, asked_speed, request
-from app.results import demand_folder, drawn
+from app.results import demand_folder, picture_files
 
 DEFAULT = "2.5,3,3.25,3.5,4,4.5,5,6,7"
 
@@ -34,7 +34,7 @@ def sweep(
     """
     wanted = sorted({asked_speed("--speeds", one) for one in numbers("--speeds", speeds)})
     asked = request(frequency, twist, settings)
-    demand_folder("--out", out, ("sweep.csv", *drawn("sweep", pictures)), overwrite)
+    demand_folder("--out", out, ("sweep.csv", *picture_files("sweep", pictures)), overwrite)
     from app.flight.curve import swept
     from app.flight.sheet import write_sheet
 

@@ -11,7 +11,7 @@ from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Set
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request
-from app.results import demand_folder, drawn
+from app.results import demand_folder, picture_files
 
 
 def trim(
@@ -32,7 +32,7 @@ def trim(
     """
     asked_speed("--speed", speed)
     asked = request(frequency, twist, settings)
-    demand_folder("--out", out, ("beat.csv", *drawn("beat", pictures)), overwrite)
+    demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
     from app.flight.said import as_value, lines
     from app.flight.sheet import beat_columns, write_sheet

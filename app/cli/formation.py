@@ -12,7 +12,7 @@ from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.settings import at_least, numbers
 from app.cli.usage import grouped
-from app.results import demand_folder, drawn
+from app.results import demand_folder, picture_files
 from worlds.memory import demand_memory
 from worlds.refusal import Refusal
 
@@ -50,7 +50,7 @@ def spacing(
     demand("--behind", behind, -20.0, math.inf)
     demand("--above", above, -20.0, 20.0)
     demand("--span", span, 0.01, 100.0)
-    demand_folder("--out", out, ("spacing.csv", *drawn("spacing", pictures)), overwrite)
+    demand_folder("--out", out, ("spacing.csv", *picture_files("spacing", pictures)), overwrite)
     from agents.observables.formation import THESIS_SPACING, best_spacing, upwash_share
     from app.formation.files import table, written
     from app.formation.spacing import TIPS, curve, draw_spacing
@@ -117,7 +117,7 @@ def vee(
     for one in sizes:
         demand("--jitter", one, 0.0, 10.0)
     demand_memory(f"--draws {draws}", float(draws) * birds * BYTES_OF_A_DRAW)
-    demand_folder("--out", out, ("vee.csv", *drawn("vee", pictures)), overwrite)
+    demand_folder("--out", out, ("vee.csv", *picture_files("vee", pictures)), overwrite)
     from agents.observables.formation import vee as placed
     from agents.observables.formation import vee_saved
     from app.formation.files import table, written
@@ -171,7 +171,7 @@ def behind_one(
     demand("--core", core, 0.0, 1.0)
     demand("--behind", behind, -1.5, 6.0)
     demand("--above", above, -20.0, 20.0)
-    demand_folder("--out", out, ("map.csv", *drawn("map")), overwrite)
+    demand_folder("--out", out, ("map.csv", *picture_files("map")), overwrite)
     from agents.observables.formation import best_spacing
     from app.formation.behind import ASIDE, BACK, draw_behind, from_above
     from app.formation.files import table, written

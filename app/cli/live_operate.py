@@ -17,6 +17,7 @@ from app.live.desk import Desk
 from app.live.events import Event
 from app.live.links.link import EMERGENCY, RUN
 from app.live.look import Look
+from worlds.counting import counted
 from worlds.refusal import Refusal
 
 KEYS: dict[str, Wish] = {"a": "arm", "d": "disarm", "r": "reset"}
@@ -145,10 +146,10 @@ def state_line(look: Look) -> str:
 
 def closing(made: dict[str, Any]) -> str:
     """The summary for people."""
-    line = f"{made['seconds']:.1f} s, {made['events']} events"
+    line = f"{made['seconds']:.1f} s, {counted(made['events'], 'event')}"
     if "ticks" in made:
         line += (
-            f", {made['ticks']} ticks of {1000 * made['period']['median']:.2f} ms"
+            f", {counted(made['ticks'], 'tick')} of {1000 * made['period']['median']:.2f} ms"
             f" (one in a hundred {1000 * made['period']['late']:.2f} ms or more),"
             f" {made['missed']} left out"
         )

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json
+from worlds.counting import counted
 
 
 def recover(
@@ -21,4 +22,6 @@ def recover(
     if json_asked:
         typer.echo(as_json({"folder": str(folder), "rows": rows}))
     else:
-        typer.echo("recovered: " + ", ".join(f"{n} rows of {name}" for name, n in rows.items()))
+        typer.echo(
+            "recovered: " + ", ".join(f"{counted(n, 'row')} of {name}" for name, n in rows.items())
+        )

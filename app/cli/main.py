@@ -102,7 +102,7 @@ def flockscope(
     """
 
 
-def show_warning(message: Warning | str, *_: object) -> None:
+def show_warning(message: Warning | str, *_: object, **__: object) -> None:
     """Show a warning in one line, on stderr."""
     typer.echo(f"flockscope: {' '.join(str(message).split())}", err=True)
 

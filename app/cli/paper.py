@@ -15,7 +15,7 @@ from app.cli.progress import Progress, duration
 from app.cli.refusals import INTERRUPTED
 from app.cli.settings import at_least, names, whole_numbers
 from app.cli.stopping import Stopping
-from app.results import demand_folder, drawn
+from app.results import demand_folder, picture_files
 from worlds.counting import counted
 
 MOST_RUNS = 100_000
@@ -75,7 +75,7 @@ def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> 
     """
     runs = folder / RUNS
     demand_folder("--out", folder, (RUNS,), overwrite=True)
-    theirs = ("summary.csv", *drawn(name, pictures))
+    theirs = ("summary.csv", *picture_files(name, pictures))
     demand_folder("--out", folder, theirs, overwrite or runs.is_file())
 
 

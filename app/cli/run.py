@@ -16,6 +16,7 @@ from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
 from app.cli.settings import at_least, names, numbers
 from app.experiments.kernels import compile_loop
+from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_apart, demand_writable, write_text
 
@@ -122,7 +123,7 @@ def run(
     observed = told(flock, over) if asked is None else asked
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     first, begun = flock.tick, time.perf_counter()
-    with Progress(f"{flock.model.name}, {len(flock.ids)} agents", quiet) as progress:
+    with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None
         whole = run_ticks(flock, ticks, progress, recorder, every, follower.look, over or 0)
     seconds = time.perf_counter() - begun

@@ -33,7 +33,7 @@ class OneCommand(TyperCommand):
                     raise Twice(f"{option.opts[0]} is given {order.count(option)} times", ctx)
             return values, rest, order
 
-        parser.parse_args = parse_once
+        parser.parse_args = parse_once  # type: ignore[method-assign]
         return parser
 
 
@@ -44,11 +44,10 @@ class Twice(USAGE_ERROR):  # type: ignore[valid-type,misc]
 class Group(TyperGroup):
     """Commands by name; what is typed wrong is told in one line."""
 
-    def main(self, args: Any = None, prog_name: Any = None, **more: Any) -> NoReturn:
+    def main(self, *args: Any, **more: Any) -> NoReturn:
         """Run, and leave with the exit code."""
-        more["standalone_mode"] = False
         try:
-            code = super().main(args, prog_name, **more)
+            code = super().main(*args, **{**more, "standalone_mode": False})
         except USAGE_ERROR as error:
             tell(error)
             code = REFUSED

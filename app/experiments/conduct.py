@@ -13,6 +13,7 @@ from app.experiments.kinds.settings import Number
 from app.experiments.pool import run_all
 from app.experiments.store import Key, Store, key_of
 from app.experiments.trial import Result, Trial, fingerprint, flock_of
+from worlds.counting import counted
 from worlds.refusal import Refusal
 
 Tell = Callable[[str], object]
@@ -150,7 +151,11 @@ def conduct(
         def keep(trial: Trial, results: list[Result]) -> None:
             plan.keep(trial, results)
             done = sum(plan.costs.done)
-            at(plan.costs.share, plan.costs.ahead / workers, f"{done} of {len(trials)} runs")
+            at(
+                plan.costs.share,
+                plan.costs.ahead / workers,
+                f"{done} of {counted(len(trials), 'run')}",
+            )
 
         run_all(trials, experiment.settings, workers, keep)
         return Done(plan.measured, taken, len(trials))

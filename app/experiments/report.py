@@ -12,6 +12,7 @@ from app.experiments.experiment import Experiment
 from app.experiments.statistics import INTERVAL_NOTE, NOTE, WELCH_NOTE
 from app.experiments.tables import STYLES, table_of
 from app.experiments.verdict import Verdict, of
+from worlds.counting import counted
 from worlds.writing import write_text
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
             )
             lines.append(
                 f"[bold red]{measure.absent}[/]  {measure.symbol}: {cells} of "
-                f"{len(rows[0].values)} runs each; left out above"
+                f"{counted(len(rows[0].values), 'run')} each; left out above"
             )
     return lines
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import shapely
 
+from worlds.counting import counted
 from worlds.obstacles import Obstacle, obstacle
 from worlds.refusal import Refusal
 
@@ -126,7 +127,7 @@ def area(
             raise Refusal(f"{origin}: the outline is not closed: it {ends}")
         if len(set(map(tuple, ring))) < 3:
             raise Refusal(
-                f"{origin}: the outline at {at(ring[0])} has {len(set(map(tuple, ring)))} points: "
+                f"{origin}: the outline at {at(ring[0])} has {counted(len(set(map(tuple, ring))), 'point')}: "
                 "at least 3 bound an area"
             )
         if shapely.MultiPoint(ring).convex_hull.area == 0.0:
