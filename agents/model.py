@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import create_model
 
 from agents.declare import Body, Parameters, Rule
+from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 
 
@@ -93,6 +94,15 @@ class Model:
         """Whether it steers clear of obstacles by itself."""
         return self.rule.sees_obstacles or self.body.sees_obstacles
 
+    def meets(self, solid: bool) -> int:
+        """What its agents do where a step enters a solid, of `agents.engine.hold`.
+
+        Those that do not see what is solid bounce off it; in a world without they need not ask.
+        """
+        if not self.sees_obstacles:
+            return BOUNCES if solid else PASSES
+        return STOPS if self.body.stops else SLIDES
+
     @cached_property
     def parameters(self) -> type[Parameters]:
         """The parameters of the rule and of the body, as one model."""
@@ -117,7 +127,7 @@ class Model:
             "SEES_POINTS": rule.sees_points,
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
-            "BOUNCES": solid and not self.sees_obstacles,
+            "MEETS": self.meets(solid),
             "perceive": rule.perceive,
             "decide": rule.decide,
             "show": rule.show,
@@ -125,5 +135,6 @@ class Model:
             "prepare": rule.prepare,
             "measure": body.measure,
             "touches": body.touches,
+            "passes": body.passes,
             "move": body.move,
         }
