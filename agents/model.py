@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from pydantic import create_model
 
-from agents.declare import Body, Parameters, Rule
+from agents.declare import Body, Parameters, Rule, as_floats
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 
@@ -114,6 +115,14 @@ class Model:
             changed.default = value
             own[name] = (changed.annotation, changed)
         return create_model(self.name, __base__=bases, **own)
+
+    def passing(self, parameters: Parameters) -> str:
+        """The setting with which its agents go through what is solid, or an empty string."""
+        passes = self.body.passes
+        if passes is None:
+            return ""
+        floats = SimpleNamespace(**as_floats(parameters))
+        return self.body.passes_with if passes.py_func(floats) else ""  # type: ignore[attr-defined]
 
     def parts(self, dim: int, solid: bool) -> dict[str, Any]:
         """What makes its loop in `dim` dimensions, in a world where something is solid or not."""

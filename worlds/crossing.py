@@ -158,7 +158,7 @@ def first_crossing(ground, ax, ay, az, dx, dy, dz):
             best = Crossing(t, at[0], at[1], at[2])
     if ground.columns == 0:
         return best
-    bx, by = ax + dx, ay + dy
+    by = ay + dy
     side = 1.0 / ground.inverse
     slack = SLACK * side + close
     front, back = min(ay, by) - close, max(ay, by) + close

@@ -180,7 +180,7 @@ def begins(parameters: Flyer, rng: np.random.Generator, n: int) -> np.ndarray:
 
 @compiled
 def passes(p):
-    """Whether it goes through blocks and walls, because bodies are only looked at as a run starts."""
+    """Whether it goes through blocks and walls: bodies are only looked at as a run starts."""
     return p.contact != ALWAYS
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from app.cli.keeping import run_ticks
+from app.cli.lookout import Lookout
 from app.cli.outcome import as_json, outcome, show, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
@@ -82,7 +83,8 @@ def run(
 ) -> None:
     """Run a flock and print what is observed at its end.
 
-    The same spec and seed give the same numbers.
+    The same spec and seed give the same numbers. The exit code is 4 if an agent was seen inside an
+    obstacle or beyond a solid edge.
     """
     at_least("--ticks", ticks, 0)
     at_least("--every", every, 1)
@@ -93,6 +95,7 @@ def run(
         raise Refusal(f"--record {str(record)!r} exists already: name another, or --overwrite")
     from agents.observables.catalogue import OBSERVABLES
     from agents.series import Follower
+    from agents.whereabouts import warning
 
     made_of: dict[str, Any] = {
         "model": model,
@@ -112,25 +115,34 @@ def run(
         flock = loaded(state, spec, made_of, given, threads)
     else:
         flock = built(spec, made_of, given, threads, quiet)
+    if warning(flock) and not quiet:
+        tell(f"flockscope: {warning(flock)}")
     compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_spec(flock, save_spec)
     observed = told(flock, over) if asked is None else asked
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
+    lookout = Lookout(flock)
     first, begun = flock.tick, time.perf_counter()
     with Progress(f"{flock.model.name}, {len(flock.ids)} agents", quiet) as progress:
-        whole = run_ticks(flock, ticks, progress, record, every, follower.look, over or 0)
+        whole = run_ticks(
+            flock, ticks, progress, record, every, follower.look, over or 0, lookout.look
+        )
     seconds = time.perf_counter() - begun
+    lookout.look()
     if save:
         flock.save(save)
     if not whole:
         stopped(flock, first + ticks, record, save, every)
     made = outcome(flock, observed, ticks, seconds, follower.series if over else None)
+    if lookout.found is not None:
+        made["astray"] = str(lookout.found)
     if json_asked:
         files = {"recording": record, "state": save}
         typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
     else:
         show(made, flock)
+    lookout.leave()
 
 
 def known_observables(text: str, over: int | None) -> list[str]:
