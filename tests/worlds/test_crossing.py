@@ -100,7 +100,9 @@ def test_in_space_it_is_where_a_walk_in_small_steps_ends(seed):
 
 
 def test_a_step_from_within_may_leave_and_a_step_along_a_wall_goes_on():
-    world = World("yard", (SIDE, SIDE), ("solid", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),))
+    world = World(
+        "yard", (SIDE, SIDE), ("solid", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),)
+    )
     ground = survey(world, 1.0)
     assert first_crossing(ground, 5.0, 5.0, 0.0, 3.0, 0.0, 0.0).share == math.inf
     assert first_crossing(ground, 3.9, 5.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
@@ -110,7 +112,9 @@ def test_a_step_from_within_may_leave_and_a_step_along_a_wall_goes_on():
 
 
 def test_a_corner_and_a_joint_of_two_obstacles_let_nothing_through():
-    corner = World("yard", (SIDE, SIDE), ("open", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),))
+    corner = World(
+        "yard", (SIDE, SIDE), ("open", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),)
+    )
     steps = [(3.0, 3.0, 3.0, 3.0), (7.0, 3.0, -2.0, 2.0), (3.0, 7.0, 2.0, -2.0)]
     ground = survey(corner, 1.0)
     for x, y, dx, dy in steps:
