@@ -52,7 +52,8 @@ class Flock(Motion, mesa.Model):
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
-        `agents` is then not used.
+        `agents` is then not used. Positions are outside of obstacles, and in the box along axes
+        that wrap or are solid; without speeds agents set off as at a random start.
     rng: the run's seed, an integer in [0, 2^63); None draws one.
     spacing: least distance at the start between agents and of agents to obstacles and solid
         edges, length >= 0; by default the model's own, which may be None: bodies only start clear
@@ -113,7 +114,7 @@ class Flock(Motion, mesa.Model):
         if start is None:
             begin, self.given = self._begin(agents, informed), False
         else:
-            begin, self.given = given_start(self.world, start), True
+            begin, self.given = self._given(start), True
         knowing = int(begin.informed.sum())
         self.started_with = len(begin.position) - knowing, knowing
         self._members: list[Member] | None = None
@@ -126,10 +127,21 @@ class Flock(Motion, mesa.Model):
 
     def _begin(self, agents: int, informed: int) -> Start:
         """A random start, with the speeds that the body begins with. Raises Refusal."""
-        size = self.model.body.size
-        gap = 0.5 * getattr(self.parameters, size) if size else 0.0
-        begin = random_start(self.world, agents, informed, self.rng, self.spacing, gap)
+        begin = random_start(self.world, agents, informed, self.rng, self.spacing, self._gap)
         return begin if begin.speed.any() else self._set_off(begin)
+
+    def _given(self, start: Mapping[str, Any]) -> Start:
+        """A start from arrays; without speeds with those that the body begins with. Or Refusal."""
+        begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
+        return begin if "speed" in start else self._set_off(begin)
+
+    @property
+    def _gap(self) -> float:
+        """How far from what is solid agents start at least, length."""
+        body = self.model.body
+        if body.stride is not None:
+            return float(body.stride(self.parameters))
+        return 0.5 * float(getattr(self.parameters, body.size)) if body.size else 0.0
 
     def _set_off(self, begin: Start) -> Start:
         """The start with the speeds that the body begins with."""
@@ -226,13 +238,11 @@ class Flock(Motion, mesa.Model):
         self._end_tick()
         dim = self.world.dim
         if position is None:
-            position = free_positions(self.world, 1, self.rng)[0]
+            position = free_positions(self.world, 1, self.rng, gap=self._gap)[0]
         if heading is None:
             heading = random_headings(self.rng, 1, dim)[0]
-        new = given_start(
-            self.world, {"position": [position], "heading": [heading], "informed": [informed]}
-        )
-        more = begun(self._set_off(new), self.model, self.next_id)
+        new = self._given({"position": [position], "heading": [heading], "informed": [informed]})
+        more = begun(new, self.model, self.next_id)
         self._use(joined(self.arrays, more))
         self.next_id += 1
         members.append(member)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
+from worlds.crossing import is_crossed
 from worlds.ground import signed_distance
 
 
@@ -87,10 +88,13 @@ def nearest_solid(ground, x, y, ux, uy, p):
 def is_stopped(me, near, ground, x, y, ux, uy, p):
     """Whether a car or something solid stops the car from going on to (x, y) along (ux, uy).
 
-    It does where they would overlap, and more than they do already: a car can always get away.
+    It does where they would overlap, and more than they do already: a car can always get away. And
+    it does where the car's middle would go through a wall too thin for the corners to meet it.
     """
     gap = nearest_car(me, near, x, y, ux, uy, p)
     if gap <= 0.0 and gap < nearest_car(me, near, me.x, me.y, me.ux, me.uy, p):
         return True
     gap = nearest_solid(ground, x, y, ux, uy, p)
-    return gap <= 0.0 and gap < nearest_solid(ground, me.x, me.y, me.ux, me.uy, p)
+    if gap <= 0.0 and gap < nearest_solid(ground, me.x, me.y, me.ux, me.uy, p):
+        return True
+    return is_crossed(ground, me.x, me.y, 0.0, x, y, 0.0)

@@ -26,10 +26,12 @@ def run_ticks(
     every: int = 1,
     look: Callable[[], None] = lambda: None,
     over: int = 0,
+    check: Callable[[], None] = lambda: None,
 ) -> bool:
     """Run ticks, recording the first, every `every`-th and the last; False if asked to stop.
 
-    A recording is whole in either case. `look` is called after each of the last `over` ticks.
+    A recording is whole in either case. `look` is called after each of the last `over` ticks, and
+    `check` after each stretch.
     Raises Refusal if the recording cannot be written.
     """
     with Stopping() as stopping, ExitStack() as stack:
@@ -46,6 +48,7 @@ def run_ticks(
             n = min(stretch, last - flock.tick, until_frame if recorder else ticks, until_looked_at)
             begun = time.monotonic()
             flock.run(n)
+            check()
             if flock.tick > last - over:
                 look()
             stretch = next_stretch(stretch, time.monotonic() - begun)

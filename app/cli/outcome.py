@@ -87,6 +87,8 @@ def outcome(
         made["over"] = course(series)
     if flock.can_crash:
         made["crashes"] = crash_list(flock)
+    if flock.passing:
+        made["passes_solids"] = flock.passing
     return made
 
 

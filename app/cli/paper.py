@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.lookout import ASTRAY
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress, duration
 from app.cli.refusals import INTERRUPTED
@@ -50,7 +51,8 @@ def paper(
 ) -> None:
     """Repeat a table or a figure of a paper and print it beside the published numbers.
 
-    Finished runs are kept in FOLDER/runs.csv: what is there is not run again.
+    Finished runs are kept in FOLDER/runs.csv: what is there is not run again. The exit code is 4 if
+    an agent of a run was seen inside an obstacle or beyond a solid edge.
     """
     at_least("--seed", seed, 0)
     at_least("--workers", workers, 1, MOST_WORKERS)
@@ -66,6 +68,10 @@ def paper(
     seconds = time.monotonic() - begun
     files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
     report(experiment, done, seed, files, seconds, pictures, json_asked, quiet)
+    for line in done.astray:
+        tell(f"flockscope: {line}")
+    if done.astray:
+        raise typer.Exit(ASTRAY)
 
 
 def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> None:

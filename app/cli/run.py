@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from app.cli.keeping import run_ticks
+from app.cli.lookout import Lookout
 from app.cli.outcome import as_json, outcome, show, tell_written, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
@@ -87,7 +88,8 @@ def run(
 ) -> None:
     """Run a flock and print what is observed at its end.
 
-    The same spec and seed give the same numbers.
+    The same spec and seed give the same numbers. The exit code is 4 if an agent was seen inside an
+    obstacle or beyond a solid edge.
     """
     at_least("--ticks", ticks, 0)
     at_least("--every", every, 1)
@@ -98,6 +100,7 @@ def run(
     from agents.observables.catalogue import OBSERVABLES
     from agents.record import Recorder
     from agents.series import Follower
+    from agents.whereabouts import warning
 
     made_of: dict[str, Any] = {
         "model": model,
@@ -117,16 +120,22 @@ def run(
         flock = loaded(state, spec, made_of, given, threads)
     else:
         flock = built(spec, made_of, given, threads, quiet)
+    if warning(flock) and not quiet:
+        tell(f"flockscope: {warning(flock)}")
     compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
     observed = told(flock, over) if asked is None else asked
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
+    lookout = Lookout(flock)
     first, begun = flock.tick, time.perf_counter()
     with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None
-        whole = run_ticks(flock, ticks, progress, recorder, every, follower.look, over or 0)
+        whole = run_ticks(
+            flock, ticks, progress, recorder, every, follower.look, over or 0, lookout.look
+        )
     seconds = time.perf_counter() - begun
+    lookout.look()
     if save:
         flock.save(save)
     if not whole:
@@ -134,11 +143,14 @@ def run(
     made = outcome(flock, observed, ticks, seconds, follower.series if over else None)
     if not quiet:
         tell_written(record, save, save_spec)
+    if lookout.found is not None:
+        made["astray"] = str(lookout.found)
     if json_asked:
         files = {"recording": record, "state": save, "spec_file": save_spec}
         typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
     else:
         show(made, flock)
+    lookout.leave()
 
 
 def known_observables(text: str, over: int | None) -> list[str]:

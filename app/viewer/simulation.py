@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from agents.whereabouts import warning
 from app.viewer.beside import Pair, companion
 from app.viewer.commands import Commands, Models
 from app.viewer.crowd import refuse_too_dense
@@ -25,7 +26,7 @@ from app.viewer.readings import Readings
 from app.viewer.run import Run
 from app.viewer.start import Start
 from app.viewer.state import State
-from app.viewer.words import in_words
+from app.viewer.words import Astray, in_words
 from app.viewer.zones import stopped
 from worlds.refusal import Refusal
 
@@ -137,10 +138,11 @@ class Simulation(Commands):
         self.stale = False
         now = time.perf_counter()
         self.next_frame = now + FRAMES
+        self.warn(self.run)
         known = len(self.run.troubles)
         self.frame = self.run.look(closely=not self.state.running)
         for trouble in self.run.troubles[known:]:
-            if not isinstance(trouble, Refusal):
+            if not isinstance(trouble, Refusal | Astray):
                 traceback.print_exception(trouble)
             self.notices.put(in_words(trouble))
         self.readings = self.run.readings
@@ -203,6 +205,14 @@ class Simulation(Commands):
         if self.run is None or self.state.error:
             raise Refusal("there is no flock to run: press Setup")
         return self.run
+
+    def warn(self, run: Run) -> None:
+        """Tell of flocks whose agents go through what is solid, once for each setting."""
+        for one in run.both:
+            words = warning(one.flock)
+            if words and words != one.warned:
+                self.notices.put(words)
+            one.warned = words
 
     def schedule(self, start: Start) -> None:
         self.next_start = start
