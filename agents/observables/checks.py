@@ -4,7 +4,8 @@ One rule for all. A row (an agent, a tick of a series) of which a number is nan 
 out of what is measured, and a `LeftOut` warning says how many there were; what is measured row by
 row has nan or -1 there. Everything else that is not as described is refused in one line: what is
 not real numbers, another shape, lengths that do not match, a heading without length 1, a box
-without sides.
+without sides. Two kinds of functions leave nothing out: what works element by element has nan where
+it is given nan, and to the question since when something holds for good a nan says that it does not.
 """
 
 from __future__ import annotations
@@ -90,14 +91,6 @@ def vectors(name: str, value: Any) -> np.ndarray:
 def column(name: str, value: Any) -> np.ndarray:
     """`value` as floats (K,). Raises Refusal."""
     return numbers(name, value, axes=1)
-
-
-def at_ticks(name: str, value: Any) -> tuple[np.ndarray, np.ndarray]:
-    """A series (K,) without what is nan: its ticks, int, and its values. Warns, or Refusal."""
-    series = column(name, value)
-    tick = np.flatnonzero(~np.isnan(series))
-    leave_out(len(series) - len(tick), len(series), name)
-    return tick, series[tick]
 
 
 def integers(name: str, value: Any, low: int, high: float = math.inf) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.observables.checks import at_ticks, headings, numbers
+from agents.observables.checks import column, headings, numbers
 from worlds.compiled import compiled
 from worlds.refusal import Refusal
 
@@ -133,15 +133,15 @@ def convergence_time(degrees, desired: float = DESIRED) -> int | None:
     """k_con (27): the first tick from which the degree of consistency stays at `desired` or above.
 
     `degrees` (K,) holds Deg_con for k = 0, 1, 2, ...; None if its last value is below `desired`, or
-    without values. Ticks whose value is no number are left out, with a warning. Raises Refusal.
+    without values. A tick whose value is nan is not known to be at `desired`, and so is not. Raises Refusal.
 
     >>> convergence_time([0.5, 0.9990, 0.7, 0.9985, 0.9990])
     3
     """
-    tick, degree = at_ticks("degrees", degrees)
-    below = np.flatnonzero(degree < desired)
+    degree = column("degrees", degrees)
+    below = np.flatnonzero(~(degree >= desired))
     k = 0 if below.size == 0 else int(below[-1]) + 1
-    return int(tick[k]) if k < len(tick) else None
+    return k if k < len(degree) else None
 
 
 def watch_for(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> Watch:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from agents.engine.cache import kept
-from agents.observables.checks import at_ticks, leave_out, length, numbers
+from agents.observables.checks import column, leave_out, length, numbers
 from worlds.ground import nearest_surface
 from worlds.refusal import Refusal
 
@@ -162,13 +162,13 @@ def spread_bound(n: int, d: float) -> float:
 def settling_tick(distance: np.ndarray, within: float) -> int | None:
     """The first index from which `distance` (T,) stays <= `within`, both length; None if never.
 
-    Ticks at which the distance is nan are left out, with a warning; infinite is far. Raises
-    Refusal.
+    At a tick at which the distance is nan it is not known to be near, and so is not. Raises Refusal.
 
     >>> settling_tick(np.array([5.0, 1.0, 3.0, 1.5, 1.0]), 2.0)
     3
     """
-    tick, distance = at_ticks("distance", distance)
-    away = np.flatnonzero(distance > within)
-    k = int(away[-1]) + 1 if len(away) else 0
-    return int(tick[k]) if k < len(tick) else None
+    distance = column("distance", distance)
+    away = np.flatnonzero(~(distance <= within))
+    if len(away) == 0:
+        return 0
+    return int(away[-1]) + 1 if away[-1] + 1 < len(distance) else None

@@ -43,7 +43,10 @@ def ranked(label: np.ndarray) -> np.ndarray:
     [1, 0, 0, 2]
     """
     _, first, of_row, size = np.unique(
-        integers("label", label, -math.inf), return_index=True, return_inverse=True, return_counts=True
+        integers("label", label, -math.inf),
+        return_index=True,
+        return_inverse=True,
+        return_counts=True,
     )
     rank = np.empty(len(size), np.int64)
     rank[np.lexsort((first, -size))] = np.arange(len(size))

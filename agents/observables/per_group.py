@@ -90,9 +90,7 @@ def angular_momenta(
     """
     position, heading = vectors("position", position), vectors("heading", heading)
     agents, label, position, heading = in_groups(labels, position=position, heading=heading)
-    return momenta(
-        agents, label, position, units(heading), *box(size, images, position.shape[1])
-    )
+    return momenta(agents, label, position, units(heading), *box(size, images, position.shape[1]))
 
 
 def momenta(agents, label, position, heading, size, images) -> np.ndarray:
