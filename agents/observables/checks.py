@@ -4,8 +4,9 @@ One rule for all. A row (an agent, a tick of a series) of which a number is nan 
 out of what is measured, and a `LeftOut` warning says how many there were; what is measured row by
 row has nan or -1 there. Everything else that is not as described is refused in one line: what is
 not real numbers, another shape, lengths that do not match, a heading without length 1, a box
-without sides. Two kinds of functions leave nothing out: what works element by element has nan where
-it is given nan, and to the question since when something holds for good a nan says that it does not.
+without sides. Two kinds of functions leave nothing out: what works element by element has nan
+where it is given nan, and where it is asked since when something holds for good, a tick that is nan
+is one at which it does not.
 """
 
 from __future__ import annotations
@@ -93,7 +94,7 @@ def column(name: str, value: Any) -> np.ndarray:
     return numbers(name, value, axes=1)
 
 
-def integers(name: str, value: Any, low: int, high: float = math.inf) -> np.ndarray:
+def integers(name: str, value: Any, low: float, high: float = math.inf) -> np.ndarray:
     """`value` as whole numbers from `low` to below `high`, any shape. Raises Refusal."""
     array = np.asarray(value)
     if array.size == 0:

@@ -133,7 +133,8 @@ def convergence_time(degrees, desired: float = DESIRED) -> int | None:
     """k_con (27): the first tick from which the degree of consistency stays at `desired` or above.
 
     `degrees` (K,) holds Deg_con for k = 0, 1, 2, ...; None if its last value is below `desired`, or
-    without values. A tick whose value is nan is not known to be at `desired`, and so is not. Raises Refusal.
+    without values. A tick whose value is nan is not known to be at `desired`, and so is not. Raises
+    Refusal.
 
     >>> convergence_time([0.5, 0.9990, 0.7, 0.9985, 0.9990])
     3

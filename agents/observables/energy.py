@@ -44,9 +44,9 @@ def integral(low, high, p: Any):
 
 
 def potential(distance, p: Any) -> np.ndarray:
-    """psi_alpha(|z|_sigma) (8) of distances (M,), m: m^2/s^2, 0 at d, constant beyond r, nan at nan.
+    """psi_alpha(|z|_sigma) (8) of distances (M,), m, in m^2/s^2: 0 at d, constant beyond r.
 
-    Raises Refusal for what are no numbers.
+    nan where a distance is. Raises Refusal for what are no numbers.
     Within 1e-12 of its largest value, since the two smooth pieces of the bump are integrated apart.
     """
     end = sigma_norm(p.r, p.eps)
@@ -62,9 +62,9 @@ def potential(distance, p: Any) -> np.ndarray:
 
 
 def urgency(distance, p: Any) -> np.ndarray:
-    """eta (12) of distances (M,), m: tau_s nearer than d_e, tau_e up to d, tau_a beyond, nan at nan.
+    """eta (12) of distances (M,), m: tau_s nearer than d_e, tau_e up to d, tau_a beyond.
 
-    Raises Refusal for what are no numbers.
+    nan where a distance is. Raises Refusal for what are no numbers.
     """
     warning = p.d_min + 2.0 * p.p_max * p.dt
     distance = numbers("distance", distance)
@@ -105,8 +105,8 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     ends = numbers("goal", goal)
     if ends.shape != (2, dim) or not is_finite(ends):
         raise Refusal(
-            f"goal = {ends.tolist()} is not allowed: (2, {dim}) finite numbers are needed, position "
-            "and velocity"
+            f"goal = {ends.tolist()} is not allowed: a position and a velocity, (2, {dim}) finite "
+            "numbers, are needed"
         )
     at, speed = ends
     points = numbers("points", points)

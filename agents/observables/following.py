@@ -155,14 +155,14 @@ def spread_bound(n: int, d: float) -> float:
     >>> round(spread_bound(30, 4.0), 2)
     15.53
     """
-    n, d = length("n", n), length("d", d)
-    return 1.35 * d * math.sqrt(n * math.sqrt(3.0) / (2.0 * math.pi))
+    count, d = length("n", n), length("d", d)
+    return 1.35 * d * math.sqrt(count * math.sqrt(3.0) / (2.0 * math.pi))
 
 
 def settling_tick(distance: np.ndarray, within: float) -> int | None:
     """The first index from which `distance` (T,) stays <= `within`, both length; None if never.
 
-    At a tick at which the distance is nan it is not known to be near, and so is not. Raises Refusal.
+    A tick at which the distance is nan is not known to be near, and so is not. Raises Refusal.
 
     >>> settling_tick(np.array([5.0, 1.0, 3.0, 1.5, 1.0]), 2.0)
     3

@@ -68,9 +68,9 @@ def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
     """Share of its induced drag that a bird saves by another, without the fading of wakes.
 
     It flies `dx` behind (negative: ahead), `dy` beside and `dz` above the other, in spans, each of
-    which may be infinite; arrays that broadcast. `core` >= 0 is the radius of the vortices' cores in
-    spans, 0 for line vortices. The share is negative in the downwash, and nan where a place is. Raises
-    Refusal.
+    which may be infinite; arrays that broadcast. `core` >= 0 is the radius of the vortices' cores
+    in spans, 0 for line vortices. The share is negative in the downwash, and nan where a place is.
+    Raises Refusal.
 
     >>> round(float(upwash_share(math.inf, 1.0 - 0.137)), 3)
     0.692
@@ -85,9 +85,9 @@ def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
         raise Refusal(f"dx, dy and dz of shapes {shapes} do not match") from None
     out = np.empty(there[0].size)
     relieve(*(np.ascontiguousarray(one).ravel() for one in there), float(core), out)
-    out = out.reshape(there[0].shape)
-    out = np.where(np.isinf(there[1]) | np.isinf(there[2]), 0.0, out)
-    return np.where(np.isnan(there).any(axis=0), np.nan, out)
+    aside = np.isinf(there[1]) | np.isinf(there[2])
+    share = np.where(aside, 0.0, out.reshape(there[0].shape))
+    return np.where(np.isnan(there).any(axis=0), np.nan, share)
 
 
 def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.0) -> Spacing:

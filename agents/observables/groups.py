@@ -65,9 +65,10 @@ def group_sizes(labels: np.ndarray) -> np.ndarray:
 def algebraic_connectivity(n: int, links: np.ndarray, dim: int = 2) -> float:
     """The second-smallest eigenvalue of the graph Laplacian (Fiedler 1973); 0 if not connected.
 
-    `links` (M, 2) are undirected pairs of rows in [0, n). Raises Refusal. Of use from 2 agents on; 0 for fewer. `dim` tells only how to go
-    about it: the Laplacian of agents in the plane that have few neighbours is quickly factorised,
-    in space or in a crowd that takes long and much memory, and iterating does not.
+    `links` (M, 2) are undirected pairs of rows in [0, n). Of use from 2 agents on; 0 for fewer.
+    `dim` tells only how to go about it: the Laplacian of agents in the plane that have few
+    neighbours is quickly factorised, in space or in a crowd that takes long and much memory, and
+    iterating does not. Raises Refusal.
     """
     links = pairs(links, n)
     if n < 2 or group_labels(n, links).max() > 0:

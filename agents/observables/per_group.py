@@ -1,8 +1,8 @@
 """Order within each connected group, and how large the groups are.
 
 Labels are int (N,), the group of each agent, 0..G-1, as `groups_within` and `group_labels` have
-them; -1 is an agent in none. Rows of which a number is missing are left out, with a warning; a group
-of which nobody stays has nan. Raises Refusal.
+them; -1 is an agent in none. Rows of which a number is missing are left out, with a warning; a
+group of which nobody stays has nan. What is no such array raises Refusal.
 """
 
 from __future__ import annotations
