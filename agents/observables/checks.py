@@ -65,7 +65,8 @@ def floats(name: str, value: Any) -> np.ndarray:
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
     if isinstance(value, np.ma.MaskedArray):
-        value = value.astype(float).filled(np.nan) if value.dtype.kind in "iuf" else value.data
+        known = value.data.dtype.kind in "iuf"
+        value = np.where(np.ma.getmaskarray(value), np.nan, value.data) if known else value.data
     try:
         array = np.asarray(value)
     except ValueError:

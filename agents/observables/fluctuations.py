@@ -35,9 +35,9 @@ def binder(series: np.ndarray) -> float:
     """Binder's cumulant U = 1 - <phi^4> / (3 <phi^2>^2) of an order parameter (Binder 1981).
 
     `series` is (K,); ticks without a number are left out, with a warning. At most 2/3, which it is
-    for a series that does not change; 1/3 for headings at random in the plane and 4/9 in space, both
-    for many agents; below 0 where the flock jumps between order and disorder, of which the second is
-    more common. nan for an empty series, or where phi is 0 throughout. Raises Refusal.
+    for a series that does not change; 1/3 for headings at random in the plane and 4/9 in space,
+    both for many agents; below 0 where the flock jumps between order and disorder, of which the
+    second is more common. nan for an empty series, or where phi is 0 throughout. Raises Refusal.
 
     >>> round(binder(np.array([0.7, 0.7, 0.7])), 12)
     0.666666666667

@@ -31,9 +31,9 @@ def angular_momentum(
     """|1/N sum of r_ic x u_i| in [0, 1], r_ic the direction from the group's centre to agent i.
 
     `position` (N, dim), length, and `heading` (N, dim), unit vectors; `size` (dim,) sides of the
-    box > 0, `images` (dim,) bool. An agent at the centre, to within rounding errors, adds nothing: so a
-    lone agent has 0, and an empty group too. Rows of which a number is missing are left out, with
-    a warning. Raises Refusal.
+    box > 0, `images` (dim,) bool. An agent at the centre, to within rounding errors, adds nothing:
+    so a lone agent has 0, and an empty group too. Rows of which a number is missing are left out,
+    with a warning. Raises Refusal.
 
     >>> ring = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     >>> round_the_centre = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
