@@ -13,7 +13,7 @@ import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.aloft import Aloft
+from agents.aloft import Aloft, aloft
 from agents.crashes import Crashes, crashes, flying
 from agents.declare import checked
 from agents.home import find_world, is_built_in, world_of
@@ -186,7 +186,7 @@ class Flock(Motion, mesa.Model):
     @property
     def aloft(self) -> Flock | Aloft:
         """The flock as observables see it: without those that have crashed."""
-        return self if self.flying.all() else Aloft(self)
+        return aloft(self)
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""

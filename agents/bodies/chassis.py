@@ -54,14 +54,24 @@ def separation(dx, dy, ux, uy, vx, vy, length, width):
 
 @compiled
 def nearest_car(me, near, x, y, ux, uy, p):
-    """Separation (m) of the nearest other car from this one at (x, y) along (ux, uy); or inf."""
+    """Separation (m) of the nearest other car from this one at (x, y) along (ux, uy); or inf.
+
+    The block holds this car too, and knows it by its place and heading: of several that share both,
+    all but one are others.
+    """
     least = math.inf
+    alike = 0
     for j in range(near.n):
         ex, ey = near.x[j] - me.x, near.y[j] - me.y
+        same = (ex * ex + ey * ey == 0.0) & (near.ux[j] == me.ux) & (near.uy[j] == me.uy)
+        alike += 1 if same else 0
         gap = separation(
             near.x[j] - x, near.y[j] - y, ux, uy, near.ux[j], near.uy[j], p.length, p.width
         )
-        least = min(least, gap if ex * ex + ey * ey > 0.0 else math.inf)
+        least = min(least, math.inf if same else gap)
+    if alike > 1:
+        gap = separation(me.x - x, me.y - y, ux, uy, me.ux, me.uy, p.length, p.width)
+        least = min(least, gap)
     return least
 
 

@@ -148,18 +148,23 @@ def move(me, near, ground, want, p, out):
 
 @compiled
 def touches(me, near, ground, p):
-    """1.0 if the body touches another, 2.0 if it touches a block or a wall, else 0.0."""
+    """1.0 if the body touches another, 2.0 if it touches a block or a wall, else 0.0.
+
+    At no distance stands the agent itself; whoever else does touches it.
+    """
     if p.contact != ALWAYS and me.tick > 0:
         return 0.0
     least = math.inf
+    here = 0
     for j in range(near.n):
         dx = near.x[j] - me.x
         dy = near.y[j] - me.y
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
         least = min(least, d2 if d2 > 0.0 else math.inf)
+        here += 0 if d2 > 0.0 else 1
     apart = max(p.body, p.d_0) if me.tick == 0 else p.body
-    if least <= apart * apart:
+    if here > 1 or least <= apart * apart:
         return 1.0
     near_enough = 0.5 * p.body + 2.0 * skin(me.x, me.y, me.z)
     if ground.solids > 0 and signed_distance(ground, me.x, me.y, me.z) <= near_enough:
