@@ -84,9 +84,9 @@ class Terminal:
         look = self.desk.look()
         if self.desk.trouble:
             raise Refusal(self.desk.trouble)
-        for event in self.desk.events[self.shown :]:
+        self.shown, new = self.desk.events.since(self.shown)
+        for event in new:
             self.tell(event)
-        self.shown = len(self.desk.events)
         if look is None or look is self.last:
             return
         self.last = look

@@ -28,7 +28,7 @@ import numpy as np
 import pytest
 
 from app.live.arm import Request
-from app.live.record import recover
+from app.live.recovery import recover
 from app.live.replay import replay
 from app.live.squashing_driver import FlockDriver
 from live.full_room import FullRoom

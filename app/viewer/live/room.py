@@ -17,7 +17,7 @@ from app.live.arm import Request
 from app.live.desk import Desk
 from app.live.driven import open_driven
 from app.live.ends import Opener
-from app.live.events import Event
+from app.live.events import Event, Events
 from app.live.lab import Lab
 from app.live.look import Look
 from app.live.squashing_driver import FlockDriver
@@ -70,8 +70,8 @@ class Room(Asking):
         self.look: Look | None = None
         """The newest of the desk that is open."""
         self.course = Course(lab.injected)
-        self.events: list[Event] = []
-        """All events of all openings, the oldest first."""
+        self.events = Events()
+        """Those of all openings."""
         self.parting = threading.Lock()
         """Held while a desk is closed, never while one is opened."""
         self.traced = ""
@@ -198,7 +198,7 @@ class Room(Asking):
 
     def note(self, event: Event) -> None:
         """Take an event down; an emergency stop lasts beyond this opening until it is reset."""
-        self.events.append(event)
+        self.events.add(event)
         if event.kind == "emergency":
             self.latch = event.cause or event.kind
             self.change(latched=True)
@@ -230,7 +230,7 @@ class Room(Asking):
 
     def say(self, kind: str, words: str, cause: str = "") -> None:
         """Put an event of the room's own among the others."""
-        self.events.append(Event(0, time.monotonic(), kind, words, cause=cause))
+        self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 
     def trace(self, error: Exception) -> None:
         """Show in the terminal what should not have happened, but not again and again."""
