@@ -228,8 +228,8 @@ class Loop:
                 words = trouble or f"the {kind} works again"
                 found.append(Event(self.control.tick, now, kind, words))
                 self.known[kind] = trouble
-        for words in self.journal.news() if self.journal is not None else ():
-            found.append(Event(self.control.tick, now, "part", words, cause="recording"))
+        news = self.journal.news() if self.journal is not None else []
+        found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
         return found
 
     def part(self) -> None:

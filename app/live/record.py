@@ -9,9 +9,9 @@ events     tick, time, kind, words, car, cause, asked, note
 ticks      tick, now (s), mode, arm, the injected car, latency (s); one row a tick
 ========== ========================================================================================
 
-While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last tenth of
-a second even if the process is killed; `app.live.recover` makes the tables of what is left. What
-has become long goes on in another part: see `app.live.parts`.
+While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last tenth
+of a second even if the process is killed; `app.live.recovery` makes the tables of what is left.
+What has become long goes on in another part: see `app.live.parts`.
 """
 
 from __future__ import annotations
