@@ -36,6 +36,7 @@ class Desk:
 
     def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
         spawn = multiprocessing.get_context("spawn")
+        self.recording = recording
         self.line, theirs = spawn.Pipe(duplex=True)
         self.lock = threading.Lock()
         self.events = Events()
@@ -108,6 +109,8 @@ class Desk:
             except (EOFError, OSError):
                 if not self.closed:
                     self.trouble = "the control loop is gone: the cars stop themselves"
+                    if self.recording is not None:
+                        self.trouble += f"; flockscope live recover {self.recording}"
             return self.newest
 
     def close(self) -> None:

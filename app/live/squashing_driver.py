@@ -85,7 +85,9 @@ class FlockDriver(Motion):
         """How many simulated cars there are to be; they begin once all real ones were seen."""
         self.first_signal = len(self.model.rule.signals)
         self.begin()
-        begin_more(lab, 0, lab.simulated.cars, [], self.size)  # they must fit an empty room at least
+        begin_more(
+            lab, 0, lab.simulated.cars, [], self.size
+        )  # they must fit an empty room at least
         self.warm(tell)
         self.begin()
 

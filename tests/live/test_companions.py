@@ -293,7 +293,9 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
         modes.append(step.verdict.mode)
     refused = [event.words for event in events if event.kind == "refused"]
     assert len(refused) == 1
-    assert re.fullmatch(r"simulated cars = 1 is not allowed: sim 1 has no room: .*0 would fit", *refused)
+    assert re.fullmatch(
+        r"simulated cars = 1 is not allowed: sim 1 has no room: .*0 would fit", *refused
+    )
     assert modes == [STOP] * 5 + [RUN] * 45
     assert set(step.wanted) == {"red", "blue"}
     assert driver.companions == ()

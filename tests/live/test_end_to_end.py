@@ -181,7 +181,10 @@ def test_the_loop_is_killed_and_its_recording_replays_to_the_bit(driving):
     stopped(room)
     assert room.states() == {"lost"}
     room.look()
-    assert room.desk.trouble == "the control loop is gone: the cars stop themselves"
+    assert room.desk.trouble == (
+        "the control loop is gone: the cars stop themselves; "
+        f"flockscope live recover {room.recording}"
+    )
     rows = recover(room.recording)
     assert rows["events"] > 10
     made = replay(room.recording, FlockDriver)

@@ -59,7 +59,7 @@ class Room(Asking):
         recording: Path | None = None,
         opener: Opener = open_driven,
         desk: Callable[[Lab, Opener, Path | None], Counter] = Desk,
-        driver: Callable[[Lab], Driving] = FlockDriver,
+        driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
     ):
         super().__init__(lab, source)
         self.folder = recording
@@ -130,6 +130,7 @@ class Room(Asking):
             model=None,
             values={},
             recording="",
+            compiling="",
             run=self.state.run + 1,
         )
         self.say("room", f"opening {choice.source}, {choice.rule}", choice.cause)
@@ -142,7 +143,8 @@ class Room(Asking):
     def open(self, choice: Choice) -> None:
         """Open a choice, unless it is overtaken by another or by the end. Raises Refusal."""
         lab = self.fitting(choice)
-        driver = self.make_driver(lab)  # here it compiles, so that the loop need not
+        driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
+        self.change(compiling="")
         setting = Setting.of(self.state.run, lab, driver.model)
         values = driver.parameters.model_dump()
         self.change(model=driver.model, values=values)
@@ -156,6 +158,11 @@ class Room(Asking):
         self.take_over(Opened(setting, desk, values, self.notices.put))
         self.change(status="open", recording="" if folder is None else str(folder))
         self.say("room", "open", choice.cause)
+
+    def compiles(self, words: str) -> None:
+        """Say that a rule is being compiled."""
+        self.change(compiling=words)
+        self.say("compile", words)
 
     @property
     def overtaken(self) -> bool:

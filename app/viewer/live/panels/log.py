@@ -27,6 +27,9 @@ COLOURS = {
     "disarm": GREY,
     "reset": GREY,
     "room": GREY,
+    "compile": GREY,
+    "part": GREY,
+    "end": GREY,
     "tune": BLUE,
     "accompany": BLUE,
 }
