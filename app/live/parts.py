@@ -53,7 +53,7 @@ class Part:
 
     @property
     def begun(self) -> bool:
-        """Whether there is anything of it that counts: the ticks come last, and are removed first."""
+        """Whether anything of it counts: its ticks are begun last, and removed first."""
         return self.table("ticks").exists() or self.stream("ticks").exists()
 
     def size(self) -> int:

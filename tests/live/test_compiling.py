@@ -8,13 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from cli.calling import call
 
 from agents.motion import Motion
 from app.live.example import example
 from app.live.squashing_driver import FlockDriver
 from app.viewer.live.room_state import RoomState
 from app.viewer.live.standing import standing
-from cli.calling import call
 
 ROOT = Path(__file__).parents[2]
 WORDS = "compiling squashing-cars for this machine: about a minute, and only this first time ..."

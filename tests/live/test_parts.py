@@ -22,7 +22,7 @@ def small(monkeypatch):
     """Parts of some hundred ticks, which the file does not allow: a day of them is soon over."""
 
     def kept(part, most):
-        def begin(self, folder, laboratory, given=None):
+        def begin(self, folder, laboratory, _kept=None):
             begun(self, folder, laboratory, Kept.model_construct(part=part, most=most))
 
         begun = Recording.__init__

@@ -1,4 +1,4 @@
-"""Ends of a room whose cars are tracked by datagrams, and drive round on one ring; some go wrong."""
+"""Ends of a room whose cars are tracked by datagrams and drive round; some go wrong."""
 
 from __future__ import annotations
 
