@@ -15,7 +15,7 @@ from pathlib import Path
 
 from app.live.arm import Request
 from app.live.ends import Opener
-from app.live.events import Event
+from app.live.events import Events
 from app.live.lab import Lab
 from app.live.look import Look
 from app.live.loop_process import Answer, serve
@@ -36,10 +36,10 @@ class Desk:
 
     def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
         spawn = multiprocessing.get_context("spawn")
+        self.recording = recording
         self.line, theirs = spawn.Pipe(duplex=True)
         self.lock = threading.Lock()
-        self.events: list[Event] = []
-        """All events, the oldest first."""
+        self.events = Events()
         self.known = 0
         self.trouble = ""
         """Why the loop ended, if it did by itself."""
@@ -100,7 +100,7 @@ class Desk:
                     answer: Answer = self.line.recv()
                     self.waits = False
                     self.newest = answer.look or self.newest
-                    self.events += answer.events
+                    self.events.add(*answer.events)
                     self.known = answer.known
                 if not self.waits:
                     hand, self.hand = self.hand, None
@@ -109,6 +109,8 @@ class Desk:
             except (EOFError, OSError):
                 if not self.closed:
                     self.trouble = "the control loop is gone: the cars stop themselves"
+                    if self.recording is not None:
+                        self.trouble += f"; flockscope live recover {self.recording}"
             return self.newest
 
     def close(self) -> None:

@@ -20,6 +20,7 @@ from app.live.limits import CarLimits, Limits
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.live.loop import RATE
 from app.live.misfit import Misfit
+from app.live.parts import Kept
 from app.live.safety import Safety
 from worlds.refusal import Refusal, needed, shortened, unknown
 from worlds.toml import toml
@@ -75,6 +76,7 @@ class Lab(Strict):
     limits: Limits = Limits()
     injected: Injection = Injection()
     simulated: Simulated = Simulated()
+    recording: Kept = Kept()
     cars: dict[str, Car] = Field(min_length=1, max_length=MOST_CARS)
 
     @model_validator(mode="after")
@@ -179,6 +181,7 @@ TABLES: dict[str, type[Strict]] = {
     "limits": Limits,
     "injected": Injection,
     "simulated": Simulated,
+    "recording": Kept,
     "cars": Car,
 }
 

@@ -15,8 +15,9 @@ from contextlib import suppress
 from typing import Protocol
 
 from app.live.arm import Request
-from app.live.control import Control
+from app.live.control import Control, Step
 from app.live.events import Event, Events
+from app.live.firmware import WATCHDOG
 from app.live.injected import Injected
 from app.live.links.link import EMERGENCY, STOP, CarLink
 from app.live.look import Look, cars_of
@@ -61,6 +62,10 @@ class Journal(Protocol):
 
     def write(self, moment: Moment) -> None:
         """Take down a tick."""
+        ...
+
+    def news(self) -> list[str]:
+        """What is new of the recording, each in one line."""
         ...
 
 
@@ -137,6 +142,9 @@ class Loop:
                     left_out = int((now - due) / self.period)
                     self.missed += left_out
                     due += left_out * self.period
+        except BaseException as error:
+            self.leaving = f"it failed: {type(error).__name__}: {' '.join(str(error).split())}"
+            raise
         finally:
             self.part()
 
@@ -220,18 +228,71 @@ class Loop:
                 words = trouble or f"the {kind} works again"
                 found.append(Event(self.control.tick, now, kind, words))
                 self.known[kind] = trouble
+        news = self.journal.news() if self.journal is not None else []
+        found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
         return found
 
     def part(self) -> None:
-        """Send stops, and let go of the link. A latched emergency stop stays latched."""
-        latched = self.control.safety.arm.state == "emergency" or any(
-            one.wish == "emergency" for one in taken(self.asked)
-        )
+        """Send stops, let go of the link, take them down. A latched emergency stop stays latched.
+
+        What is taken down comes after: whatever has failed, and fails again, holds no stop up.
+        """
+        asked = [one for one in taken(self.asked) if one.wish == "emergency"]
+        state = self.control.safety.arm.state
+        latched = state == "emergency" or bool(asked)
+        if state == "armed" and not asked:
+            asked = [Request("hold", "loop", self.leaving)]
+        mode = EMERGENCY if latched else STOP
         still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
+        times = []
+        frames = 0
         for _ in range(PARTING):
-            self.send(EMERGENCY if latched else STOP, still)
+            dropped = self.link.dropped
+            times.append(self.clock())
+            self.send(mode, still)
+            frames += not self.troubles["link"] and self.link.dropped == dropped
             self.wait(self.period)
         self.link.close()
+        end = self.farewell(frames, latched)
+        for left, now in zip(reversed(range(PARTING)), times, strict=True):
+            self.take_down_stop(now, asked, mode, still, "" if left else end)
+            asked = []
+
+    def farewell(self, frames: int, latched: bool) -> str:
+        """How the loop ends, in words: why, and who stops the cars."""
+        stop = "an emergency stop" if latched else "to stop"
+        told = (
+            f"{frames} frames told the cars {stop}"
+            if frames
+            else f"the link took no stop ({self.troubles['link'] or 'it is busy'}): the cars' own "
+            f"watchdogs stop them, {1000 * WATCHDOG:g} ms after their last command"
+        )
+        return f"the control loop ends ({self.leaving or 'nobody asked it to'}): {told}"
+
+    def take_down_stop(
+        self,
+        now: float,
+        asked: list[Request],
+        mode: int,
+        still: dict[str, Command],
+        end: str,
+    ) -> None:
+        """Put a stop that was sent at `now` (s) in events and recording: a tick that replays."""
+        control = self.control
+        injected = None
+        try:
+            control.see(now, asked, self.newest)
+            injected = self.injected.at(now, control.running, control.sightings)
+            step = control.act(now, injected)
+        except Exception:  # what has failed before may fail again; what was sent is known
+            step = Step({}, Verdict(mode, still, ()), ())
+        events = step.events
+        if end:
+            events = (*events, Event(control.tick, now, "end", end, cause="loop"))
+        self.events.add(*events)
+        if self.journal is not None:
+            arm = control.safety.arm.state
+            self.journal.write(Moment(control.tick, now, (), injected, step, arm, events, None))
 
     def look(self, now: float, injected: Pose | None, verdict: Verdict) -> Look:
         """What there is to see."""

@@ -19,6 +19,7 @@ from app.live.events import Event
 from app.live.lab import lab_from_toml
 from app.live.look import Look
 from app.live.loop import Journal, Loop
+from app.live.parts import Kept
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def serve(laboratory: str, opener: Opener, recording: Path | None, line: Connect
         try:
             lab = lab_from_toml(laboratory, "the laboratory")
             ends = stack.enter_context(closing(opener(lab)))
-            journal = stack.enter_context(journal_in(recording, laboratory))
+            journal = stack.enter_context(journal_in(recording, laboratory, lab.recording))
         except Refusal as refusal:
             line.send(Answer(trouble=str(refusal)))
             return
@@ -77,7 +78,7 @@ def serve(laboratory: str, opener: Opener, recording: Path | None, line: Connect
 
 
 @contextmanager
-def journal_in(folder: Path | None, laboratory: str) -> Iterator[Journal | None]:
+def journal_in(folder: Path | None, laboratory: str, kept: Kept) -> Iterator[Journal | None]:
     """A recording in a folder, or none; if it cannot be finished, the terminal is told."""
     if folder is None:
         yield None
@@ -85,7 +86,7 @@ def journal_in(folder: Path | None, laboratory: str) -> Iterator[Journal | None]
     from app.live.record import Recording
 
     with ExitStack() as stack:
-        journal = stack.enter_context(Recording(folder, laboratory))
+        journal = stack.enter_context(Recording(folder, laboratory, kept))
         yield journal
         try:
             stack.close()

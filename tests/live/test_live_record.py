@@ -22,7 +22,8 @@ from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.links import open_link
 from app.live.loop import Loop
 from app.live.pose import Frame, Pose, Sighting
-from app.live.record import TABLES, Recording, recover
+from app.live.record import TABLES, Recording
+from app.live.recovery import recover
 from app.live.replay import bits, read, replay
 from live.rooms import LAB, Steady, lab
 from worlds.refusal import Refusal

@@ -46,7 +46,8 @@ def server():
 @pytest.mark.parametrize(
     ("state", "look", "kind", "words"),
     [
-        (replace(OPEN, status="opening"), None, "opening", "compiled"),
+        (replace(OPEN, status="opening"), None, "opening", "Waiting"),
+        (replace(OPEN, status="opening", compiling="compiling x"), None, "opening", "Compiling x"),
         (replace(OPEN, status="opening", latched=True), None, "emergency", "begins stopped"),
         (replace(OPEN, status="failed", trouble="no frame within 5 s"), None, "failed", "no frame"),
         (OPEN, None, "opening", "Waiting"),

@@ -17,7 +17,7 @@ from app.live.arm import Request
 from app.live.desk import Desk
 from app.live.driven import open_driven
 from app.live.ends import Opener
-from app.live.events import Event
+from app.live.events import Event, Events
 from app.live.lab import Lab
 from app.live.look import Look
 from app.live.squashing_driver import FlockDriver
@@ -59,7 +59,7 @@ class Room(Asking):
         recording: Path | None = None,
         opener: Opener = open_driven,
         desk: Callable[[Lab, Opener, Path | None], Counter] = Desk,
-        driver: Callable[[Lab], Driving] = FlockDriver,
+        driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
     ):
         super().__init__(lab, source)
         self.folder = recording
@@ -70,8 +70,8 @@ class Room(Asking):
         self.look: Look | None = None
         """The newest of the desk that is open."""
         self.course = Course(lab.injected)
-        self.events: list[Event] = []
-        """All events of all openings, the oldest first."""
+        self.events = Events()
+        """Those of all openings."""
         self.parting = threading.Lock()
         """Held while a desk is closed, never while one is opened."""
         self.traced = ""
@@ -130,6 +130,7 @@ class Room(Asking):
             model=None,
             values={},
             recording="",
+            compiling="",
             run=self.state.run + 1,
         )
         self.say("room", f"opening {choice.source}, {choice.rule}", choice.cause)
@@ -142,7 +143,8 @@ class Room(Asking):
     def open(self, choice: Choice) -> None:
         """Open a choice, unless it is overtaken by another or by the end. Raises Refusal."""
         lab = self.fitting(choice)
-        driver = self.make_driver(lab)  # here it compiles, so that the loop need not
+        driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
+        self.change(compiling="")
         setting = Setting.of(self.state.run, lab, driver.model)
         values = driver.parameters.model_dump()
         self.change(model=driver.model, values=values)
@@ -156,6 +158,11 @@ class Room(Asking):
         self.take_over(Opened(setting, desk, values, self.notices.put))
         self.change(status="open", recording="" if folder is None else str(folder))
         self.say("room", "open", choice.cause)
+
+    def compiles(self, words: str) -> None:
+        """Say that a rule is being compiled."""
+        self.change(compiling=words)
+        self.say("compile", words)
 
     @property
     def overtaken(self) -> bool:
@@ -198,7 +205,7 @@ class Room(Asking):
 
     def note(self, event: Event) -> None:
         """Take an event down; an emergency stop lasts beyond this opening until it is reset."""
-        self.events.append(event)
+        self.events.add(event)
         if event.kind == "emergency":
             self.latch = event.cause or event.kind
             self.change(latched=True)
@@ -230,7 +237,7 @@ class Room(Asking):
 
     def say(self, kind: str, words: str, cause: str = "") -> None:
         """Put an event of the room's own among the others."""
-        self.events.append(Event(0, time.monotonic(), kind, words, cause=cause))
+        self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 
     def trace(self, error: Exception) -> None:
         """Show in the terminal what should not have happened, but not again and again."""

@@ -36,7 +36,8 @@ def standing(state: RoomState, look: Look | None) -> Standing:
     if state.status == "opening":
         if state.latched:
             return Standing("emergency", "EMERGENCY STOP", "Opening; it begins stopped.")
-        return Standing("opening", "Opening …", "A rule is compiled the first time it is used.")
+        words = state.compiling or "Waiting for the control loop."
+        return Standing("opening", "Opening …", words[:1].upper() + words[1:])
     if state.status != "open":
         title = "Closed" if state.status == "closed" else "Not open"
         return Standing("failed", title, state.trouble or "The cars stop themselves.")
