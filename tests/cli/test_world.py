@@ -291,3 +291,34 @@ def test_the_examples_of_the_page_do_what_it_says(tmp_path, monkeypatch):
     made("import", "hall.wkt", "--out", "again.toml")
     names = [one.name for one in world("again.toml").obstacles]
     assert names == ["kiosk", "obstacle", "outside 1"]
+
+
+def test_a_floor_plan_comes_in_and_is_lived_in(tmp_path):
+    plan = tmp_path / "room.wkt"
+    plan.write_text(
+        "GEOMETRYCOLLECTION (POLYGON ((0 0, 20 0, 20 9, 10 9, 10 14, 0 14, 0 0),"
+        " (4 4, 7 4, 7 6, 4 6, 4 4)))\n"
+    )
+    layout = tmp_path / "room.toml"
+    result = made("import", plan, "--out", layout)
+    header, row = result.stderr.splitlines()
+    assert header.split() == ["layer", "entities", "role", "why"]
+    assert row.split()[:4] == ["unnamed", "1", "GEOMETRYCOLLECTION", "walkable"]
+    assert result.stdout == f"written: {layout}, 2 obstacles in 20 x 14 m, 224 m² free\n"
+    made("show", layout, "--out", tmp_path / "room.png")
+    run = call("run", "boundary-points", "--world", layout, "--agents", 12, "--ticks", 20, "--json")
+    assert run.exit_code == 0, run.stderr
+    assert json.loads(run.stdout)["observables"]["inside-obstacles"] == 0
+
+
+def test_every_problem_of_a_drawing_is_a_line_and_nothing_is_written(tmp_path):
+    plan = tmp_path / "room.wkt"
+    plan.write_text("stage: POLYGON ((0 0, 4 0, 4 4, 0 0))\nwall: LINESTRING (0 0, 5 0)\n")
+    result = call("world", "import", plan, "--out", tmp_path / "room.toml")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    *table, stage, wall = result.stderr.splitlines()
+    assert [line.split()[0] for line in table] == ["layer", "stage", "wall"]
+    assert "layer 'stage': no clear role" in stage
+    assert "line 2 'wall': an open line from (0, 0) to (5, 0)" in wall
+    assert [one.name for one in tmp_path.iterdir()] == ["room.wkt"]

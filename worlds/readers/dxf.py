@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from worlds.readers.contents import DEEPEST, MOST_ITEMS, Contents, Item, demand_file
-from worlds.readers.outlines import STEP, along, nested
+from worlds.readers.outlines import MOST_OUTLINES, STEP, along, nested
 from worlds.readers.shapes import Curve, Point, Shape, Stray, area, at, circle, line
 from worlds.refusal import Refusal
 
@@ -230,6 +230,8 @@ def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
     from ezdxf import path as paths
 
     rings = []
+    if len(hatch.paths) > MOST_OUTLINES:
+        raise Refusal(f"{origin}: it has more than {MOST_OUTLINES} boundaries, too many to read")
     for boundary in hatch.paths:
         if hasattr(boundary, "vertices"):
             ocs = hatch.ocs()

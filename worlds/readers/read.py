@@ -10,10 +10,11 @@ from pathlib import Path
 import shapely
 
 from worlds.obstacles import Obstacle
-from worlds.readers.contents import UNNAMED, Contents
+from worlds.readers.contents import MOST_CORNERS, UNNAMED, Contents
 from worlds.readers.dxf import read_dxf
 from worlds.readers.geojson import read_geojson
 from worlds.readers.join import chords, joined
+from worlds.readers.outlines import MOST_OUTLINES, within
 from worlds.readers.roles import GOAL, IGNORE, OBSTACLE, PATH, START, WALKABLE, Row, cast, unclear
 from worlds.readers.shapes import (
     Curve,
@@ -34,8 +35,6 @@ READERS: dict[str, Callable[[Path], Contents]] = {
     ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf
 }  # fmt: skip
 """By the ending of the file's name."""
-MOST_CORNERS = 200_000
-"""Corners of all that is taken of a file at most."""
 FEW = 3
 """Most open lines of a layer that are told one by one."""
 DIGITS = 14
@@ -298,14 +297,15 @@ def nested_areas(shapes: Sequence[Solid]) -> list[str]:
     areas = [s for s in shapes if not isinstance(s, Line | Place)]
     if len(areas) < 2:
         return []
+    if len(areas) > MOST_OUTLINES:
+        return [f"{areas[0].origin.partition(', ')[0]}: {len(areas)} walkable areas are too many, "
+                f"at most {MOST_OUTLINES}"]  # fmt: skip
     outlines = [shape.obstacle(None, 0).footprint() for shape in areas]
-    around, inside = shapely.STRtree(outlines).query(outlines, predicate="covered_by")
     return [
         f"{areas[one].origin}: its outline at {at(outlines[one].exterior.coords[0])} lies inside "
         f"another walkable one ({areas[other].origin.rpartition(', ')[2]}): a hole or an obstacle "
         "there is drawn as such, or on a layer of obstacles"
-        for one, other in zip(around, inside, strict=True)
-        if one != other and outlines[one].area < outlines[other].area
+        for one, other in dict(within(outlines)).items()
     ]
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import partial
-from itertools import accumulate
+from itertools import accumulate, islice
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ import shapely
 
 from worlds.readers.contents import (
     DEEPEST,
+    MOST_CORNERS,
     MOST_ITEMS,
     UNNAMED,
     Contents,
@@ -40,6 +41,7 @@ from worlds.readers.shapes import (
 from worlds.refusal import Refusal
 
 RING = re.compile(r"\(([^()]*)\)")
+LINE = re.compile(r"LINESTRING\s*\([^()]*\)", re.IGNORECASE)
 JUPEDSIM = ("jps-walkablearea", "jps-exits", "jps-distributions", "jps-waypoints", "jps-journeys")
 """The layers of the five collections that dxf2wkt writes, in its order."""
 
@@ -47,7 +49,10 @@ JUPEDSIM = ("jps-walkablearea", "jps-exits", "jps-distributions", "jps-waypoints
 def read_wkt(path: Path) -> Contents:
     """The geometries of a WKT file. Raises Refusal."""
     items: list[Item] = []
-    for number, text in whole_geometries(text_of(path)):
+    geometries = list(islice(whole_geometries(text_of(path)), MOST_ITEMS + 1))
+    if len(geometries) > MOST_ITEMS:
+        raise Refusal(f"{path} holds more than {MOST_ITEMS} geometries, too many to read")
+    for number, text in geometries:
         head, colon, rest = text.partition(":")
         has_name = bool(colon) and "(" not in head and ")" not in head
         name, given = (head.strip(), rest.strip()) if has_name else ("", text.strip())
@@ -55,8 +60,6 @@ def read_wkt(path: Path) -> Contents:
             raise Refusal(f"{path}, line {number}: a name, but no geometry")
         origin = f"{path}, line {number}" + (f" {name!r}" if name else "")
         items += items_of(given, name, origin)
-        if len(items) > MOST_ITEMS:
-            raise Refusal(f"{path} holds more than {MOST_ITEMS} geometries, too many to read")
     return Contents(path, tuple(items), layers_of(items), None)
 
 
@@ -110,7 +113,6 @@ def kind_of(text: str) -> str:
 
 def geometry(text: str, origin: str) -> shapely.Geometry:
     """The geometry of a text. Raises Refusal."""
-    demand_closed(text, origin)
     steps = ({"(": 1, ")": -1}.get(letter, 0) for letter in text)
     if max(accumulate(steps), default=0) > DEEPEST:
         raise Refusal(f"{origin}: it is nested too deep")
@@ -118,12 +120,16 @@ def geometry(text: str, origin: str) -> shapely.Geometry:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are refused below
             return shapely.from_wkt(text)
     except (shapely.errors.GEOSException, NotImplementedError) as error:
+        if "closed" in str(error):
+            demand_closed(text, origin)
         reason = " ".join(str(error).removeprefix("ParseException: ").rstrip(".").split())
         raise Refusal(f"{origin}: {short(text)!r} is not WKT: {short(reason, 100)}") from None
 
 
 def shapes(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
     """The shapes of one geometry. Raises Refusal."""
+    if shapely.get_num_coordinates(made) > MOST_CORNERS:
+        raise Refusal(f"{origin}: it has more than {MOST_CORNERS} corners, too many to read")
     if made.is_empty:
         raise Refusal(f"{origin}: {made.geom_type.upper()} EMPTY has nothing in it")
     return [shape for part in parts(made, origin) for shape in one(part, name, origin)]
@@ -166,9 +172,7 @@ def pairs(made: shapely.Geometry) -> list[Point]:
 
 def demand_closed(text: str, origin: str) -> None:
     """Refuse rings of a polygon whose ends differ, naming them. Raises Refusal."""
-    if "POLYGON" not in text.upper():
-        return
-    for ring in RING.findall(text):
+    for ring in RING.findall(LINE.sub("", text)):
         ends = [tuple(point.split()[:2]) for point in ring.split(",")]
         if len(ends) > 1 and ends[0] != ends[-1] and all(len(end) == 2 for end in ends):
             begin, end = (f"({', '.join(ends[k])})" for k in (0, -1))
