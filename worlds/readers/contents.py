@@ -16,7 +16,7 @@ LARGEST = 64_000_000
 """Bytes of a file at most."""
 MOST_ITEMS = 100_000
 """Most things that a file draws, those of a block counted as often as it is inserted."""
-MOST_CORNERS = 200_000
+MOST_CORNERS = 50_000
 """Corners of all that is taken of a file at most."""
 DEEPEST = 50
 """Most collections, or blocks, one in another."""
