@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -12,6 +12,20 @@ if TYPE_CHECKING:
 
 class Refusal(ValueError):
     """Something a user gave cannot be used; its text is the one line to show."""
+
+
+class Refusals(Refusal):
+    """Several things at once, one line each; the text is the first, and how many more there are."""
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        super().__init__(f"{lines[0]} (and {len(lines) - 1} more)")
+        self.lines = tuple(lines)
+
+
+def refusal_of(lines: Sequence[str]) -> Refusal:
+    """A refusal of one or more lines, repeated ones said once."""
+    distinct = list(dict.fromkeys(lines))
+    return Refusal(distinct[0]) if len(distinct) == 1 else Refusals(distinct)
 
 
 def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> Refusal:

@@ -1,4 +1,4 @@
-"""What cannot be done is told in one line on stderr, with exit code 2 and no traceback."""
+"""What cannot be done is told in a line on stderr, with exit code 2 and no traceback."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any, NoReturn
 
 import typer
 
-from worlds.refusal import Refusal
+from worlds.refusal import Refusal, Refusals
 
 REFUSED = 2
+MOST_LINES = 40
+"""Most lines that are told of several refusals at once."""
 INTERRUPTED = 130
 
 
@@ -39,6 +41,9 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def refuse(reason: object) -> NoReturn:
     """Tell the reason and stop."""
-    line = " ".join(str(reason).split())
-    typer.echo(f"flockscope: {line}", err=True)
+    lines = reason.lines if isinstance(reason, Refusals) else (str(reason),)
+    for line in lines[:MOST_LINES]:
+        typer.echo(f"flockscope: {' '.join(line.split())}", err=True)
+    if len(lines) > MOST_LINES:
+        typer.echo(f"flockscope: and {len(lines) - MOST_LINES} more of the kind", err=True)
     raise typer.Exit(REFUSED) from None

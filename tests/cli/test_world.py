@@ -88,8 +88,16 @@ def test_a_world_with_random_obstacles_is_drawn_from_a_seed(tmp_path):
 def test_import_makes_a_layout_that_is_read_as_it_was_drawn(hall, tmp_path):
     layout = tmp_path / "hall.toml"
     result = made("import", hall, "--out", layout, "--json")
-    assert json.loads(result.stdout) == {
-        "layout": str(layout), "obstacles": 2, "size": [20.0, 12.0], "low": [0.0, 0.0], "notes": []
+    value = json.loads(result.stdout)
+    assert value.pop("free_area") == pytest.approx(196 - 3.1416 * 0.75**2, abs=1e-2)
+    assert value == {
+        "layout": str(layout), "obstacles": 2, "size": [20.0, 12.0], "low": [0.0, 0.0], "notes": [],
+        "layers": [
+            {"layer": "walkable", "entities": "1 Polygon", "role": "walkable",
+             "why": "its name says 'walkable'"},
+            {"layer": "pillar", "entities": "1 Point", "role": "obstacle",
+             "why": "its name says 'pillar'"},
+        ],
     }  # fmt: skip
     found = world(str(layout))
     assert found.edges == ("solid", "solid")
@@ -107,7 +115,7 @@ def test_import_makes_a_layout_that_is_read_as_it_was_drawn(hall, tmp_path):
 def test_import_takes_its_options(hall, tmp_path):
     layout = tmp_path / "hall.toml"
     args = ("import", hall, "--out", layout, "--scale", 2, "--walkable", "pillar")
-    made(*args, "--obstacles", "walkable", "--edges", "open,solid")
+    made(*args, "--obstacle", "walkable", "--edges", "open,solid")
     found = world(str(layout))
     assert found.size == (3.0, 3.0)
     assert found.low == (8.5, 6.5)
@@ -128,7 +136,8 @@ def test_what_is_left_out_of_a_drawing_is_told(tmp_path):
     document.modelspace().add_circle((0, 0), 1)
     document.modelspace().add_text("Hall")
     document.saveas(tmp_path / "hall.dxf")
-    args = ("import", tmp_path / "hall.dxf", "--out", tmp_path / "hall.toml", "--overwrite")
+    args = ("import", tmp_path / "hall.dxf", "--out", tmp_path / "hall.toml", "--overwrite",
+            "--solid", "0")  # fmt: skip
     assert made(*args).stderr.endswith("hall.dxf: 1 TEXT on layer '0' left out\n")
     assert made(*args, "--quiet").stderr == ""
     assert json.loads(made(*args, "--json").stdout)["notes"] == ["1 TEXT on layer '0' left out"]
@@ -215,7 +224,7 @@ def test_a_warning_is_told_and_is_exit_code_0(tmp_path):
         (["check", "no.toml"], ["'no.toml' cannot be read: No such file"]),
         (["import", "no.dxf", "--out", "x.toml"], ["'no.dxf' cannot be read: No such file"]),
         (["import", "hall.geojson", "--out", "no/x.toml"], ["--out 'no/x.toml' cannot be written"]),
-        (["import", "hall.geojson", "--out", "x.toml", "--obstacles", "piller"],
+        (["import", "hall.geojson", "--out", "x.toml", "--obstacle", "piller"],
          ["unknown layer 'piller'", "'pillar'", "hall.geojson"]),
         (["import", "hall.geojson", "--out", "x.toml", "--edges", "sold"],
          ["unknown edge 'sold'", "'solid'"]),
@@ -282,3 +291,34 @@ def test_the_examples_of_the_page_do_what_it_says(tmp_path, monkeypatch):
     made("import", "hall.wkt", "--out", "again.toml")
     names = [one.name for one in world("again.toml").obstacles]
     assert names == ["kiosk", "obstacle", "outside 1"]
+
+
+def test_a_floor_plan_comes_in_and_is_lived_in(tmp_path):
+    plan = tmp_path / "room.wkt"
+    plan.write_text(
+        "GEOMETRYCOLLECTION (POLYGON ((0 0, 20 0, 20 9, 10 9, 10 14, 0 14, 0 0),"
+        " (4 4, 7 4, 7 6, 4 6, 4 4)))\n"
+    )
+    layout = tmp_path / "room.toml"
+    result = made("import", plan, "--out", layout)
+    header, row = result.stderr.splitlines()
+    assert header.split() == ["layer", "entities", "role", "why"]
+    assert row.split()[:4] == ["unnamed", "1", "GEOMETRYCOLLECTION", "walkable"]
+    assert result.stdout == f"written: {layout}, 2 obstacles in 20 x 14 m, 224 m² free\n"
+    made("show", layout, "--out", tmp_path / "room.png")
+    run = call("run", "boundary-points", "--world", layout, "--agents", 12, "--ticks", 20, "--json")
+    assert run.exit_code == 0, run.stderr
+    assert json.loads(run.stdout)["observables"]["inside-obstacles"] == 0
+
+
+def test_every_problem_of_a_drawing_is_a_line_and_nothing_is_written(tmp_path):
+    plan = tmp_path / "room.wkt"
+    plan.write_text("stage: POLYGON ((0 0, 4 0, 4 4, 0 0))\nwall: LINESTRING (0 0, 5 0)\n")
+    result = call("world", "import", plan, "--out", tmp_path / "room.toml")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    *table, stage, wall = result.stderr.splitlines()
+    assert [line.split()[0] for line in table] == ["layer", "stage", "wall"]
+    assert "layer 'stage': no clear role" in stage
+    assert "line 2 'wall': an open line from (0, 0) to (5, 0)" in wall
+    assert [one.name for one in tmp_path.iterdir()] == ["room.wkt"]

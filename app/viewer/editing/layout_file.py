@@ -20,6 +20,9 @@ MOST_CORNERS = 50_000
 """Corners of all obstacles together at most."""
 MOST_POINTS = 100_000
 """Boundary points along all outlines at most."""
+MOST_WORDS = 350
+"""Letters of a drawing's refusal that are shown."""
+ELSEWHERE = "options are those of 'flockscope world import', whose layout can be opened here"
 DRAWINGS = (".geojson", ".json", ".wkt", ".dxf")
 ENDINGS = (".toml", *DRAWINGS)
 
@@ -84,7 +87,10 @@ def from_drawing(name: str, content: bytes) -> World:
                 raise too_many(name, len(geometry.obstacles))
             return world_around(geometry)
         except Refusal as refusal:
-            raise Refusal(str(refusal).replace(str(path), name)) from None
+            words = str(refusal).replace(str(path), name)
+            # No options can be given here: where the words ask for one, they say where they can.
+            hint = f" ({ELSEWHERE})" if "--" in words else ""
+            raise Refusal(words[:MOST_WORDS] + hint) from None
 
 
 def too_many(name: str, count: int) -> Refusal:
