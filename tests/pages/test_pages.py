@@ -21,27 +21,11 @@ from pages.running import parse, run, visit
 from worlds.readers import read_geometry
 from worlds.world import world_from_layout
 
-CHECKOUT = (
-    "README.md", "LICENSE", "pyproject.toml", "uv.lock",
-    "agents", "app", "benchmarks", "docs", "experiments", "static", "tests", "worlds",
-)  # fmt: skip
-"""What lies in the folder in which pages say that their commands are run."""
 GROUPS = ("world", "flight", "formation", "live")
 """Commands that have commands of their own."""
 PLACE = re.compile(r"\[the\s+folder\s+of\s+the\s+checkout\]\((?:\.\./)+README\.md#start\)")
 ENDINGS = {"python": (".py",), "json": (".json", ".geojson"), "": ()}
 """Endings of the files that blocks are saved as, where they are not the language's name."""
-
-
-@pytest.fixture
-def checkout(tmp_path, monkeypatch):
-    """A folder like a fresh checkout, in which examples may write what they like."""
-    folder = tmp_path / "flockscope"
-    folder.mkdir()
-    for name in CHECKOUT:
-        (folder / name).symlink_to(ROOT / name)
-    monkeypatch.chdir(folder)
-    return folder
 
 
 def file_of(block):
