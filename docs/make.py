@@ -206,6 +206,8 @@ $$
 
 ## Try it
 
+In [the folder of the checkout](../../README.md#start):
+
 ```
 uv run flockscope lab {model.name}
 uv run flockscope run {model.name}{many}{options} --ticks {ticks} --seed {scene.seed}

@@ -1,4 +1,4 @@
-"""The pages say what is declared, and what they show works as printed."""
+"""The pages say what is declared; that what they print works is tested in tests/pages."""
 
 from __future__ import annotations
 
@@ -104,13 +104,3 @@ def test_the_commands_of_a_page_are_there(page):
         assert world is None or world in layout_names() or world.endswith(".toml"), words
         paper = after(words, "paper")
         assert paper is None or paper in experiment_names(), words
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
-def test_the_python_of_a_page_prints_what_it_says(page, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    names = {}
-    for code in blocks(page, "python"):
-        exec(code, names)
-        said = [line.partition("  # ")[2] for line in code.splitlines() if "print(" in line]
-        assert capsys.readouterr().out.splitlines() == said, code

@@ -235,7 +235,7 @@ def test_what_is_not_installed_is_named(kind, monkeypatch):
         return found(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", missing)
-    with pytest.raises(Refusal, match=r"needs (pyserial|digi-xbee): install flockscope\[live\]"):
+    with pytest.raises(Refusal, match=r"needs (pyserial|digi-xbee): install the extra live: `uv"):
         open_link(f"{kind}:/dev/x")
 
 

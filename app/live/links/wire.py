@@ -12,6 +12,7 @@ from typing import Any
 from app.live.links.jam import Jam
 from app.live.links.link import LinkLost
 from app.live.links.place import Place
+from app.live.sources.extra import INSTALL
 from worlds.refusal import Refusal
 
 LEAST_BAUD, MOST_BAUD = 300, 4_000_000
@@ -45,7 +46,7 @@ def open_wire(place: Place, baud: int) -> Wire:
     try:
         import serial
     except ImportError:
-        raise Refusal(f"the link {place.text!r} needs pyserial: install flockscope[live]") from None
+        raise Refusal(f"the link {place.text!r} needs pyserial: {INSTALL}") from None
     try:
         return Wire(serial.Serial(port, baud, exclusive=True), place.text)
     except (OSError, ValueError) as error:

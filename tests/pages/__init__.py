@@ -1,0 +1,1 @@
+"""The pages: every block of README and docs, run as it is printed."""

@@ -1,0 +1,24 @@
+"""The place from which pages say that their commands are run."""
+
+from __future__ import annotations
+
+import pytest
+
+from pages.blocks import ROOT
+
+CHECKOUT = (
+    "README.md", "LICENSE", "pyproject.toml", "uv.lock",
+    "agents", "app", "benchmarks", "docs", "experiments", "static", "tests", "worlds",
+)  # fmt: skip
+"""What lies in that folder."""
+
+
+@pytest.fixture
+def checkout(tmp_path, monkeypatch):
+    """A folder like a fresh checkout, in which examples may write what they like."""
+    folder = tmp_path / "flockscope"
+    folder.mkdir()
+    for name in CHECKOUT:
+        (folder / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(folder)
+    return folder

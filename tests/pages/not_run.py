@@ -1,0 +1,34 @@
+"""Blocks that are not run with their page: who does it instead, or what they are."""
+
+ELSEWHERE = {
+    ("docs/car-link.md", "class TextRadio"): (
+        "a file beside the laboratory's: tests/live/test_car_link_page.py sends with it"
+    ),
+    ("docs/car-link.md", "import rclpy"): (
+        "needs ROS 2: tests/live/test_car_link_page.py runs it with a stub for ROS"
+    ),
+    ("docs/car-link.md", "car_take"): (
+        "C for a microcontroller: tests/live/test_car_link_page.py compiles and drives it"
+    ),
+    ("docs/new-rule.md", "class Fading"): (
+        "a file for agents/rules/: tests/test_new_rule.py puts it into the catalogue"
+    ),
+    ("docs/tracking.md", "Feed(open_source"): (
+        "a file that its child process imports: tests/live/test_tracking_page.py starts it"
+    ),
+    ("docs/tracking.md", "class Datagrams"): (
+        "a file for app/live/sources/: tests/live/test_tracking_page.py streams from it"
+    ),
+}
+"""Page, words of the block -> why it is not run here, and the test that does it."""
+
+PRINTED = {
+    ("docs/worlds.md", "yard.toml is sound"): "",
+    ("docs/worlds.md", "flockscope: plan.dxf, layer 'WALLS'"): (
+        "a refusal of a drawing that is not there: tests/worlds tests refusals"
+    ),
+    ("docs/tracking.md", "unknown option 'port'"): (
+        "a refusal: tests/live/test_tracking_page.py holds it against the code"
+    ),
+}
+"""Page, beginning of a message -> why no command there prints it, "" if one does."""

@@ -1,0 +1,100 @@
+"""What becomes of each command that a page prints: run, run otherwise, or not run, and why."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import dataclass
+
+NOT_RUN = {
+    "pip install uv": "asks a package index; uv is what runs these tests",
+    "uv run pytest": "is what runs now",
+    'uv tool install ".[live]"': "asks a package index for what builds the package",
+    'pip install ".[live]"': "asks a package index for what builds the package",
+    "uv build --wheel": "asks a package index for what builds the package",
+}
+"""Commands as they are printed -> why no test runs them."""
+
+
+@dataclass(frozen=True)
+class Otherwise:
+    """Commands that begin with `words` are run with `more` after them, or, with None, only parsed.
+
+    Parsed means: the command, its options and the kinds of their values are taken by the command
+    line as printed, and nothing is done.
+    """
+
+    words: str
+    more: str | None
+    why: str
+
+
+OTHERWISE = (
+    Otherwise("lab --host 0.0.0.0", "--host 127.0.0.1 --port 0", "tests serve this machine only"),
+    Otherwise("lab", "--port 0", "the port may be taken here; a test reads the page, no browser"),
+    Otherwise(
+        "live lab lab.toml",
+        '--source "emulated cars" --port 0',
+        "needs the room's hardware; a test reads the page, no browser",
+    ),
+    Otherwise("live lab", "--port 0", "as the laboratory: no browser, and a port that is free"),
+    Otherwise(
+        "live check lab.toml",
+        '--source "emulated cars" --within 300',
+        "needs the room's hardware; a busy machine takes long to start what stands for it",
+    ),
+    Otherwise("live run lab.toml --source", "--seconds 1", "would wait for a key: nobody is at it"),
+    Otherwise(
+        "live run lab.toml", '--source "emulated cars" --seconds 1', "needs the room's hardware"
+    ),
+    Otherwise("live emulate --arm", "--seconds 5", "shorter: 20 s are for people to look at"),
+    Otherwise("live emulate", "--seconds 1", "would wait for a key: nobody is at it"),
+    Otherwise("flight sweep", None, "takes a minute; tests/flight/test_commands.py sweeps"),
+    Otherwise("flight simulate", None, "takes half a minute; tests/flight/test_commands.py flies"),
+    Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
+    Otherwise("paper couzin2002-phases", None, "takes an hour; tests/papers has its phases"),
+    Otherwise("paper formation-echelon", None, "takes minutes; tests/experiments reads it"),
+    Otherwise("paper", "--runs 2", "two runs a row: all of them take minutes to hours"),
+)
+"""The first that fits counts."""
+
+
+class NotAsPrintedError(Exception):
+    """A line that a reader's shell would not take as it is meant."""
+
+
+def commands(line: str) -> list[str]:
+    """The commands of a printed line: what stands between `&&`. Raises NotAsPrintedError.
+
+    Refused is what only some shells take, or what means something else to them: a comment behind
+    a command, brackets around what may be left out, a placeholder.
+    """
+    bare = re.sub(r'"[^"]*"|\'[^\']*\'', "", line)
+    odd = sorted(set(re.findall(r"[#\[\]?*<>|;$`(){}!~^]", bare)) | set(re.findall("…", bare)))
+    if odd:
+        raise NotAsPrintedError(f"a shell would read {' '.join(odd)} in {line!r} for itself")
+    return [command.strip() for command in line.split("&&")]
+
+
+def arguments(command: str) -> list[str]:
+    """What a printed command gives to flockscope. Raises NotAsPrintedError if it is not called so.
+
+    Without any command flockscope opens the laboratory.
+    """
+    words = shlex.split(command)
+    if words[:1] == ["flockscope"]:
+        raise NotAsPrintedError(
+            f"{command!r}: command not found in a checkout; print `uv run {command}`"
+        )
+    if words[:3] != ["uv", "run", "flockscope"]:
+        raise NotAsPrintedError(f"{command!r} is neither run nor named in {__file__} with a reason")
+    return words[3:] or ["lab"]
+
+
+def otherwise(words: list[str]) -> Otherwise | None:
+    """How a command is run if not as it is printed."""
+    for one in OTHERWISE:
+        start = shlex.split(one.words)
+        if words[: len(start)] == start:
+            return one
+    return None

@@ -1,0 +1,251 @@
+"""Every block of README and docs is run as it is printed, or a reason stands in a table."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import ezdxf
+import pytest
+import tomlkit
+
+from app.cli.main import COMMANDS
+from app.live.lab import lab_from_toml
+from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
+from pages.not_run import ELSEWHERE, PRINTED
+from pages.plan import NOT_RUN, OTHERWISE, NotAsPrintedError, arguments, commands, otherwise
+from pages.running import parse, run, visit
+from worlds.readers import read_geometry
+from worlds.world import world_from_layout
+
+GROUPS = ("world", "flight", "formation", "live")
+"""Commands that have commands of their own."""
+PLACE = re.compile(r"\[the\s+folder\s+of\s+the\s+checkout\]\((?:\.\./)+README\.md#start\)")
+ENDINGS = {"python": (".py",), "json": (".json", ".geojson"), "": ()}
+"""Endings of the files that blocks are saved as, where they are not the language's name."""
+
+
+def file_of(block):
+    """The file that a page has a block saved as, "" if it is none."""
+    endings = ENDINGS.get(block.language, (f".{block.language}",))
+    return block.file if block.file.endswith(endings) and endings else ""
+
+
+def file_from(page, name):
+    """The block that a page has saved under a name."""
+    (code,) = [block.code for block in blocks_of(page) if file_of(block) == name]
+    return code
+
+
+def draw_plan(path):
+    """A drawing as somebody has one: a floor, a wall and a pillar, each on its layer, in metres."""
+    drawing = ezdxf.new(units=6)
+    space = drawing.modelspace()
+    for layer, low, high in (("FLOOR", (0, 0), (20, 12)), ("WALLS", (8, 0), (8.5, 7))):
+        corners = [low, (high[0], low[1]), high, (low[0], high[1])]
+        space.add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
+    space.add_circle((14, 6), 0.5, dxfattribs={"layer": "PILLARS"})
+    drawing.saveas(path)
+
+
+READERS_OWN = {
+    ("README.md", "lab.toml"): lambda path: path.write_text(file_from("docs/live.md", "lab.toml")),
+    ("docs/worlds.md", "plan.dxf"): draw_plan,
+}
+"""Page, file -> makes what the page takes for the reader's own."""
+
+
+def entry(table, block):
+    """The key of the one entry of a table of blocks that is meant by a block, or None."""
+    found = [
+        key for key in table
+        if key[0] == block.page and (key[1] in block.code if table is ELSEWHERE
+                                     else block.code.startswith(key[1]))
+    ]  # fmt: skip
+    assert len(found) <= 1, f"{block}: {found}"
+    return found[0] if found else None
+
+
+def printed_before(page, command):
+    """Whether an earlier page prints the same command, one that knows no files."""
+    if re.search(r"\.\w|--record", command):
+        return False
+    earlier = PAGES[: PAGES.index(page)]
+    return any(
+        block.is_shell and block.page in earlier
+        and any(command in commands(line) for line in block.lines)
+        for block in BLOCKS if entry(PRINTED, block) is None
+    )  # fmt: skip
+
+
+def carry_out(block, line, monkeypatch):
+    """Run what a line of a page says; what it printed on stdout."""
+    printed = []
+    for command in commands(line):
+        if command in NOT_RUN:
+            continue
+        words = arguments(command)
+        instead = otherwise(words)
+        if (instead and instead.more is None) or printed_before(block.page, command):
+            parse(words)
+            continue
+        words = [*words, *shlex.split(instead.more)] if instead else words
+        opens = words[0] == "lab" or words[:2] == ["live", "lab"]
+        result = (visit if opens else run)(words, monkeypatch)
+        assert result.exit_code == 0, f"{block}: {command}\n{result.stdout}{result.stderr}"
+        printed.append(result.stdout)
+    return "".join(printed)
+
+
+def check_python(block, names, capsys):
+    """Run Python; what a comment behind a print says is what it prints."""
+    capsys.readouterr()
+    exec(compile(block.code, str(block), "exec"), names)
+    printed = capsys.readouterr().out.splitlines()
+    said = [
+        line.partition("  # ")[2] for line in block.code.splitlines()
+        if re.match(r"\s*print\(", line)
+    ]  # fmt: skip
+    assert len(printed) == len(said), str(block)
+    if any(said):
+        assert printed == said, str(block)
+
+
+def check_toml(block):
+    """Load TOML as what it is: a laboratory, a part of one, a world, an entry point."""
+    made = tomllib.loads(block.code)
+    if "project" in made:
+        ((group, named),) = made["project"]["entry-points"].items()
+        sources = [*(ROOT / "agents").rglob("*.py"), *(ROOT / "app").rglob("*.py")]
+        assert any(f'"{group}"' in one.read_text(encoding="utf-8") for one in sources), group
+        assert all(re.fullmatch(r"[\w.]+:\w+", value) for value in named.values())
+    elif {"edges", "size", "obstacle"} & set(made):
+        world_from_layout(made, "page")
+    else:
+        whole = tomlkit.parse(file_from("docs/live.md", "lab.toml")) | made
+        lab_from_toml(block.code if "cars" in made else tomlkit.dumps(whole), str(block))
+
+
+def check_data(block):
+    """Read the file that a page has a block saved as, by the reader of its kind."""
+    file = Path(file_of(block))
+    assert file.name, f"{block}: the page does not say what it is saved as"
+    if block.language == "csv":
+        from app.live.sources.recorded import Recorded
+
+        assert list(Recorded(file).recording())
+    else:
+        read_geometry(file)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks_of(page)])
+def test_what_a_page_prints_works(page, checkout, monkeypatch, capsys):
+    for block in blocks_of(page):
+        if file_of(block):
+            (checkout / file_of(block)).write_text(block.code, encoding="utf-8")
+    for (at, name), make in READERS_OWN.items():
+        if at == page:
+            make(checkout / name)
+    names, printed = {"__name__": "__main__"}, ""
+    for block in blocks_of(page):
+        if entry(ELSEWHERE, block):
+            continue
+        key = entry(PRINTED, block)
+        if key:
+            assert PRINTED[key] or block.code.strip() in printed, f"{block}: {printed}"
+        elif block.is_shell:
+            printed += "".join(carry_out(block, line, monkeypatch) for line in block.lines)
+        elif block.language == "python":
+            check_python(block, names, capsys)
+        elif block.language == "toml":
+            check_toml(block)
+        elif block.language in ("json", "wkt", "csv"):
+            check_data(block)
+        else:
+            pytest.fail(f"{block}: {block.language!r} is neither run nor named in not_run.py")
+
+
+def all_commands():
+    """Every command of every page, with its block."""
+    for block in BLOCKS:
+        if block.is_shell and entry(PRINTED, block) is None:
+            for line in block.lines:
+                for command in commands(line):
+                    yield block, command
+
+
+def test_every_reason_applies_to_something():
+    found = [command for _, command in all_commands()]
+    assert set(NOT_RUN) <= set(found)
+    called = [arguments(command) for command in found if command not in NOT_RUN]
+    assert {one for one in map(otherwise, called) if one} == set(OTHERWISE)
+    for table in (ELSEWHERE, PRINTED):
+        assert {key for block in BLOCKS if (key := entry(table, block))} == set(table)
+    for page, name in READERS_OWN:
+        assert name in text_of(page)
+
+
+def test_the_tests_that_reasons_name_are_there():
+    reasons = [one.why for one in OTHERWISE]
+    reasons += [*NOT_RUN.values(), *ELSEWHERE.values(), *PRINTED.values()]
+    named = {name for why in reasons for name in re.findall(r"tests/[\w./]*\w", why)}
+    assert len(named) >= 5
+    assert [name for name in sorted(named) if not (ROOT / name).exists()] == []
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page != "README.md"])
+def test_a_page_with_commands_says_from_where(page):
+    if any(block.page == page for block, _ in all_commands()):
+        assert PLACE.search(text_of(page)), (
+            "say: for [the folder of the checkout](../README.md#start)"
+        )
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_command_in_a_sentence_is_a_name_or_can_be_called(page):
+    for command in inline_commands(page):
+        words = shlex.split(command)
+        if words[0] == "flockscope":
+            assert words[1] in COMMANDS, command
+            rest = words[3:] if words[1] in GROUPS else words[2:]
+            assert len(rest) <= 1, f"print `uv run {command}`"
+            assert all(one.startswith("--") for one in rest), f"print `uv run {command}`"
+        elif "--help" not in words and words[-1] != "...":
+            parse(arguments(command))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "flockscope lab",
+        "uv run flockscope paper liu2021-table1 [--runs 100]",
+        "uv run flockscope paper wu2023-fig5   # also wu2023-fig7",
+        "uv run flockscope run MODEL > out.txt",
+        "make everything",
+    ],
+)
+def test_what_a_shell_does_not_take_is_found(line):
+    with pytest.raises(NotAsPrintedError):
+        list(map(arguments, commands(line)))
+
+
+def test_blocks_are_found_however_they_are_printed():
+    text = "Text\n\n    a\n\n    b\n\nSaved as `x.toml`:\n\n```toml\nc = 1\n```\n\n~~~ sh\nd\n~~~\n"
+    found = blocks_of("page", text)
+    assert [(one.line, one.language, one.code, one.file) for one in found] == [
+        (3, "", "a\n\nb\n", "x.toml"),
+        (10, "toml", "c = 1\n", "x.toml"),
+        (14, "sh", "d\n", ""),
+    ]
+    assert [file_of(one) for one in found] == ["", "x.toml", ""]
+
+
+def test_enough_is_found_to_be_worth_it():
+    languages = {block.language for block in BLOCKS}
+    assert languages >= {"", "sh", "python", "toml", "json", "wkt", "csv", "c"}
+    assert len(list(all_commands())) > 120
+    assert isinstance(json.loads(file_from("docs/worlds.md", "hall.geojson")), dict)
+    assert all(isinstance(block, Block) for block in BLOCKS)
