@@ -10,6 +10,7 @@ from http import HTTPStatus
 import pytest
 import viser
 
+from app.viewer.origin import allowed
 from app.viewer.server import close_server, open_server
 from app.viewer.serving.client_page import (
     ALPHABET,
@@ -210,3 +211,25 @@ def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, 
     with pytest.raises(Refusal, match=f"the page of viser {viser.__version__}") as refused:
         client_page.__wrapped__(())
     assert "\n" not in str(refused.value)
+
+
+def test_an_allowed_name_reaches_the_page_and_its_websocket():
+    front = Front(allow=(allowed("hub.example.org"), allowed("[::1]:7")))
+    server = open_server(port=0, front=front)
+    try:
+        port, inner = server.get_port(), f"localhost:{server.get_port()}"
+        for host in ("hub.example.org", f"hub.example.org:{port}", inner):
+            page = ask(port, headers={"Host": host})
+            assert page.status == 200
+            assert directives(page)["connect-src"] == [
+                "'self'",
+                "data:",
+                f"ws://{host}",
+                "ws://hub.example.org",
+                "wss://hub.example.org",
+            ]
+            assert upgrade(port, "https://hub.example.org", host).status == 101
+            assert upgrade(port, "https://example.org", host).status == 403
+        assert ask(port, headers={"Host": "example.org"}).status == 403
+    finally:
+        close_server(server)
