@@ -11,6 +11,7 @@ import pytest
 from app.live.example import FILE
 from app.live.lab import lab_from_toml
 from app.viewer.live.page import LivePage
+from tests.browser.conftest import obeyed
 from tests.viewer.waiting import until
 
 EMULATED = "emulated cars"
@@ -86,7 +87,8 @@ class Operator:
 def browser(chromium, room_page):
     """One browser at the room."""
     one = Operator(chromium, room_page)
-    yield one
+    with obeyed(one.page):
+        yield one
     one.page.close()
 
 

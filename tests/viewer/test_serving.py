@@ -221,13 +221,9 @@ def test_an_allowed_name_reaches_the_page_and_its_websocket():
         for host in ("hub.example.org", f"hub.example.org:{port}", inner):
             page = ask(port, headers={"Host": host})
             assert page.status == 200
-            assert directives(page)["connect-src"] == [
-                "'self'",
-                "data:",
-                f"ws://{host}",
-                "ws://hub.example.org",
-                "wss://hub.example.org",
-            ]
+            named = ("ws://hub.example.org", "wss://hub.example.org")
+            lines = ["'self'", "data:", *dict.fromkeys((f"ws://{host}", *named))]
+            assert directives(page)["connect-src"] == lines
             assert upgrade(port, "https://hub.example.org", host).status == 101
             assert upgrade(port, "https://example.org", host).status == 403
         assert ask(port, headers={"Host": "example.org"}).status == 403

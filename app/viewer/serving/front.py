@@ -113,7 +113,8 @@ def lines(request: Request, allow: tuple[Allowed, ...]) -> tuple[str, ...]:
     """
     reached = authority(request.headers.get("Host"))
     named = [f"{scheme}://{one}" for one in allow for scheme in ("ws", "wss")]
-    return tuple(line for line in (f"ws://{reached}", *named) if "[" not in line)
+    found = dict.fromkeys((f"ws://{reached}", *named))
+    return tuple(line for line in found if "[" not in line)
 
 
 def words(status: HTTPStatus, text: str) -> Response:
