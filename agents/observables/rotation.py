@@ -20,6 +20,11 @@ def centre(position: np.ndarray, size: np.ndarray, images: np.ndarray) -> np.nda
     size, images = box(size, images, position.shape[1])
     if len(position) == 0:
         return np.full(position.shape[1], np.nan)
+    return middle(position, size, images)
+
+
+def middle(position: np.ndarray, size: np.ndarray, images: np.ndarray) -> np.ndarray:
+    """`centre` of arrays that are checked, of at least one agent."""
     turn = 2.0 * np.pi * position / size
     round_ = np.arctan2(np.sin(turn).mean(axis=0), np.cos(turn).mean(axis=0)) % (2.0 * np.pi)
     return np.where(images, round_ / (2.0 * np.pi) * size, position.mean(axis=0))
@@ -46,7 +51,7 @@ def angular_momentum(
     size, images = box(size, images, position.shape[1])
     if len(position) == 0:
         return 0.0
-    apart = position - centre(position, size, images)
+    apart = position - middle(position, size, images)
     apart = apart - np.where(images, size * np.round(apart / size), 0.0)
     largest = float(np.max(np.abs(position)))
     along = outward(apart, rounding(len(position), np.array(largest), size, images))
