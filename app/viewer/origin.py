@@ -24,7 +24,7 @@ def trusted(host: str | None, origin: str | None) -> bool:
     """
     try:
         reached = urlsplit(f"//{host or ''}")
-        if not is_ours(reached):
+        if authority(host) is None or not is_ours(reached):
             return False
         if origin is None:
             return True
@@ -34,6 +34,25 @@ def trusted(host: str | None, origin: str | None) -> bool:
         return port(page) == port(reached) and same_host(page, reached)
     except ValueError:
         return False
+
+
+def authority(host: str | None) -> str | None:
+    """A `Host` header as `name` or `name:port`; None if there is more or less in it.
+
+    >>> authority("LOCALHOST:8080")
+    'localhost:8080'
+    >>> authority("localhost:8080/; script-src *")
+    """
+    try:
+        reached = urlsplit(f"//{host or ''}")
+        name, number = reached.hostname, reached.port
+    except ValueError:
+        return None
+    if not name:
+        return None
+    whole = f"[{name}]" if ":" in name else name
+    made = whole if number is None else f"{whole}:{number}"
+    return made if made == (host or "").lower() else None
 
 
 def is_ours(reached: SplitResult) -> bool:

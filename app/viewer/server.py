@@ -12,17 +12,15 @@ import os
 import socket
 import threading
 from collections.abc import Iterator
-from http import HTTPStatus
 from typing import Any
 
 import viser
 import websockets.asyncio.server
 from viser import _messages as messages
-from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from app.viewer.allowance import Allowance
-from app.viewer.origin import trusted
+from app.viewer.serving.front import Front
 from app.viewer.values import UnusableError, is_pose, usable
 from worlds.refusal import Refusal
 
@@ -39,12 +37,16 @@ UNWANTED = (
 starting = threading.Lock()
 
 
-def open_server(host: str = "127.0.0.1", port: int = 8080) -> viser.ViserServer:
+def open_server(
+    host: str = "127.0.0.1", port: int = 8080, front: Front | None = None
+) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
-    Raises Refusal if the port is busy or the host is not this machine's.
+    `front` answers what comes by HTTP; by default one with viser's page alone. Raises Refusal if
+    the port is busy or the host is not this machine's.
     """
-    with starting, served_on(listening(host, port)), contextlib.redirect_stdout(io.StringIO()):
+    answering, quiet = front or Front(), contextlib.redirect_stdout(io.StringIO())
+    with starting, served_on(listening(host, port), answering), quiet:
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     for kind in UNWANTED:
         server._websock_server.unregister_handler(kind)
@@ -73,30 +75,24 @@ def listening(host: str, port: int) -> socket.socket:
 
 
 @contextlib.contextmanager
-def served_on(sock: socket.socket) -> Iterator[None]:
-    """Within it, viser serves on this socket, and only to visitors that can be trusted."""
+def served_on(sock: socket.socket, front: Front) -> Iterator[None]:
+    """Within it, viser serves on this socket, and only what `front` lets in."""
     serve = websockets.asyncio.server.serve
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
         def answer(connection: Any, request: Request) -> Response | None:
-            return refused(request) or process_request(connection, request)
+            return front.answer(request, lambda: process_request(connection, request))
 
-        return serve(handler, sock=sock, process_request=answer, **options)
+        def finish(_connection: Any, _request: Request, response: Response) -> None:
+            front.finish(response)
+
+        return serve(handler, sock=sock, process_request=answer, process_response=finish, **options)
 
     websockets.asyncio.server.serve = serve_here  # type: ignore[misc, assignment]
     try:
         yield
     finally:
         websockets.asyncio.server.serve = serve  # type: ignore[misc]
-
-
-def refused(request: Request) -> Response | None:
-    """What a visitor gets who comes from elsewhere; None for those who may enter."""
-    if trusted(request.headers.get("Host"), request.headers.get("Origin")):
-        return None
-    text = b"flockscope only answers its own pages\n"
-    headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(text))})
-    return Response(HTTPStatus.FORBIDDEN, "Forbidden", headers, text)
 
 
 def guard(gui: viser.GuiApi) -> None:

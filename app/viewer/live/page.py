@@ -14,7 +14,7 @@ from app.live.lab import Lab
 from app.viewer.drawing import PANELS, Drawing
 from app.viewer.frame import Frame
 from app.viewer.live.hand import Hand
-from app.viewer.live.keys import KEYS, everywhere
+from app.viewer.live.keys import KEYS, STOP_KEY
 from app.viewer.live.panels.log import LogPanel
 from app.viewer.live.panels.monitors import LiveMonitors
 from app.viewer.live.panels.plots import LivePlots
@@ -27,6 +27,7 @@ from app.viewer.notices import Notices
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.scene import Look, Scene
 from app.viewer.server import close_server, open_server
+from app.viewer.serving.front import Front
 from app.viewer.shell import address, dock, dress, settle
 
 BANNER = 0.1
@@ -51,7 +52,8 @@ class LivePage:
         recording: Path | None = None,
         opening: Opening = Room,
     ):
-        self.server = open_server(host, port)
+        self.front = Front(scripts=(STOP_KEY,))
+        self.server = open_server(host, port, self.front)
         self.host = host
         self.lab = lab
         try:
@@ -85,7 +87,6 @@ class LivePage:
         """Build the panels."""
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
-        gui.add_html(everywhere())
         self.state = StatePanel(gui, self.room)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
