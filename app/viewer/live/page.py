@@ -26,7 +26,7 @@ from app.viewer.live.room import Room
 from app.viewer.notices import Notices
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.scene import Look, Scene
-from app.viewer.server import close_server, open_server
+from app.viewer.server import close_server, open_server, stops
 from app.viewer.serving.front import Front
 from app.viewer.shell import address, dock, dress, settle
 
@@ -61,6 +61,7 @@ class LivePage:
         except BaseException:
             close_server(self.server)
             raise
+        stops(self.server, self.room.emergency)
         self.notices = Notices(self.server, self.room.notices)
         self.scene = Scene(self.server)
         self.hand = Hand(self.server.scene, lab.area, self.room.place)
