@@ -9,6 +9,7 @@ from typing import Any
 
 import msgspec
 import viser
+from websockets.protocol import CLOSED
 from websockets.sync.client import ClientConnection, connect
 
 from tests.live.stand_in import CAMERA
@@ -81,20 +82,19 @@ class Raw:
     @property
     def code(self) -> int | None:
         """How the other side closed the line; None while it is open."""
-        return self.line.protocol.close_code if self.closed else None
+        received = self.line.protocol.close_rcvd
+        return received.code if received is not None else None
 
     @property
     def reason(self) -> str:
         """The word with which it did."""
-        return self.line.protocol.close_reason or ""
+        received = self.line.protocol.close_rcvd
+        return received.reason if received is not None else ""
 
     @property
     def closed(self) -> bool:
         """Whether the other side has closed the line, or begun to."""
-        return self.line.protocol.close_rcvd is not None or self.line.protocol.state.name in (
-            "CLOSING",
-            "CLOSED",
-        )
+        return self.code is not None or self.line.protocol.state is CLOSED
 
 
 def alone(port: int, host: str = "127.0.0.1") -> socket.socket:

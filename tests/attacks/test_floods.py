@@ -9,7 +9,7 @@ from websockets.exceptions import InvalidMessage
 from app.viewer.incoming import visitors
 from app.viewer.incoming.kinds import KINDS, LARGEST
 from app.viewer.incoming.messages import ALL, DROPPED, TOO_MUCH
-from app.viewer.incoming.visitors import MOST_OF_ONE, PAGES, PRICE, Visitors
+from app.viewer.incoming.visitors import MOST_OF_ONE, PAGES, PATIENCE, PRICE, Visitors
 from tests.attacks.raw import Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
@@ -157,26 +157,31 @@ def test_flooders_that_come_back_have_to_wait(server, key, count):
 def test_an_address_that_is_cut_off_again_and_again_has_a_page_every_two_seconds(count):
     now = [0.0]
     known = Visitors(clock=lambda: now[0])
-    connections = refused = 0
+    connections = 0
     while now[0] < 60.0:
         wait = known.page("10.0.0.7")
-        if wait is None:
-            refused += 1
-            now[0] += 0.02
-        else:
-            now[0] += wait
-            connections += 1
-            known.cut("10.0.0.7")
-    count(connections=connections, refused=refused, seconds=60)
-    burst, rate = PAGES[1], PAGES[0]
+        assert wait is not None
+        now[0] += wait
+        connections += 1
+        known.cut("10.0.0.7")
+    count(connections=connections, seconds=60)
+    rate, burst = PAGES
     assert connections <= (burst + 65.0 * rate) / (1.0 + PRICE) + 1.0
-    assert refused > 0
     assert known.page("10.0.0.8") == 0.0
 
 
-def test_no_address_has_more_than_so_many_connections_and_others_get_in(
-    server, count, monkeypatch
-):
+def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(count):
+    known = Visitors(clock=lambda: 0.0)
+    waits = [known.page("10.0.0.7") for _ in range(200)]
+    rate, burst = PAGES
+    taken = [wait for wait in waits if wait is not None]
+    assert len(taken) == burst + rate * PATIENCE
+    assert waits[: len(taken)] == taken
+    assert taken == sorted(taken)
+    count(connections=len(waits), refused=len(waits) - len(taken))
+
+
+def test_no_address_has_more_than_so_many_connections_and_others_get_in(server, count, monkeypatch):
     monkeypatch.setattr(visitors, "REQUESTS", (1e9, 1e9))
     held = [alone(server.get_port()) for _ in range(MOST_OF_ONE + 20)]
     for line in held:

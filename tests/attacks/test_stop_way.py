@@ -1,4 +1,4 @@
-"""The emergency stop's own way: no queue and no other browser holds it up, no foreign page takes it.
+"""The emergency stop's own way: nobody's queue holds it up, and no foreign page takes it.
 
 What is held up here stands still for good until the stop has come through.
 """
@@ -133,7 +133,14 @@ def test_where_there_is_nothing_to_stop_it_says_so(server):
 
 @pytest.mark.parametrize(
     "junk",
-    [b"P", b"POST", b"POST \r\n\r\n", b"PRI * HTTP/2.0\r\n\r\n", b"P" * 100_000, b"P\x00\xff\r\n\r\n"],
+    [
+        b"P",
+        b"POST",
+        b"POST \r\n\r\n",
+        b"PRI * HTTP/2.0\r\n\r\n",
+        b"P" * 100_000,
+        b"P\x00\xff\r\n\r\n",
+    ],
 )
 def test_junk_is_answered_or_dropped_and_the_door_stays_open(server, stopped, junk):
     with alone(server.get_port()) as line:
@@ -205,7 +212,7 @@ class End(Line):
 class FakeSpawn:
     """Makes pipes and processes that do nothing."""
 
-    def Pipe(self, duplex):  # noqa: N802
+    def Pipe(self, **_):  # noqa: N802
         return End(), End()
 
     class Process:

@@ -115,10 +115,10 @@ class Door:
         line.setblocking(False)
         with contextlib.suppress(BlockingIOError):
             return line.recv(1, socket.MSG_PEEK)
-        arrived = self.loop.create_future()
-        self.loop.add_reader(line, lambda: arrived.done() or arrived.set_result(None))
+        arrived = asyncio.Event()
+        self.loop.add_reader(line, arrived.set)
         try:
-            await arrived
+            await arrived.wait()
         finally:
             self.loop.remove_reader(line)
         return line.recv(1, socket.MSG_PEEK)

@@ -89,10 +89,10 @@ def demand_shape(kind: str, data: bytes) -> None:
 @cache
 def shape(kind: str) -> msgspec.msgpack.Decoder:
     """What decodes a kind as strictly as viser has declared it."""
-    declared = messages.Message._subclass_from_type_string()[kind]
+    declared: Any = messages.Message._subclass_from_type_string()[kind]
     hints = get_type_hints_cached(declared)
     made: list[Any] = [("type", str)]
-    for one in fields(declared):  # type: ignore[arg-type]
+    for one in fields(declared):
         if one.name in hints and one.init:
             optional = () if one.default is MISSING else (one.default,)
             made.append((one.name, relaxed(hints[one.name]), *optional))
