@@ -64,7 +64,7 @@ def arm(page, browser):
 
     def drives():
         if page.room.look.arm == "safe" and not page.room.look.reasons:
-            browser.arm()
+            browser.arm(page.room.code.digits)
             time.sleep(0.2)
         return page.room.frame.speed.min() > 0.3
 

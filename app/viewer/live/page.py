@@ -11,6 +11,7 @@ import viser
 
 from app.live.choices import links, rules, sources
 from app.live.lab import Lab
+from app.viewer.addresses import here
 from app.viewer.drawing import PANELS, Drawing
 from app.viewer.frame import Frame
 from app.viewer.live.hand import Hand
@@ -24,11 +25,12 @@ from app.viewer.live.panels.state import StatePanel
 from app.viewer.live.panels.view import LiveView
 from app.viewer.live.room import Room
 from app.viewer.notices import Notices
+from app.viewer.origin import Allowed
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.scene import Look, Scene
 from app.viewer.server import close_server, open_server, stops
 from app.viewer.serving.front import Front
-from app.viewer.shell import address, dock, dress, settle
+from app.viewer.shell import dock, dress, settle
 
 BANNER = 0.1
 """Time between two looks at how the room stands, s."""
@@ -51,8 +53,9 @@ class LivePage:
         source: str | None = None,
         recording: Path | None = None,
         opening: Opening = Room,
+        allow: tuple[Allowed, ...] = (),
     ):
-        self.front = Front(scripts=(STOP_KEY,))
+        self.front = Front(scripts=(STOP_KEY,), allow=allow)
         self.server = open_server(host, port, self.front)
         self.host = host
         self.lab = lab
@@ -74,9 +77,14 @@ class LivePage:
         self.drawing.start()
 
     @property
+    def port(self) -> int:
+        """The port that it serves on."""
+        return self.server.get_port()
+
+    @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        return address(self.server, self.host)
+        return here(self.host, self.port)
 
     def close(self) -> None:
         """Stop the cars first, then drawing and serving."""

@@ -22,6 +22,7 @@ from app.live.lab import Lab
 from app.live.look import Look
 from app.live.squashing_driver import FlockDriver
 from app.viewer.frame import Frame
+from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.asking import CLOSED, Asking
 from app.viewer.live.course import Course
 from app.viewer.live.folders import new_folder
@@ -33,6 +34,8 @@ from worlds.refusal import Refusal
 
 LOOK_EVERY = 1 / 50
 """Seconds between two looks at the loop."""
+OFF = "no browser arms until the next start"
+"""What is said after too many wrong codes."""
 FAREWELL = 2.0
 """Seconds that closing waits for an opening; its desk closes by itself when it is ready."""
 
@@ -72,6 +75,8 @@ class Room(Asking):
         self.course = Course(lab.injected)
         self.events: list[Event] = []
         """All events of all openings, the oldest first."""
+        self.code = ArmingCode()
+        """What a browser needs to arm, for as long as this room is served."""
         self.parting = threading.Lock()
         """Held while a desk is closed, never while one is opened."""
         self.traced = ""
@@ -94,6 +99,19 @@ class Room(Asking):
             if opened is not None:
                 opened.desk.close()
                 opened.tuning.end(CLOSED)
+
+    def arm_by_code(self, entered: str, cause: str) -> Verdict:
+        """Arm for a browser, if it gives the code; every code that is tried becomes an event."""
+        verdict = self.code.tried(entered)
+        if verdict == "right":
+            self.say("code", "the right code", cause)
+            self.ask("arm", cause)
+        elif verdict == "wrong":
+            left = f"{self.code.left} more and no browser arms" if self.code.left else OFF
+            self.say("code", f"a wrong code: {left}", cause)
+            self.notices.put(f"a wrong code to arm ({cause}): {left}")
+            self.change(browsers_arm=not self.code.off)
+        return verdict
 
     # The room's own thread.
 

@@ -39,5 +39,7 @@ class RoomState:
     """The folder of this opening's recording; empty: none is made."""
     run: int = 0
     """Counts the openings."""
+    browsers_arm: bool = True
+    """Whether browsers may arm: not after too many wrong codes."""
     latched: bool = False
     """Whether an emergency stop was asked for and no reset has followed, in whichever opening."""

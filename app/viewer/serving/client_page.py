@@ -43,7 +43,7 @@ class ClientPage:
 
 
 @lru_cache(maxsize=8)
-def client_page(scripts: tuple[str, ...] = ()) -> ClientPage:
+def client_page(scripts: tuple[str, ...]) -> ClientPage:
     """viser's page with these files of `static/` as scripts of its own, which run first.
 
     They stand in the page itself: it can neither be had without them nor take them from elsewhere.

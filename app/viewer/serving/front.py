@@ -12,7 +12,7 @@ from http import HTTPStatus
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.viewer.origin import authority, trusted
+from app.viewer.origin import Allowed, authority, trusted
 from app.viewer.serving.client_page import client_page
 from app.viewer.serving.headers import POLICY, policy, secure
 from app.viewer.serving.query import leads_elsewhere
@@ -30,12 +30,13 @@ Answering = Callable[[Request], Response]
 class Front:
     """What one server answers.
 
-    `scripts`: files of `static/` that are part of its page and run before viser's. Raises Refusal
-    if the page cannot be made.
+    `scripts`: files of `static/` that are part of its page and run before viser's. `allow`: names
+    by which it may be reached beside this machine's own. Raises Refusal if the page cannot be made.
     """
 
-    def __init__(self, scripts: tuple[str, ...] = ()):
+    def __init__(self, scripts: tuple[str, ...] = (), allow: tuple[Allowed, ...] = ()):
         self.page = client_page(scripts)
+        self.allow = allow
         self.routes: dict[str, Answering] = {}
 
     def route(self, path: str, answering: Answering) -> None:
@@ -52,7 +53,7 @@ class Front:
 
         `viser` gives its own answer, for what is nobody else's.
         """
-        refused = refusal(request)
+        refused = refusal(request, self.allow)
         if refused is not None:
             return refused
         if is_websocket(request):
@@ -72,7 +73,7 @@ class Front:
         headers["Vary"] = "Accept-Encoding"
         headers["Content-Length"] = str(len(body))
         headers["Connection"] = "close"
-        headers[POLICY] = policy(self.page.hashes, lines(request))
+        headers[POLICY] = policy(self.page.hashes, lines(request, self.allow))
         return Response(HTTPStatus.OK, "OK", headers, body)
 
     def finish(self, response: Response) -> None:
@@ -80,13 +81,13 @@ class Front:
         secure(response.headers)
 
 
-def refusal(request: Request) -> Response | None:
+def refusal(request: Request, allow: tuple[Allowed, ...]) -> Response | None:
     """What a request gets that may not be answered; None for one that may."""
     headers = request.headers
     twice = next((name for name in ONCE if len(headers.get_all(name)) > 1), "")
     if twice:
         return words(HTTPStatus.BAD_REQUEST, f"the header {twice} stands there twice")
-    if not trusted(headers.get("Host"), headers.get("Origin")):
+    if not trusted(headers.get("Host"), headers.get("Origin"), allow):
         return words(HTTPStatus.FORBIDDEN, "flockscope only answers its own pages")
     named = leads_elsewhere(request.path.partition("?")[2])
     if named:
@@ -104,13 +105,16 @@ def is_websocket(request: Request) -> bool:
     return request.headers.get("Upgrade", "").lower() == "websocket"
 
 
-def lines(request: Request) -> tuple[str, ...]:
+def lines(request: Request, allow: tuple[Allowed, ...]) -> tuple[str, ...]:
     """Where the page that this request gets may open websockets, as its policy writes it.
 
-    Not for a numeric address of IPv6, which no policy can write; `'self'` stands for it.
+    A proxy may have been reached by any allowed name, whatever it says as `Host`. No policy can
+    write a numeric address of IPv6; `'self'` stands for it.
     """
     reached = authority(request.headers.get("Host"))
-    return () if reached is None or "[" in reached else (f"ws://{reached}",)
+    named = [f"{scheme}://{one}" for one in allow for scheme in ("ws", "wss")]
+    found = dict.fromkeys((f"ws://{reached}", *named))
+    return tuple(line for line in found if "[" not in line)
 
 
 def words(status: HTTPStatus, text: str) -> Response:
