@@ -7,15 +7,16 @@ if (!window.flockscopeStopKey) {
   const stopKeys = { Space: " ", Escape: "Escape" };
   const label = "EMERGENCY STOP";
   const tries = 10, patience = 400;
+  const way = location.pathname.replace(/\/(index\.html)?$/, "") + "/emergency";
   let underWay = false;
   const wait = (time) => new Promise((done) => setTimeout(done, time));
   const send = async () => {
     const given = new AbortController();
     const late = setTimeout(() => given.abort(), patience);
     try {
-      const answer = await fetch("/emergency", {
+      const answer = await fetch(way, {
         method: "POST", headers: { "X-Flockscope": "stop" }, cache: "no-store",
-        credentials: "omit", keepalive: true, signal: given.signal });
+        credentials: "same-origin", keepalive: true, signal: given.signal });
       return answer.ok;
     } catch { return false; } finally { clearTimeout(late); }
   };

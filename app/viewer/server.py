@@ -85,7 +85,7 @@ def open_server(
     loop = server._event_loop
     factory = entrance.inner.server._protocol_factory
     inside = partial(loop.connect_accepted_socket, factory)
-    entrance.door = Door(sock, inside, loop, entrance.visitors)
+    entrance.door = Door(sock, inside, loop, entrance.visitors, entrance.front.allow)
     entrances[server] = entrance
     return server
 

@@ -1,4 +1,4 @@
-"""What other threads give to viser's loop is handed over: no event of it is set by their threads."""
+"""What other threads give to viser's loop is handed over: none of them sets an event of it."""
 
 from __future__ import annotations
 

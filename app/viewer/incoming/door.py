@@ -16,6 +16,7 @@ from typing import Any
 
 from app.viewer.incoming.stop_request import LONGEST, answered
 from app.viewer.incoming.visitors import Visitors, address_of
+from app.viewer.origin import Allowed
 
 UNDECIDED = 256
 """Connections that have not said yet what they want; one more ends the oldest."""
@@ -34,7 +35,8 @@ Inside = Callable[[socket.socket], Awaitable[Any]]
 class Door:
     """Takes connections on a socket that listens, until closed.
 
-    `stop` is what an emergency stop comes to; None where there is nothing to stop.
+    `allow` are names by which this machine may be reached beside its own; `stop` is what an
+    emergency stop comes to, None where there is nothing to stop.
     """
 
     def __init__(
@@ -43,12 +45,14 @@ class Door:
         inside: Inside,
         loop: asyncio.AbstractEventLoop,
         visitors: Visitors,
+        allow: tuple[Allowed, ...] = (),
         stop: Stop | None = None,
     ):
         self.listening = listening
         self.inside = inside
         self.inner = loop
         self.visitors = visitors
+        self.allow = allow
         self.stop = stop
         self.undecided: dict[socket.socket, asyncio.Task[None]] = {}
         self.passing: set[Any] = set()
@@ -132,7 +136,8 @@ class Door:
                 if not more:
                     return
                 head += more
-            answer = answered(head.partition(b"\r\n\r\n")[0] + b"\r\n\r\n", self.stop is not None)
+            whole = head.partition(b"\r\n\r\n")[0] + b"\r\n\r\n"
+            answer = answered(whole, self.stop is not None, self.allow)
             if answer.stops and self.stop is not None:
                 self.stop(f"browser at {address}")
             await self.loop.sock_sendall(line, answer.to_bytes())

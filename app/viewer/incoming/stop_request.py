@@ -15,6 +15,7 @@ from http import HTTPStatus
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
+from app.viewer.origin import Allowed
 from app.viewer.serving.front import refusal
 from app.viewer.serving.headers import secure
 
@@ -44,10 +45,11 @@ class Answer:
         return line.encode() + headers.serialize() + body
 
 
-def answered(head: bytes, stops: bool) -> Answer:
+def answered(head: bytes, stops: bool, allow: tuple[Allowed, ...] = ()) -> Answer:
     """What to do with a request, of which `head` is all up to the empty line.
 
-    `stops` says whether there is anything to stop here.
+    `stops` says whether there is anything to stop here; `allow` are names by which it may be
+    reached beside this machine's own.
     """
     first, _, rest = head.partition(b"\r\n")
     try:
@@ -59,7 +61,8 @@ def answered(head: bytes, stops: bool) -> Answer:
         return Answer(HTTPStatus.METHOD_NOT_ALLOWED, "only GET, and POST of an emergency stop")
     if path != PATH or not stops:
         return Answer(HTTPStatus.NOT_FOUND, "there is nothing to stop here")
-    refused = refusal(Request(path, Headers([(name, str(value)) for name, value in found.items()])))
+    headers = Headers([(name, str(value)) for name, value in found.items()])
+    refused = refusal(Request(path, headers), allow)
     if refused is not None:
         return Answer(HTTPStatus(refused.status_code), refused.body.decode().strip())
     if found.get_all(MARK) != [WORD]:
