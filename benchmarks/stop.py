@@ -131,7 +131,8 @@ def main(quick: bool) -> None:
     try:
         until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
         until(lambda: not page.room.look.reasons, BEGINS)
-        print(f"{'':24}{'':12}{'median, s':>12}{'worst, s':>12}   of {repeats} stops")
+        of = f"   of {repeats} stops"
+        print(f"{'':24}{'':12}{'median, s':>12}{'worst, s':>12}{of}", flush=True)
         for way, by_message in (("own way", False), ("as viser's message", True)):
             for state, flooded in (("in quiet", False), ("flooded", True)):
                 took = measured(page, repeats, by_message, flooded)

@@ -64,6 +64,13 @@ def button(server):
     return made._impl.uuid, came
 
 
+def taken_in(server, browser: Raw) -> None:
+    """Wait until all that a browser has said so far has been dealt with."""
+    mark = server.gui.add_checkbox("mark", False)
+    browser.say(said(type="GuiUpdateMessage", uuid=mark._impl.uuid, updates={"value": True}))
+    until(lambda: mark.value, LATE)
+
+
 def announced(uuid: str, transfer: str, size: int = 1000) -> bytes:
     return said(
         type="FileTransferStartUpload",
@@ -113,7 +120,7 @@ def test_files_that_stand_still_make_room(server, button):
     until(lambda: len(under_way) == AT_ONCE, LATE)
     with Raw(server.get_port()) as browser:
         browser.say(announced(uuid, "early", 3))
-        browser.line.ping().wait(LATE)
+        taken_in(server, browser)
         assert "early" not in under_way
         now[0] = uploads.STANDSTILL + 1.0
         browser.say(announced(uuid, "late", 3) + brought(uuid, "late", b"abc"))
@@ -131,7 +138,7 @@ def test_nobody_takes_the_place_of_anothers_file(server, button):
         browser.say(announced(uuid, "plan", 3))
         until(lambda: "plan" in under_way, LATE)
         thief.say(announced(uuid, "plan", 2))
-        thief.line.ping().wait(LATE)
+        taken_in(server, thief)
         assert under_way["plan"]["total_bytes"] == 3
         browser.say(brought(uuid, "plan", b"abc"))
         until(lambda: came == ["plan.toml"], LATE)
