@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
-from app.live.arm import Request
+from app.live.arm import UNDOING, Request
 from app.live.control import Control, Step
 from app.live.events import Event, Events
 from app.live.firmware import WATCHDOG
@@ -30,8 +30,6 @@ RATE = 100.0
 """Ticks per second."""
 MOST_REQUESTS = 4
 """Requests that are taken in one tick, up to half a millisecond each; the others wait."""
-UNDOING = ("reset", "arm")
-"""What is no longer meant once somebody has asked for an emergency stop."""
 OVERTAKEN = "overtaken by an emergency stop"
 PARTING = 5
 """Stop frames that are sent at the end."""
@@ -103,6 +101,8 @@ class Loop:
         self.asked: queue.SimpleQueue[Request] = queue.SimpleQueue()
         self.pending: list[Request] = []
         """What was asked and waits for its turn."""
+        self.late: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        """What comes after an emergency stop and was asked before it."""
         self.overtaken: list[Request] = []
         """What an emergency stop has overtaken in this tick and may not undo it."""
         self.newest: Frame | None = None
@@ -119,6 +119,10 @@ class Loop:
     def ask(self, request: Request) -> None:
         """Ask for something, which is done at the next tick; an emergency stop before all else."""
         self.asked.put(request)
+
+    def overtake(self, request: Request) -> None:
+        """Take note of what an emergency stop has overtaken on its way here; it is not done."""
+        self.late.put(request)
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; kept within the fence. Raises Refusal for NaN."""
@@ -191,10 +195,11 @@ class Loop:
         Nothing that was asked before an emergency stop may undo it or arm again.
         """
         self.pending += taken(self.asked)
+        self.overtaken = taken(self.late)
         urgent = [one for one in self.pending if one.wish == "emergency"]
         if urgent:
             last = max(k for k, one in enumerate(self.pending) if one.wish == "emergency")
-            self.overtaken = [one for one in self.pending[:last] if one.wish in UNDOING]
+            self.overtaken += [one for one in self.pending[:last] if one.wish in UNDOING]
             done = {id(one) for one in (*urgent, *self.overtaken)}
             self.pending = [one for one in self.pending if id(one) not in done]
         found = urgent + self.pending[:MOST_REQUESTS]

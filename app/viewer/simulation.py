@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import queue
 import threading
 import time
 import traceback
@@ -71,7 +70,7 @@ class Simulation(Commands):
     def close(self, wait: float = 2.0) -> None:
         """Stop for good."""
         self.closing = True
-        self.commands.put(lambda: None)
+        self.commands.wake()
         self.thread.join(wait)
 
     # The simulation's own thread.
@@ -94,13 +93,12 @@ class Simulation(Commands):
 
         However much is told, the flock gets its turn.
         """
-        try:
-            self.commands.get(timeout=self.idle_time())()
-            end = time.perf_counter() + OBEDIENCE
-            while not self.closing and time.perf_counter() < end:
-                self.commands.get_nowait()()
-        except queue.Empty:
-            pass
+        waiting = self.commands.get(timeout=self.idle_time())
+        end = time.perf_counter() + OBEDIENCE
+        while waiting is not None:
+            self.carry_out(waiting)
+            over = self.closing or time.perf_counter() >= end
+            waiting = None if over else self.commands.get(timeout=0.0)
 
     def idle_time(self) -> float | None:
         """How long to wait for commands, s; None for ever."""

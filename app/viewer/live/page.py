@@ -28,7 +28,7 @@ from app.viewer.notices import Notices
 from app.viewer.origin import Allowed
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.scene import Look, Scene
-from app.viewer.server import close_server, open_server
+from app.viewer.server import close_server, open_server, stops
 from app.viewer.serving.front import Front
 from app.viewer.shell import dock, dress, settle
 
@@ -64,6 +64,7 @@ class LivePage:
         except BaseException:
             close_server(self.server)
             raise
+        stops(self.server, self.room.emergency)
         self.notices = Notices(self.server, self.room.notices)
         self.scene = Scene(self.server)
         self.hand = Hand(self.server.scene, lab.area, self.room.place)
