@@ -7,8 +7,6 @@ from importlib.util import find_spec
 from worlds.refusal import Refusal
 
 INSTALL = 'install the extra live: `uv sync --extra live` or `pip install ".[live]"` in its folder'
-    'install the extra live, with `uv sync --extra live` or `pip install ".[live]"` in its folder'
-)
 """What to do about a package that only live runs need; flockscope is on no package index."""
 
 
