@@ -1,7 +1,7 @@
 """How soon an emergency stop is in the control loop, in quiet and while three browsers flood.
 
-The page of the example laboratory with slow emulated cars, armed; a program of its own presses. Time is
-that from pressing to the tick of the loop that stops the cars, by the clock of the machine.
+The page of the example laboratory with slow emulated cars, armed; a program of its own presses.
+Time is that from pressing to the tick of the loop that stops the cars, by the machine's clock.
 
 uv run python benchmarks/stop.py [--quick]
 """
