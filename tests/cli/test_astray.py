@@ -33,7 +33,7 @@ def _slips(monkeypatch):
 
     def run(flock, ticks):
         flock.advance(ticks)
-        flock.position[3] = (5.0, 5.5)
+        flock.position[3:4] = (5.0, 5.5)
 
     monkeypatch.setattr(Flock, "run", run)
 
