@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, NoReturn
@@ -11,6 +12,8 @@ import typer
 from worlds.refusal import Refusal
 
 REFUSED = 2
+LONGEST = 1500
+"""Characters of a refusal."""
 INTERRUPTED = 130
 
 
@@ -39,6 +42,17 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def refuse(reason: object) -> NoReturn:
     """Tell the reason and stop."""
-    line = " ".join(str(reason).split())
-    typer.echo(f"flockscope: {line}", err=True)
+    typer.echo(f"flockscope: {one_line(str(reason))}", err=True)
     raise typer.Exit(REFUSED) from None
+
+
+def one_line(text: str) -> str:
+    """A text in one line that a terminal can show, the middle left out of what is very long.
+
+    >>> one_line("eta\\n  = \\x1b[31m9")
+    'eta = \\\\x1b[31m9'
+    """
+    line = " ".join(text.split())
+    line = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in line)
+    line = re.sub(r"(\S{60})\S{80,}(\S{60})", r"\1...\2", line)
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 300]} ... {line[-295:]}"

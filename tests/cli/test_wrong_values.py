@@ -15,14 +15,19 @@ from cli.calling import call
 HUGE = "9" * 40
 VALUES = (
     "", " ", "0", "-1", HUGE, f"-{HUGE}", "1e400", "nan", "inf", "-inf", "1e-320", "0x10", "1_000",
-    "٣", "½", "wrap", "vem", "a=b", "eta=1", f"eta={HUGE}", "eta=", "=", "p1=" + "9" * 5000, ",", ",,",
-    "1,2", "1,2,3,4", "1,nan", "x" * 5000, "naïve \U0001f426", "\udcff", "a\x00b", "a\nb", "\x1b[31m",
+    "٣", "½", "wrap", "vem",
+    "a=b", "eta=1", f"eta={HUGE}", "eta=", "=", "p1=" + "9" * 5000, ",", ",,",
+    "1,2", "1,2,3,4", "1,nan",
+    "x" * 5000, "naïve \U0001f426", "\udcff", "a\x00b", "a\nb", "\x1b[31m",
     "--help-me", "/", "/dev/full", "/dev/null", "/proc/self/mem", ".", "..", "no/such/file.toml",
-    "folder", "binary.toml", "binary.parquet", "binary.dxf", "deep.toml", "dotted.toml", "empty.toml",
+    "folder", "binary.toml",
+    "binary.parquet", "binary.dxf", "deep.toml", "dotted.toml", "empty.toml",
     "wide.toml", "long.toml", "list.toml", "empty.parquet", "empty.parquet.part", "empty.wkt",
     "empty.geojson", "deep.geojson", "pipe",
 )  # fmt: skip
 """Texts that are given as the value of every option and argument."""
+EACH = 8
+"""Values that each option is given, drawn from the command's name."""
 FILES = {
     "binary.toml": b"\x00\xff\xfe\x80" * 50,
     "binary.parquet": b"PAR1\x00\xff\xfe" * 50,
@@ -72,7 +77,8 @@ def place(tmp_path, monkeypatch):
     for thing in (
         "app.cli.run.compile_loop", "app.cli.paper.carried_out", "app.cli.lab.serve",
         "app.cli.live_lab.serve", "app.cli.live_run.conduct", "app.cli.live_check.look_at_devices",
-        "app.live.squashing_driver.FlockDriver", "app.cli.formation.trimmed", "app.flight.flown.flown",
+        "app.live.squashing_driver.FlockDriver",
+        "app.cli.formation.trimmed", "app.flight.flown.flown",
         "app.flight.curve.swept", "agents.flight.trim.trim", "app.worlds.picture.draw_world",
         "app.formation.files.table", "agents.observables.formation.vee_saved",
         "app.live.replay.replay", "app.cli.live_emulate.emulate",
@@ -94,13 +100,14 @@ def calls(name, params):
     beside = GIVEN.get(name, [])
     options = [one.opts[0] for one in params if one.opts[0].startswith("--")]
     flags = {one.opts[0] for one in params if getattr(one, "is_flag", False)}
+    draw = random.Random(name)
     for value in VALUES:
         yield [*name.split(), value]
-        for option in options:
-            if option not in flags and option != "--help" and option not in beside:
+    for option in options:
+        if option not in flags and option != "--help" and option not in beside:
+            for value in draw.sample(VALUES, EACH):
                 yield [*name.split(), *beside, option, value]
-    draw = random.Random(name)
-    for _ in range(30):
+    for _ in range(20):
         words = [draw.choice([*options, *VALUES]) for _ in range(draw.randint(1, 6))]
         yield [*name.split(), *(word for word in words if word != "--help")]
 
