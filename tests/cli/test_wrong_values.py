@@ -4,7 +4,6 @@ The calls are made in this process. What a command would do at length (run, serv
 compute a paper) is replaced by a stand-in, so that only what is checked before is at work.
 """
 
-import contextlib
 import random
 
 import pytest
@@ -23,7 +22,7 @@ VALUES = (
     "folder", "binary.toml",
     "binary.parquet", "binary.dxf", "deep.toml", "dotted.toml", "empty.toml",
     "wide.toml", "long.toml", "list.toml", "empty.parquet", "empty.parquet.part", "empty.wkt",
-    "empty.geojson", "deep.geojson", "pipe",
+    "empty.geojson", "deep.geojson",
 )  # fmt: skip
 """Texts that are given as the value of every option and argument."""
 EACH = 8
@@ -69,10 +68,6 @@ def place(tmp_path, monkeypatch):
     for name, content in FILES.items():
         (tmp_path / name).write_bytes(content)
     (tmp_path / "folder").mkdir()
-    with contextlib.suppress(OSError):
-        import os
-
-        os.mkfifo(tmp_path / "pipe")
     monkeypatch.chdir(tmp_path)
     for thing in (
         "app.cli.run.compile_loop", "app.cli.paper.carried_out", "app.cli.lab.serve",
