@@ -155,9 +155,8 @@ def chosen_edges(layout: Mapping[str, Any], dim: int, stands: bool, name: str) -
     if stands and len(edges) == 2:
         edges = (*edges, edges[0] if edges[0] == edges[1] else "solid")
     if len(edges) != dim:
-        raise Refusal(
-            f"edges = {list(edges)} names {counted(len(edges), 'axis', 'axes')}, the world has {dim} ({name})"
-        )
+        axes = counted(len(edges), "axis", "axes")
+        raise Refusal(f"edges = {list(edges)} names {axes}, the world has {dim} ({name})")
     for edge in edges:
         if edge not in EDGES:
             raise unknown("edge", edge, EDGES, name)

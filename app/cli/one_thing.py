@@ -157,8 +157,8 @@ def about_paper(one: Thing) -> list[str]:
     made = wrapped(f"{one['name']}: {one['title']} ({one['source']})")
     made += wrapped(f"models: {cell(one['models'])}; agents: {cell(one['agents'])}", 2)
     rows, runs = counted(one["rows"], "row"), counted(one["runs"], "run")
-    claims = counted(one["claims"], "claim")
-    made += wrapped(f"{rows} of {runs} each, {claims} to check", 2)
+    claims = f", {counted(one['claims'], 'claim')} to check" if one["claims"] else ""
+    made += wrapped(f"{rows} of {runs} each{claims}", 2)
     made += wrapped(f"measures: {cell(one['measures'])}", 2)
     for note in one["notes"].values():
         made += wrapped(f"note: {note}", 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, NoReturn
@@ -11,6 +12,8 @@ import typer
 from worlds.refusal import Refusal, Refusals
 
 REFUSED = 2
+LONGEST = 1500
+"""Characters of a refusal."""
 MOST_LINES = 40
 """Most lines that are told of several refusals at once."""
 INTERRUPTED = 130
@@ -43,7 +46,19 @@ def refuse(reason: object) -> NoReturn:
     """Tell the reason and stop."""
     lines = reason.lines if isinstance(reason, Refusals) else (str(reason),)
     for line in lines[:MOST_LINES]:
-        typer.echo(f"flockscope: {' '.join(line.split())}", err=True)
+        typer.echo(f"flockscope: {one_line(line)}", err=True)
     if len(lines) > MOST_LINES:
         typer.echo(f"flockscope: and {len(lines) - MOST_LINES} more of the kind", err=True)
     raise typer.Exit(REFUSED) from None
+
+
+def one_line(text: str) -> str:
+    """A text in one line that a terminal can show, the middle left out of what is very long.
+
+    >>> one_line("eta\\n  = \\x1b[31m9")
+    'eta = \\\\x1b[31m9'
+    """
+    line = " ".join(text.split())
+    line = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in line)
+    line = re.sub(r"(\S{60})\S{80,}(\S{60})", r"\1...\2", line)
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 300]} ... {line[-295:]}"

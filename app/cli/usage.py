@@ -10,8 +10,8 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from app.cli.refusals import REFUSED, told
-from worlds.refusal import needed, shortened, suggestion
+from app.cli.refusals import REFUSED, one_line, told
+from worlds.refusal import Refusal, needed, shortened, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
 """What Typer raises for a wrong command line; Typer itself has no name for it."""
@@ -51,6 +51,9 @@ class Group(TyperGroup):
         except USAGE_ERROR as error:
             tell(error)
             code = REFUSED
+        except Refusal as refusal:  # of an option, before there is a command
+            typer.echo(f"flockscope: {one_line(str(refusal))}", err=True)
+            code = REFUSED
         except typer.Abort:
             code = 1
         sys.exit(code if isinstance(code, int) else 0)
@@ -79,7 +82,7 @@ def tell(error: Any) -> None:
     if type(error).__name__ == "NoArgsIsHelpError":
         error.show()
         return
-    line = " ".join(in_words(error).split())
+    line = one_line(in_words(error))
     asked = f" ({error.ctx.command_path} --help)" if error.ctx is not None else ""
     typer.echo(f"flockscope: {line}{asked}", err=True)
 

@@ -93,8 +93,9 @@ class Flown:
             f"  mean power   {value['mean_power']:.3f} W",
         ]
         if np.isfinite(self.left[-1]):
+            beats = counted(len(self.left) - 1, "beat")
             made.append(
-                f"  of the push  {self.left[-1]:.2g} is left after {counted(len(self.left) - 1, 'beat')};"
+                f"  of the push  {self.left[-1]:.2g} is left after {beats};"
                 f" largest |mu| = {value['largest_multiplier']:.3f}"
             )
         return made

@@ -226,9 +226,9 @@ def area(
             ends = f"begins at {at(ring[0])} and ends at {at(ring[-1])}" if ring else "has no point"
             raise Refusal(f"{origin}: the outline is not closed: it {ends}")
         if len(set(map(tuple, ring))) < 3:
+            points = counted(len(set(map(tuple, ring))), "point")
             raise Refusal(
-                f"{origin}: the outline at {at(ring[0])} has {counted(len(set(map(tuple, ring))), 'point')}: "
-                "at least 3 bound an area"
+                f"{origin}: the outline at {at(ring[0])} has {points}: at least 3 bound an area"
             )
         if shapely.MultiPoint(ring).convex_hull.area == 0.0:
             raise Refusal(f"{origin}: the outline at {at(ring[0])} has no area")
