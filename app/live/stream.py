@@ -27,7 +27,7 @@ class Stream:
         self.part = path.with_name(path.name + ".part")
         fields = [pa.field(name, arrow_type(kind)) for name, kind in columns.items()]
         self.schema = pa.schema(fields, {KEY: json.dumps(meta).encode()})
-        self.file = pa.OSFile(str(self.part), "wb")
+        self.file = self.part.open("wb")
         self.stream = pa.ipc.new_stream(self.file, self.schema)
         # the schema comes before the first batch, and a table without rows is to be readable too
         self.put([() for _ in fields])
@@ -51,7 +51,7 @@ class Stream:
     @property
     def size(self) -> int:
         """Bytes written."""
-        return int(self.file.tell())
+        return self.file.tell()
 
     def close(self) -> None:
         """End the stream. Raises OSError."""

@@ -99,7 +99,7 @@ if __name__ == "__main__":
         look, now = desk.look(), time.monotonic()
         if look is not None and look.mode == {run}:
             drove = drove or now
-        settled = drove is not None and now - drove > 1.5
+        settled = {once} and drove is not None and now - drove > 1.5
         if look is not None and look.arm == "safe" and not look.reasons and not settled:
             if now - asked > 0.5:
                 desk.ask(Request("arm", "test"))
@@ -107,7 +107,8 @@ if __name__ == "__main__":
         time.sleep(0.02)
     print(desk.trouble, flush=True)
 """
-"""Arms, again if a busy machine had the cars held at once; later whoever is held stays so."""
+"""Arms, again if a busy machine had the cars held at once; with `once`, who is held later stays so.
+"""
 
 
 class LoggedRoom:
@@ -116,10 +117,11 @@ class LoggedRoom:
     `opener` is one of `live.told_poses`.
     """
 
-    def __init__(self, folder, opener="circling"):
+    def __init__(self, folder, opener="circling", once=True):
         self.folder = folder
         self.recording = folder / "run"
         self.opener = opener
+        self.once = once
         self.firmware = LoggedFirmware((1, 2))
         self.over = threading.Event()
 
@@ -165,7 +167,14 @@ class LoggedRoom:
         path = [str(ROOT), str(ROOT / "tests")]
         folder = str(self.recording)
         script.write_text(
-            DESK.format(path=path, file=str(file), folder=folder, opener=self.opener, run=RUN)
+            DESK.format(
+                path=path,
+                file=str(file),
+                folder=folder,
+                opener=self.opener,
+                once=self.once,
+                run=RUN,
+            )
         )
         self.process = subprocess.Popen(
             [sys.executable, str(script)],

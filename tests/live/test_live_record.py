@@ -271,7 +271,7 @@ def test_a_killed_recording_is_recovered_and_replays(tmp_path):
     )
     part = folder / "ticks.parquet.part"
     ends = time.monotonic() + 60.0
-    while not part.exists() or part.stat().st_size < 20_000:
+    while not part.exists() or part.stat().st_size < 60_000:
         assert time.monotonic() < ends
         time.sleep(0.05)
     process.kill()

@@ -179,16 +179,35 @@ def test_a_browser_that_is_stopped_holds_nobody_up(page, operator, chromium):
     assert stopped_within(page, operator) < AT_ONCE
 
 
-def test_a_page_that_is_killed_stops_the_cars():
+@pytest.fixture(scope="module")
+def served():
+    """A page in a process of its own, with cars that are not its own."""
     pytest.importorskip("motioncapture")
     pytest.importorskip("serial")
     with ServedRoom("red", "blue") as room:
-        room.run()
-        others = descendants(room.process.pid)
-        assert others
-        room.process.kill()
-        seconds, metres = room.stops()
-        assert seconds < LATEST
-        assert metres < FURTHEST
-        until(lambda: not any(map(is_there, others)), SOON)
-        assert room.states() <= {"stopped", "lost"}
+        yield room
+
+
+def test_a_page_that_is_stopped_has_the_cars_held_until_they_are_armed_again(served):
+    served.run()
+    os.kill(served.process.pid, signal.SIGSTOP)
+    try:
+        until(lambda: served.plant.fastest() < 0.05, SOON)
+        until(lambda: served.states() == {"stopped"}, SOON)  # the loop told them
+    finally:
+        os.kill(served.process.pid, signal.SIGCONT)
+    until(lambda: served.browser.can("Arm …"), SOON)
+    assert served.states() == {"stopped"}
+    assert served.plant.fastest() < 0.05
+
+
+def test_a_page_that_is_killed_stops_the_cars(served):
+    served.run()
+    others = descendants(served.process.pid)
+    assert others
+    served.process.kill()
+    seconds, metres = served.stops()
+    assert seconds < LATEST
+    assert metres < FURTHEST
+    until(lambda: not any(map(is_there, others)), SOON)
+    assert served.states() <= {"stopped", "lost"}

@@ -14,7 +14,7 @@ from app.live.links.links import open_link
 from app.live.pose import Frame, Pose, seen
 from live.rooms import ROUND, Steady
 
-MOST_BYTES = 60_000
+MOST_BYTES = 100_000
 """Of a file, where the disk is full."""
 HOUR = 3600.0
 
