@@ -109,8 +109,9 @@ class Room(Asking):
         elif verdict == "wrong":
             left = f"{self.code.left} more and no browser arms" if self.code.left else OFF
             self.say("code", f"a wrong code: {left}", cause)
-            self.notices.put(f"a wrong code to arm ({cause}): {left}")
-            self.change(browsers_arm=not self.code.off)
+            if self.code.off:
+                self.notices.put(f"a wrong code to arm ({cause}): {left}")
+                self.change(browsers_arm=False)
         return verdict
 
     # The room's own thread.
