@@ -233,3 +233,16 @@ def test_a_file_of_another_kind_named_like_the_store_is_left_as_it_is(here):
     args = ("paper", "liu2021-table1", "--runs", 2, "--out", "out", "--quiet", "--no-pictures")
     assert "is not a store of runs" in refusal(*args)
     assert Path("out/runs.csv").read_text() == mine
+
+
+def test_a_device_is_not_read_without_end(here):
+    """`/dev/zero` has no end: what reads it whole takes all memory of the machine."""
+    for args in (("run", "--spec"), ("live", "run"), ("live", "check"), ("live", "lab")):
+        assert "'/dev/zero' cannot be read: it is a device, not a file" in refusal(
+            *args, "/dev/zero"
+        )
+    (here / "zero.toml").symlink_to("/dev/zero")
+    assert "it is a device" in refusal("run", "vem", "--world", "zero.toml")
+    with open("huge.toml", "wb") as file:
+        file.truncate(65 * 2**20)
+    assert "it has more than 64 MiB" in refusal("run", "--spec", "huge.toml")
