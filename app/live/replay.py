@@ -6,6 +6,7 @@ What comes out must be what was sent, to the bit; where it is not, a replay says
 from __future__ import annotations
 
 import json
+import os
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -82,12 +83,25 @@ class Replayed:
 def read(folder: str | Path) -> Recorded:
     """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
     folder = Path(folder)
+    demand_recording(folder)
     meta = meta_of(folder / "ticks.parquet")
     tables = tuple(name for name in TABLES if meta["format"] > 1 or name != "companions")
     for name in tables:
         meta_of(folder / f"{name}.parquet")
     lab = lab_from_toml(meta["laboratory"], str(folder))
     return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables)
+
+
+def demand_recording(folder: Path) -> None:
+    """Refuse what is no folder of a recording. Raises Refusal."""
+    named = f"recording {str(folder)!r}"
+    if not os.path.exists(folder):
+        raise Refusal(f"{named} cannot be read: there is no such folder")
+    if not folder.is_dir():
+        raise Refusal(f"{named} cannot be read: it is no folder; `live run --record` makes one")
+    ticks = folder / "ticks.parquet"
+    if not ticks.exists() and not ticks.with_name(ticks.name + ".part").exists():
+        raise Refusal(f"{named} cannot be read: the folder has no ticks.parquet, as recordings do")
 
 
 def meta_of(path: Path) -> dict[str, Any]:

@@ -246,3 +246,11 @@ def test_a_device_is_not_read_without_end(here):
     with open("huge.toml", "wb") as file:
         file.truncate(65 * 2**20)
     assert "it has more than 64 MiB" in refusal("run", "--spec", "huge.toml")
+
+
+def test_what_is_no_recording_of_cars_is_refused_in_our_words(here):
+    for name, words in (("nothing", "there is no such folder"), ("room.wkt", "it is no folder"),
+                        ("empty", "the folder has no ticks.parquet")):  # fmt: skip
+        (here / "empty").mkdir(exist_ok=True)
+        line = refusal("live", "replay", name)
+        assert line.startswith(f"flockscope: recording '{name}' cannot be read: {words}")
