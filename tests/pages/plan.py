@@ -47,6 +47,11 @@ OTHERWISE = (
     Otherwise(
         "live run lab.toml", '--source "emulated cars" --seconds 1', "needs the room's hardware"
     ),
+    Otherwise(
+        "live recover",
+        None,
+        "needs a process that was killed: tests/live/test_end_to_end.py kills it",
+    ),
     Otherwise("live emulate --arm", "--seconds 5", "shorter: 20 s are for people to look at"),
     Otherwise("live emulate", "--seconds 1", "would wait for a key: nobody is at it"),
     Otherwise("flight sweep", None, "takes a minute; tests/flight/test_commands.py sweeps"),
