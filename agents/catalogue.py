@@ -6,8 +6,6 @@ through the entry-point group `flockscope.rules`, each entry a `Rule` or a `Mode
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
-
 from agents.bodies import (
     car,
     constant_speed,
@@ -19,8 +17,9 @@ from agents.bodies import (
     turning,
     zero_turn,
 )
-from agents.declare import Rule
+from agents.declare import Rule, declared
 from agents.model import Model
+from agents.plug_ins import plug_ins
 from agents.rules import (
     boundary_points,
     couzin,
@@ -120,10 +119,21 @@ BUILT_IN = [
 
 
 def collect() -> dict[str, Model]:
-    """All models: the built-in ones, then those of other packages."""
-    found = [entry.load() for entry in entry_points(group="flockscope.rules")]
-    others = [Model(one, CONSTANT) if isinstance(one, Rule) else one for one in found]
-    return {model.name: model for model in [*BUILT_IN, *others]}
+    """All models: the built-in ones, then those of other packages, which replace none of these.
+
+    Warns of what cannot be loaded.
+    """
+    found = {model.name: model for model in BUILT_IN}
+    return found | plug_ins("flockscope.rules", brought, found)
+
+
+def brought(_: str, thing: object) -> tuple[str, Model]:
+    """The model that an entry point brings. Raises TypeError if it is none, or no rule."""
+    if not isinstance(thing, Rule | Model):
+        raise TypeError(f"a Rule or a Model is needed, not {type(thing).__name__}")
+    model = Model(thing, CONSTANT) if isinstance(thing, Rule) else thing
+    declared(model.parameters)
+    return model.name, model
 
 
 ON_WHEELS = "-cars"

@@ -242,6 +242,17 @@ class Body:
     """Whether its last signal is 1.0 for agents whose heading counts and 0.0 for others."""
     sees_obstacles: bool = False
     """Whether it keeps clear of obstacles and solid edges, whatever the rule wants."""
+    stops: bool = False
+    """Whether it stops where a step would take it into a solid that the rule or the body sees; else
+    it slides along."""
+    passes: Callable | None = None
+    """Compiled: (p) -> whether it goes through what is solid, as the words of its paper have it.
+    None: never."""
+    passes_with: str = ""
+    """The setting with which it does, such as `guard = false`."""
+    stride: Callable[[Any], float] | None = None
+    """How far from what is solid it starts at least, from the parameters: as far as it may go in
+    the first tick. None: half its `size`."""
     sight: str = ""
     """Name of the parameter that is how far it notices obstacles; by default the rule's `reach`."""
     forces: tuple[str, ...] = ()

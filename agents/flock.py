@@ -13,7 +13,7 @@ import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.aloft import Aloft
+from agents.aloft import Aloft, aloft
 from agents.crashes import Crashes, crashes, flying
 from agents.declare import checked
 from agents.home import find_world, is_built_in, world_of
@@ -24,13 +24,16 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
-from agents.record import Recorder, read_state
+from agents.record import STATES, Recorder, read_state
+from agents.room import demand_room
 from agents.rows import begun, joined, without
 from agents.space import FlockSpace
-from agents.spec import ACTIVATIONS, NOISES, Activation, Noise, Spec, versions
+from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
+
+MOST_THREADS = 1024
 
 
 class Flock(Motion, mesa.Model):
@@ -49,12 +52,13 @@ class Flock(Motion, mesa.Model):
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
-        `agents` is then not used.
-    rng: the run's seed, an integer >= 0; None draws one.
+        `agents` is then not used. Positions are outside of obstacles, and in the box along axes
+        that wrap or are solid; without speeds agents set off as at a random start.
+    rng: the run's seed, an integer in [0, 2^63); None draws one.
     spacing: least distance at the start between agents and of agents to obstacles and solid
         edges, length >= 0; by default the model's own, which may be None: bodies only start clear
         of what is solid.
-    threads: used from 10 000 agents on; the numbers do not depend on it.
+    threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
 
@@ -86,7 +90,7 @@ class Flock(Motion, mesa.Model):
         **parameters: Any,
     ):
         self.model = catalogue.model(model)
-        seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0)
+        seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0, LARGEST_SEED)
         self.seed = seed
         if activation not in ACTIVATIONS:
             raise unknown("activation", activation, ACTIVATIONS)
@@ -94,6 +98,8 @@ class Flock(Motion, mesa.Model):
             raise unknown("noise", noise, NOISES)
         agents = whole("agents", self.model.agents if agents is None else agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
+        self.threads = whole("threads", threads, 1, MOST_THREADS)
+        demand_room(self.model, agents + informed, self.threads)
         self.parameters = checked(self.model.parameters, parameters)
         self.world = find_world(self.model, world, dim, size, agents + informed, seed)
         if informed > 0 and not self.model.rule.led:
@@ -104,12 +110,11 @@ class Flock(Motion, mesa.Model):
         self.tick = 0
         self.activation = activation
         self.noise = noise
-        self.threads = whole("threads", threads, 1)
         self.spacing = self.model.spacing if spacing is None else positive("spacing", spacing)
         if start is None:
             begin, self.given = self._begin(agents, informed), False
         else:
-            begin, self.given = given_start(self.world, start), True
+            begin, self.given = self._given(start), True
         knowing = int(begin.informed.sum())
         self.started_with = len(begin.position) - knowing, knowing
         self._members: list[Member] | None = None
@@ -122,10 +127,21 @@ class Flock(Motion, mesa.Model):
 
     def _begin(self, agents: int, informed: int) -> Start:
         """A random start, with the speeds that the body begins with. Raises Refusal."""
-        size = self.model.body.size
-        gap = 0.5 * getattr(self.parameters, size) if size else 0.0
-        begin = random_start(self.world, agents, informed, self.rng, self.spacing, gap)
+        begin = random_start(self.world, agents, informed, self.rng, self.spacing, self._gap)
         return begin if begin.speed.any() else self._set_off(begin)
+
+    def _given(self, start: Mapping[str, Any]) -> Start:
+        """A start from arrays; without speeds with those that the body begins with. Or Refusal."""
+        begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
+        return begin if "speed" in start else self._set_off(begin)
+
+    @property
+    def _gap(self) -> float:
+        """How far from what is solid agents start at least, length."""
+        body = self.model.body
+        if body.stride is not None:
+            return float(body.stride(self.parameters))
+        return 0.5 * float(getattr(self.parameters, body.size)) if body.size else 0.0
 
     def _set_off(self, begin: Start) -> Start:
         """The start with the speeds that the body begins with."""
@@ -170,7 +186,7 @@ class Flock(Motion, mesa.Model):
     @property
     def aloft(self) -> Flock | Aloft:
         """The flock as observables see it: without those that have crashed."""
-        return self if self.flying.all() else Aloft(self)
+        return aloft(self)
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
@@ -222,13 +238,11 @@ class Flock(Motion, mesa.Model):
         self._end_tick()
         dim = self.world.dim
         if position is None:
-            position = free_positions(self.world, 1, self.rng)[0]
+            position = free_positions(self.world, 1, self.rng, gap=self._gap)[0]
         if heading is None:
             heading = random_headings(self.rng, 1, dim)[0]
-        new = given_start(
-            self.world, {"position": [position], "heading": [heading], "informed": [informed]}
-        )
-        more = begun(self._set_off(new), self.model, self.next_id)
+        new = self._given({"position": [position], "heading": [heading], "informed": [informed]})
+        more = begun(new, self.model, self.next_id)
         self._use(joined(self.arrays, more))
         self.next_id += 1
         members.append(member)
@@ -287,8 +301,11 @@ class Flock(Motion, mesa.Model):
         )
 
     def save(self, path: str | Path) -> None:
-        """Write the state to a Parquet file; `Flock.load` goes on from it to the bit."""
-        with Recorder(path, self) as recorder:
+        """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
+
+        The name ends in .parquet or .pq; a file of that name is replaced. Raises Refusal.
+        """
+        with Recorder(path, self, endings=STATES) as recorder:
             recorder.write()
 
     @classmethod

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from pydantic import create_model
 
-from agents.declare import Body, Parameters, Rule
+from agents.declare import Body, Parameters, Rule, as_floats
+from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 
 
@@ -93,6 +95,15 @@ class Model:
         """Whether it steers clear of obstacles by itself."""
         return self.rule.sees_obstacles or self.body.sees_obstacles
 
+    def meets(self, solid: bool) -> int:
+        """What its agents do where a step enters a solid, of `agents.engine.hold`.
+
+        Those that do not see what is solid bounce off it; in a world without they need not ask.
+        """
+        if not self.sees_obstacles:
+            return BOUNCES if solid else PASSES
+        return STOPS if self.body.stops else SLIDES
+
     @cached_property
     def parameters(self) -> type[Parameters]:
         """The parameters of the rule and of the body, as one model."""
@@ -104,6 +115,14 @@ class Model:
             changed.default = value
             own[name] = (changed.annotation, changed)
         return create_model(self.name, __base__=bases, **own)
+
+    def passing(self, parameters: Parameters) -> str:
+        """The setting with which its agents go through what is solid, or an empty string."""
+        passes = self.body.passes
+        if passes is None:
+            return ""
+        floats = SimpleNamespace(**as_floats(parameters))
+        return self.body.passes_with if passes.py_func(floats) else ""  # type: ignore[attr-defined]
 
     def parts(self, dim: int, solid: bool) -> dict[str, Any]:
         """What makes its loop in `dim` dimensions, in a world where something is solid or not."""
@@ -117,7 +136,7 @@ class Model:
             "SEES_POINTS": rule.sees_points,
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
-            "BOUNCES": solid and not self.sees_obstacles,
+            "MEETS": self.meets(solid),
             "perceive": rule.perceive,
             "decide": rule.decide,
             "show": rule.show,
@@ -125,5 +144,6 @@ class Model:
             "prepare": rule.prepare,
             "measure": body.measure,
             "touches": body.touches,
+            "passes": body.passes,
             "move": body.move,
         }

@@ -18,7 +18,8 @@ from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
-from worlds.refusal import Refusal, unknown
+from agents.whereabouts import Stray, stray
+from worlds.refusal import Refusal, shortened, unknown
 from worlds.route import along_route
 from worlds.survey import survey
 from worlds.world import World
@@ -56,6 +57,8 @@ class Motion:
     threads: int
     law: Law
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
+    passing: str
+    """The setting with which agents go through what is solid here, or an empty string."""
     _engine: Synchronous | InTurn | None
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -95,6 +98,7 @@ class Motion:
         return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled)
 
     def _make_law(self) -> Law:
+        self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
         noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
         numbers = self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)})
         return Law(numbers, noise, self.reach, self.dt)
@@ -123,6 +127,10 @@ class Motion:
     def sight(self) -> float:
         """The largest distance at which agents notice obstacles, length."""
         return float(getattr(self.parameters, self.model.body.sight or self.model.rule.reach))
+
+    def stray(self) -> Stray | None:
+        """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is."""
+        return stray(self)
 
     @property
     def is_compiled(self) -> bool:
@@ -262,8 +270,17 @@ def positive(name: str, value: Any) -> float:
     return float(value)
 
 
-def whole(name: str, value: Any, least: int) -> int:
-    """`value` as a whole number >= `least`. Raises Refusal."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise Refusal(f"{name} = {value!r} is not allowed: a whole number >= {least} is needed")
+MOST = 10**15
+"""The largest count, unless there is a reason for a smaller one."""
+
+
+def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+    """`value` as a whole number in [least, most]. Raises Refusal."""
+    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not right or value < least:
+        raise Refusal(
+            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
+        )
+    if value > most:
+        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
     return int(value)

@@ -1,14 +1,15 @@
 """Recordings: positions and headings per tick as Parquet, with the run's spec in the metadata.
 
 While a run lasts its frames go to `NAME.part`, an Arrow stream that holds every frame written even
-if the process is killed; at the end it becomes the Parquet file in one move. `recover` does the
-same for a `.part` that a kill has left.
+if the process is killed; at the end it becomes the Parquet file, or the CSV file, in one move.
+`recover` does the same for a `.part` that a kill has left.
 """
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +20,9 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.rows import unhurt
 from agents.spec import Spec
+from worlds.counting import counted
 from worlds.refusal import Refusal
+from worlds.writing import demand_writable, writing
 
 if TYPE_CHECKING:
     from agents.flock import Flock
@@ -27,6 +30,11 @@ if TYPE_CHECKING:
 KEY = b"flockscope"
 FORMAT = 1
 AXES = "xyz"
+STATES = (".parquet", ".pq")
+"""Endings of states, which hold the run's spec too."""
+SHEET = ".csv"
+"""The ending of a recording as plain numbers, without the spec: no run can go on from it."""
+RECORDINGS = (*STATES, SHEET)
 FLUSH_ROWS = 20_000
 """Rows that may be in flight before they are written to the disk."""
 
@@ -42,26 +50,39 @@ class Saved:
 
 
 class Recorder:
-    """Writes frames of a flock to a Parquet file; a context manager.
+    """Writes frames of a flock to a Parquet or a CSV file; a context manager.
 
-    Leaving it by an exception other than KeyboardInterrupt removes the `.part` and leaves no file.
-    Raises Refusal if the file cannot be written, as when the disk is full; if there is room for the
-    `.part` but not for the Parquet file beside it, the `.part` stays.
+    `path` ends in one of `endings`; a file is replaced if `overwrite`. Leaving it by an exception
+    other than KeyboardInterrupt removes the `.part` and leaves no file. Raises Refusal if the file
+    cannot be written. When the disk is full the frames that fitted are kept: as the recording, or
+    in the `.part` if there is no room for it beside.
     """
 
-    def __init__(self, path: str | Path, flock: Flock):
+    def __init__(
+        self,
+        path: str | Path,
+        flock: Flock,
+        overwrite: bool = True,
+        endings: Collection[str] = RECORDINGS,
+    ):
         self.path = Path(path)
         self.part = self.path.with_name(self.path.name + ".part")
         self.flock = flock
+        self.overwrite = overwrite
+        self.endings = endings
         self.waiting: list = []
         self.rows = 0
         self.frames = 0
+        self.kept = 0, 0, 0
+        """What is on the disk: frames, their last tick, bytes of the `.part`."""
+        self.over = False
 
     def __enter__(self) -> Recorder:
         import pyarrow as pa
 
         meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": self.flock.next_id}
         schema = self.frame().schema.with_metadata({KEY: json.dumps(meta).encode()})
+        demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
             raise Refusal(
                 f"{self.part} is left from a run that was killed: "
@@ -75,23 +96,46 @@ class Recorder:
         return self
 
     def __exit__(self, kind, error, trace) -> None:
-        if kind is None or issubclass(kind, KeyboardInterrupt):
-            try:
-                self.flush()
-                self.stream.close()
-                self.file.close()
-            except OSError as failure:
-                self.discard()
-                raise refused(self.path, failure) from None
-            try:
-                finish(self.part, self.path)
-            except OSError as failure:
-                raise Refusal(
-                    f"{refused(self.path, failure)}; every frame is in {self.part}: "
-                    f"`flockscope recover {self.part}` once that is mended"
-                ) from None
-        else:
+        if self.over:
+            return
+        if kind is not None and not issubclass(kind, KeyboardInterrupt):
             self.discard()
+            return
+        try:
+            self.flush()
+            self.stream.close()
+            self.file.close()
+        except OSError as failure:
+            raise self.cut_off(failure) from None
+        try:
+            finish(self.part, self.path, self.overwrite)
+        except Refusal as failure:
+            raise Refusal(
+                f"{failure}; every frame is in {self.part}: `flockscope recover {self.part}` once "
+                "that is mended"
+            ) from None
+
+    def cut_off(self, failure: OSError) -> Refusal:
+        """End the recording where the disk took no more; what is to be said of it."""
+        self.over = True
+        with suppress(OSError):
+            self.file.close()
+        reason = refused(self.path, failure)
+        frames, tick, size = self.kept
+        if not frames:
+            self.discard()
+            return reason
+        said = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
+        try:
+            with open(self.part, "r+b") as file:
+                file.truncate(size)
+            finish(self.part, self.path, self.overwrite)
+        except (OSError, Refusal):
+            return Refusal(
+                f"{reason}; {self.part} holds {said}: `flockscope recover {self.part}` makes a "
+                "recording of them once there is room"
+            )
+        return Refusal(f"{reason}; it holds {said}")
 
     def discard(self) -> None:
         """Leave nothing behind."""
@@ -131,7 +175,7 @@ class Recorder:
             try:
                 self.flush()
             except OSError as error:
-                raise refused(self.path, error) from None
+                raise self.cut_off(error) from None
 
     def flush(self) -> None:
         """Bring what waits to the disk."""
@@ -141,6 +185,8 @@ class Recorder:
             table = pa.Table.from_batches(self.waiting).combine_chunks()
             self.stream.write_table(table)
             self.file.flush()
+            last = self.waiting[-1].column("tick")[0].as_py()
+            self.kept = self.frames, last, self.file.tell()
         self.waiting, self.rows = [], 0
 
 
@@ -154,29 +200,41 @@ def refused(path: Path, error: OSError) -> Refusal:
     return Refusal(f"recording {str(path)!r} cannot be written: {error.strerror or error}")
 
 
-def finish(part: Path, path: Path) -> int:
-    """Turn a `.part` stream into the Parquet file `path`; returns the rows. Raises OSError."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+def finish(part: Path, path: Path, overwrite: bool = True) -> int:
+    """Turn a `.part` stream into the file `path`, Parquet or CSV; returns the rows.
 
-    made = path.with_name(path.name + ".tmp")
+    Raises Refusal if it cannot be written, OSError if the `.part` cannot be read, or pyarrow's
+    ArrowInvalid if it is no stream.
+    """
+    import pyarrow as pa
+
     rows = 0
-    try:
-        with open(part, "rb") as source:
-            stream = pa.ipc.open_stream(source)
-            with pq.ParquetWriter(made, stream.schema, compression="zstd") as writer:
-                while True:
-                    try:
-                        batch = stream.read_next_batch()
-                    except (StopIteration, pa.ArrowInvalid, OSError):
-                        break
-                    writer.write_batch(batch)
-                    rows += batch.num_rows
-        os.replace(made, path)
-    finally:
-        made.unlink(missing_ok=True)
+    with open(part, "rb") as source:
+        stream = pa.ipc.open_stream(source)
+        with (
+            writing("recording", path, overwrite, RECORDINGS) as file,
+            table_writer(path, file, stream.schema) as writer,
+        ):
+            while True:
+                try:
+                    batch = stream.read_next_batch()
+                except (StopIteration, pa.ArrowInvalid, OSError):
+                    break
+                writer.write_batch(batch)
+                rows += batch.num_rows
     part.unlink()
     return rows
+
+
+def table_writer(path: Path, file, schema):
+    """What writes batches to a file in the form that its ending says."""
+    if path.suffix.lower() == SHEET:
+        from pyarrow.csv import CSVWriter
+
+        return CSVWriter(file, schema)
+    from pyarrow.parquet import ParquetWriter
+
+    return ParquetWriter(file, schema, compression="zstd")
 
 
 def recover(part: str | Path) -> tuple[Path, int]:
@@ -190,10 +248,10 @@ def recover(part: str | Path) -> tuple[Path, int]:
     path = part.with_suffix("")
     if part.suffix != ".part":
         raise Refusal(f"{str(part)!r} is not a .part file of a recording")
-    if path.exists():
+    if os.path.lexists(path):
         raise Refusal(f"{str(path)!r} exists already: move it away first")
     try:
-        return path, finish(part, path)
+        return path, finish(part, path, overwrite=False)
     except OSError as error:
         raise Refusal(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
     except pa.ArrowInvalid:

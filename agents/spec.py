@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import tomllib
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
@@ -11,10 +10,12 @@ from typing import Any, Literal
 import tomlkit
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, needed, shortened, unknown
+from worlds.toml import toml
 
 Activation = Literal["synchronous", "random", "sequential"]
 Noise = Literal["angular", "vectorial"]
+LARGEST_SEED = 2**63 - 1
 ACTIVATIONS: tuple[Activation, ...] = ("synchronous", "random", "sequential")
 NOISES: tuple[Noise, ...] = ("angular", "vectorial")
 
@@ -37,7 +38,7 @@ class Spec(BaseModel):
     model: str
     agents: int = Field(ge=1)
     informed: int = Field(ge=0)
-    seed: int = Field(ge=0, lt=2**63)
+    seed: int = Field(ge=0, le=LARGEST_SEED)
     world: str
     size: tuple[float, ...]
     activation: Activation = "synchronous"
@@ -62,10 +63,7 @@ class Spec(BaseModel):
     @classmethod
     def from_toml(cls, text: str, origin: str = "TOML text") -> Spec:
         """A spec from TOML. Raises Refusal naming the line or the key that is wrong."""
-        try:
-            return cls.from_values(tomllib.loads(text), origin)
-        except tomllib.TOMLDecodeError as error:
-            raise Refusal(f"{origin} is not TOML: {error}") from None
+        return cls.from_values(toml(text, origin), origin)
 
     @classmethod
     def from_values(cls, values: dict[str, Any], origin: str) -> Spec:
@@ -80,7 +78,9 @@ class Spec(BaseModel):
             key = ".".join(str(part) for part in first["loc"])
             if first["type"] == "missing":
                 raise Refusal(f"{key} is missing ({origin})") from None
-            raise Refusal(f"{key} = {first['input']!r}: {first['msg']} ({origin})") from None
+            raise Refusal(
+                f"{key} = {shortened(first['input'])} is not allowed: {needed(first)} ({origin})"
+            ) from None
 
     @classmethod
     def read(cls, path: str | Path) -> Spec:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from worlds.clearance import clearance
+from worlds.free_places import demand_free, demand_in_box
 from worlds.mission import Start as Region
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -101,9 +103,31 @@ def spread(
     """n positions uniform in the box [low, low + size), clear of what is solid, (n, dim).
 
     They keep at least `spacing` to each other and `gap` to what is solid. Raises Refusal if they do
-    not fit.
+    not fit, with the number that does.
     """
+    before = deepcopy(rng)
+    position, room = tried(world, low, size, n, spacing, rng, gap)
+    if room == n:
+        return position
+    while room and (found := tried(world, low, size, room, spacing, deepcopy(before), gap)[1]):
+        if found == room:
+            break
+        room = found
+    apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
+    off = f", {gap:g} from them" if gap > 0.0 else ""
+    fits = f"{room} fit" if room > 1 else ("1 fits" if room else "not even one fits")
+    raise Refusal(
+        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
+        f"the obstacles of {world.name}{off}: {fits}"
+    )
+
+
+def tried(
+    world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float
+) -> tuple[np.ndarray, int]:
+    """Positions as `spread` asks for them, (n, dim), and how many of the last ones are good."""
     position = rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
+    bad = np.zeros(n, bool)
     for _ in range(TRIES):
         bad = np.zeros(n, bool)
         if world.is_solid:
@@ -111,14 +135,9 @@ def spread(
         if spacing > 0.0:
             bad |= too_close(world, position, spacing)
         if not bad.any():
-            return position
+            break
         position[bad] = rng.uniform(0.0, 1.0, (int(bad.sum()), world.dim)) * size + low
-    apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
-    off = f", {gap:g} from them" if gap > 0.0 else ""
-    raise Refusal(
-        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
-        f"the obstacles of {world.name}{off}"
-    )
+    return position, n - int(bad.sum())
 
 
 def too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
@@ -188,12 +207,13 @@ def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
     return np.lexsort(cell.T)
 
 
-def given_start(world: World, arrays: Mapping[str, Any]) -> Start:
+def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) -> Start:
     """A start from arrays: `position` and `heading` (N, dim), `speed` and `informed` (N,) or none.
 
-    Headings are brought to length 1; speeds are >= 0, and 0 if none are given. Raises Refusal
-    naming the array, the row and the value where something is no finite number, has no direction,
-    or does not fit.
+    Positions are in the box along axes that wrap or are solid, and outside of obstacles unless
+    agents go through these (`passing`). Headings are brought to length 1; speeds are >= 0, and 0 if
+    none are given. Raises Refusal naming the array, the row and the value where something is no
+    finite number, has no direction, is where no agent can be, or does not fit.
     """
     for name in arrays:
         if name not in ("position", "heading", "speed", "informed"):
@@ -202,6 +222,9 @@ def given_start(world: World, arrays: Mapping[str, Any]) -> Start:
         if name not in arrays:
             raise Refusal(f"start has no {name!r}: position and heading, both (N, dim), are needed")
     position = rows("position", arrays["position"], world.dim)
+    demand_in_box(world, position, passing)
+    if not passing:
+        demand_free(world, position)
     heading = rows("heading", arrays["heading"], world.dim)
     if len(position) != len(heading):
         raise Refusal(f"start has {len(position)} positions but {len(heading)} headings")

@@ -214,6 +214,8 @@ def take_live() -> None:
         page.get_by_text("Software WebGL").wait_for()
         page.locator(".mantine-Notification-closeButton").first.click()
         page.get_by_role("button", name="Arm …").click()
+        page.locator(".mantine-Modal-body input").fill(laboratory.room.code.digits)
+        page.wait_for_timeout(100)
         page.get_by_role("button", name="Arm", exact=True).click()
         page.locator(".fs-running").wait_for()
         time.sleep(12.0)

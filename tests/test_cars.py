@@ -183,6 +183,19 @@ def test_cars_that_crash_are_out_of_the_run():
     assert not flock.flying.any()
 
 
+def test_cars_at_the_very_same_place_crash_and_a_lone_one_does_not():
+    start = {
+        "position": [(1.0, 1.0), (1.0, 1.0), (3.0, 3.0), (3.0, 3.0), (5.0, 1.0)],
+        "heading": [(1.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.0)],
+    }
+    flock = Flock(
+        "squashing-cars", start=start, world=OPEN, rng=1, C=0.0, hop=0.0, contact="crashes", **EXACT
+    )
+    flock.run(1)
+    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert set(flock.crashes.cause.tolist()) == {1}
+
+
 def test_a_wall_stops_a_car():
     walls = World(name="walls", size=(4.0, 4.0), edges=("solid", "solid"))
     goal = replace(walls, mission=mission({"goal": {"route": [[10.0, 2.0]]}}))

@@ -67,6 +67,31 @@ def test_two_that_meet_crash_at_the_tick_at_which_they_touch_and_nobody_else():
     assert flock.flying.tolist() == [False, False, True]
 
 
+@pytest.mark.parametrize("edges", ["open", "wrap"])
+@pytest.mark.parametrize(
+    ("dim", "activation"), [(2, "synchronous"), (3, "synchronous"), (3, "random")]
+)
+def test_two_at_the_very_same_place_crash_and_nobody_with_itself(dim, edges, activation):
+    """Four on two spots, of which one at the seam, and one that is alone in a box of few cells."""
+    world = World(name="box", size=(6.0,) * dim, edges=(edges,) * dim)
+    spots = np.full((5, dim), 3.0)
+    spots[2:4, 0], spots[4, 0] = 0.0, 5.0
+    start = {"position": spots, "heading": np.tile(np.eye(dim)[0], (5, 1)), "speed": np.zeros(5)}
+    start["heading"][1] = np.eye(dim)[1]  # who shares a place need not share a heading
+    flock = solitary(start, world, activation=activation)
+    flock.run(1)
+    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert flock.crashes.cause.tolist() == [1] * 4
+    flock.run(3)
+    assert flock.flying.tolist() == [False, False, False, False, True]
+
+
+def test_points_crash_only_where_they_coincide():
+    flock = solitary(at([(5.0, 5.0, 5.0), (5.0, 5.0, 5.0), (5.0, 5.0, 5.001)], speed=0.0), body=0.0)
+    flock.run(1)
+    assert flock.flying.tolist() == [False, False, True]
+
+
 def test_the_fallen_fall_freely_to_the_floor_and_lie():
     flock = solitary(at([(5.0, 5.0, 5.0), (5.5, 5.0, 5.0)]))
     flock.run(3)

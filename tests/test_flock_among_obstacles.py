@@ -12,7 +12,7 @@ from worlds.clearance import clearance
 from worlds.mission import Goal, Mission, Path
 from worlds.obstacles import Disc, Wall
 from worlds.refusal import Refusal
-from worlds.world import World
+from worlds.world import World, world
 
 
 def room(*obstacles, edges="solid", mission=None):
@@ -99,7 +99,8 @@ def test_member_by_member_is_the_same_tick(activation):
 
 def test_threads_do_not_change_a_bit_among_obstacles():
     rng = np.random.default_rng(2)
-    place = rng.uniform([0.0, 0.0], [60.0, 40.0], (14_000, 2))
+    place = rng.uniform([0.0, 0.0], [60.0, 40.0], (18_000, 2))
+    place = place[clearance(world("obstacles"), place) > 0.0][:14_000]
     angle = rng.uniform(0.0, math.tau, len(place))
     start = {"position": place, "heading": np.c_[np.cos(angle), np.sin(angle)]}
     one, two = (

@@ -92,7 +92,7 @@ def test_shuffling_is_by_the_seed():
 
 
 def test_a_member_is_added():
-    flock = Flock("vem", agents=10, rng=6)
+    flock = Flock("vem", agents=10, size=4.0, rng=6)
     before = flock.position.copy()
     member = Member(flock, position=(1.0, 2.0), heading=(0.0, 5.0))
     assert (member.row, member.unique_id, len(flock.agents)) == (10, 11, 11)

@@ -57,3 +57,8 @@ def compiled(function: Callable) -> Any:
 def entry(function: Callable) -> Any:
     """Compile a loop, which Python calls."""
     return numba.njit(**OPTIONS)(function)
+
+
+def shared(function: Callable) -> Any:
+    """Compile a long part of the engine that is seldom called: it stays a function of its own."""
+    return Part(function, targetoptions=OPTIONS | {"no_cpython_wrapper": True})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import tomllib
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -11,15 +11,19 @@ from typing import Any
 
 import numpy as np
 
+from worlds.counting import counted
 from worlds.mission import mission
 from worlds.obstacles import obstacle
 from worlds.random_obstacles import random_obstacles
 from worlds.refusal import Refusal, unknown
+from worlds.toml import toml
 
 EDGES = ("wrap", "open", "solid")
 """What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
 DISTANCES = ("nearest-image", "plain")
 """How distance is measured where an axis wraps: across the seam, or within the box only."""
+DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
+"""Endings of files that are no layouts, but may come to be some."""
 LAYOUTS = files("worlds") / "layouts"
 KEYS = (
     "title",
@@ -52,14 +56,22 @@ def read_layout(name: str) -> dict[str, Any]:
     Raises Refusal for an unknown name, a missing file or a file that is not TOML.
     """
     path = LAYOUTS / f"{name}.toml" if name in layout_names() else Path(name)
+    if Path(name).suffix.lower() in DRAWINGS:
+        again = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
+        raise Refusal(
+            f"world {name!r} is a drawing: `flockscope world import {again}` makes a layout of it"
+        )
     if name not in layout_names() and not name.endswith(".toml"):
         raise unknown("world", name, layout_names())
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise Refusal(f"world file {name!r} cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise Refusal(f"world file {name!r} is not TOML: {error}") from None
+    except ValueError:  # a zero byte
+        raise Refusal(f"{name!r} is no name that a file can have") from None
+    return toml(text, f"world file {name!r}")
 
 
 def layout_dim(name: str) -> int | None:
@@ -124,7 +136,9 @@ def own_dim(layout: Mapping[str, Any], name: str) -> int | None:
         value = layout.get(key)
         if isinstance(value, list):
             if dim is not None and len(value) != dim:
-                raise Refusal(f"{key} = {value} has {len(value)} numbers, not {dim} ({name})")
+                raise Refusal(
+                    f"{key} = {value} has {counted(len(value), 'number')}, not {dim} ({name})"
+                )
             dim = len(value)
     edges = layout.get("edges")
     return len(edges) if dim is None and isinstance(edges, list) and len(edges) == 2 else dim
@@ -141,9 +155,8 @@ def chosen_edges(layout: Mapping[str, Any], dim: int, stands: bool, name: str) -
     if stands and len(edges) == 2:
         edges = (*edges, edges[0] if edges[0] == edges[1] else "solid")
     if len(edges) != dim:
-        raise Refusal(
-            f"edges = {list(edges)} names {len(edges)} axes, the world has {dim} ({name})"
-        )
+        axes = counted(len(edges), "axis", "axes")
+        raise Refusal(f"edges = {list(edges)} names {axes}, the world has {dim} ({name})")
     for edge in edges:
         if edge not in EDGES:
             raise unknown("edge", edge, EDGES, name)
@@ -204,7 +217,7 @@ def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
     """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
     sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size).ravel().tolist())
     if len(sides) != dim:
-        raise Refusal(f"size = {size} has {len(sides)} sides, a {dim}-D world has {dim}")
+        raise Refusal(f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}")
     for side in sides:
         if isinstance(side, bool | str) or not (0.0 < float(side) < 1e9 and math.isfinite(side)):
             raise Refusal(f"size = {side!r} is not allowed: a side is a length in (0, 1e9)")

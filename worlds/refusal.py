@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
-from pydantic import ValidationError
-
 
 class Refusal(ValueError):
     """Something a user gave cannot be used; its text is the one line to show."""
+
+
+class Refusals(Refusal):
+    """Several things at once, one line each; the text is the first, and how many more there are."""
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        super().__init__(f"{lines[0]} (and {len(lines) - 1} more)")
+        self.lines = tuple(lines)
+
+
+def refusal_of(lines: Sequence[str]) -> Refusal:
+    """A refusal of one or more lines, repeated ones said once."""
+    distinct = list(dict.fromkeys(lines))
+    return Refusal(distinct[0]) if len(distinct) == 1 else Refusals(distinct)
 
 
 def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> Refusal:
@@ -25,10 +37,96 @@ def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> 
     "unknown source 'vicon' (known: emulated cars)"
     """
     known = list(known)
-    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.5)
-    hint = f": did you mean {near[0]!r}?" if near else ""
     where = f" ({origin})" if origin else ""
-    return Refusal(f"unknown {kind} {name!r}{hint} (known: {', '.join(known)}){where}")
+    hint = suggestion(name, known)
+    return Refusal(f"unknown {kind} {shortened(name)}{hint} (known: {', '.join(known)}){where}")
+
+
+def suggestion(name: object, known: Iterable[str]) -> str:
+    """The nearest of the known names as a question, with the colon before it; "" if none is near.
+
+    >>> suggestion("hwven", ["vem", "hwvem"]), suggestion("x", ["vem"])
+    (": did you mean 'hwvem'?", '')
+    """
+    text = name if isinstance(name, str) else shortened(name)
+    near = difflib.get_close_matches(text[:200], list(known), n=1, cutoff=0.5)
+    return f": did you mean {near[0]!r}?" if near else ""
+
+
+NEEDED = {
+    "bool_parsing": "true or false is needed",
+    "bool_type": "true or false is needed",
+    "dict_type": "a table is needed",
+    "extra_forbidden": "there is no such key",
+    "finite_number": "a finite number is needed",
+    "float_parsing": "a number is needed",
+    "float_type": "a number is needed",
+    "frozen_instance": "it cannot be changed",
+    "greater_than": "a number > {gt} is needed",
+    "greater_than_equal": "a number >= {ge} is needed",
+    "int_from_float": "a whole number is needed",
+    "int_parsing": "a whole number is needed",
+    "int_parsing_size": "it has too many digits",
+    "int_type": "a whole number is needed",
+    "is_instance_of": "a {class} is needed",
+    "less_than": "a number < {lt} is needed",
+    "less_than_equal": "a number <= {le} is needed",
+    "list_type": "a list is needed",
+    "literal_error": "{expected} is needed",
+    "missing": "it is missing",
+    "model_attributes_type": "a table is needed",
+    "model_type": "a table is needed",
+    "path_type": "the name of a file is needed",
+    "string_pattern_mismatch": "it must match {pattern}",
+    "string_too_long": "at most {max_length} characters are allowed",
+    "string_too_short": "at least {min_length} characters are needed",
+    "string_type": "a text is needed",
+    "string_unicode": "a text is needed",
+    "too_long": "at most {max_length} are allowed, not {actual_length}",
+    "too_short": "at least {min_length} are needed, not {actual_length}",
+    "tuple_type": "a list is needed",
+    "union_tag_invalid": "{expected_tags} is needed",
+    "union_tag_not_found": "{discriminator} is missing",
+}
+"""What is allowed where pydantic found a fault of a kind, in our words."""
+
+
+def needed(fault: Mapping[str, Any]) -> str:
+    """What is allowed instead of what pydantic found, from one of its faults.
+
+    >>> needed({"type": "int_parsing", "msg": "Input should be a valid integer, unable to ..."})
+    'a whole number is needed'
+    >>> needed({"type": "less_than_equal", "msg": "...", "ctx": {"le": 3}})
+    'a number <= 3 is needed'
+    """
+    context = {
+        name: f"{value:g}" if isinstance(value, float) else value
+        for name, value in (fault.get("ctx") or {}).items()
+    }
+    try:
+        return NEEDED[fault["type"]].format_map(context)
+    except KeyError:
+        message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+        return f"it {message}" if message.startswith("should") else lowered(message)
+
+
+def lowered(message: str) -> str:
+    """A message as the second half of a sentence."""
+    return message[:1].lower() + message[1:]
+
+
+def shortened(value: Any, most: int = 60) -> str:
+    """A value as it is written, the middle left out of what is long.
+
+    >>> shortened(3.5), shortened("x" * 100)
+    ('3.5', "'xxxxxxxxxxxxxxxxxxxxxxxxxxx...xxxxxxxxxxxxxxxxxxxxxxxxxxx'")
+    """
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # Python writes no number of more than 4300 digits
+        return "a value too long to write"
+    half = (most - 4) // 2
+    return text if len(text) <= most else f"{text[:half]}...{text[-half:]}"
 
 
 def first_refusal(
@@ -41,13 +139,13 @@ def first_refusal(
     first = error.errors()[0]
     keys = [str(key) for key in first["loc"] if key not in tags and "[" not in str(key)]
     where = f" ({origin})" if origin else ""
-    message = first["msg"].removeprefix("Value error, ")
-    message = message[:1].lower() + message[1:]
     key = ".".join(keys)
     if first["type"] == "missing":
         return Refusal(f"{thing} has no {key}{where}")
     if first["type"] == "extra_forbidden":
         return Refusal(f"{thing} has an unknown key {key!r}{where}")
     if first["type"] == "value_error" and not keys:
-        return Refusal(f"{thing}: {message}{where}")
-    return Refusal(f"{thing}: {key} = {first['input']!r} is not allowed: {message}{where}")
+        return Refusal(f"{thing}: {needed(first)}{where}")
+    return Refusal(
+        f"{thing}: {key} = {shortened(first['input'])} is not allowed: {needed(first)}{where}"
+    )

@@ -235,6 +235,7 @@ BODY = Body(
     measures=("clearance",),
     measure=measure,
     sees_obstacles=True,
+    stops=True,
     lasts=lambda p: p.dt,
     unit="s",
 )

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
+from worlds.crossing import is_crossed
 from worlds.ground import signed_distance
 
 
@@ -53,14 +54,24 @@ def separation(dx, dy, ux, uy, vx, vy, length, width):
 
 @compiled
 def nearest_car(me, near, x, y, ux, uy, p):
-    """Separation (m) of the nearest other car from this one at (x, y) along (ux, uy); or inf."""
+    """Separation (m) of the nearest other car from this one at (x, y) along (ux, uy); or inf.
+
+    The block holds this car too, and knows it by its place and heading: of several that share both,
+    all but one are others.
+    """
     least = math.inf
+    alike = 0
     for j in range(near.n):
         ex, ey = near.x[j] - me.x, near.y[j] - me.y
+        same = (ex * ex + ey * ey == 0.0) & (near.ux[j] == me.ux) & (near.uy[j] == me.uy)
+        alike += 1 if same else 0
         gap = separation(
             near.x[j] - x, near.y[j] - y, ux, uy, near.ux[j], near.uy[j], p.length, p.width
         )
-        least = min(least, gap if ex * ex + ey * ey > 0.0 else math.inf)
+        least = min(least, math.inf if same else gap)
+    if alike > 1:
+        gap = separation(me.x - x, me.y - y, ux, uy, me.ux, me.uy, p.length, p.width)
+        least = min(least, gap)
     return least
 
 
@@ -87,10 +98,13 @@ def nearest_solid(ground, x, y, ux, uy, p):
 def is_stopped(me, near, ground, x, y, ux, uy, p):
     """Whether a car or something solid stops the car from going on to (x, y) along (ux, uy).
 
-    It does where they would overlap, and more than they do already: a car can always get away.
+    It does where they would overlap, and more than they do already: a car can always get away. And
+    it does where the car's middle would go through a wall too thin for the corners to meet it.
     """
     gap = nearest_car(me, near, x, y, ux, uy, p)
     if gap <= 0.0 and gap < nearest_car(me, near, me.x, me.y, me.ux, me.uy, p):
         return True
     gap = nearest_solid(ground, x, y, ux, uy, p)
-    return gap <= 0.0 and gap < nearest_solid(ground, me.x, me.y, me.ux, me.uy, p)
+    if gap <= 0.0 and gap < nearest_solid(ground, me.x, me.y, me.ux, me.uy, p):
+        return True
+    return is_crossed(ground, me.x, me.y, 0.0, x, y, 0.0)

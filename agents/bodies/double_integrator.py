@@ -81,6 +81,7 @@ BODY = Body(
     parameters=DoubleIntegrator,
     move=move,
     takes="acceleration",
+    stride=lambda p: p.p_max * seconds_per_tick(p),
     lasts=seconds_per_tick,
     unit="s",
 )

@@ -114,6 +114,12 @@ def move(me, near, ground, want, p, out):
     return Moved(x, y, z, vx / speed, vy / speed, vz / speed, speed)
 
 
+@compiled
+def passes(p):
+    """Whether it goes through what is solid, as in the paper's literal text."""
+    return p.guard == 0.0
+
+
 BODY = Body(
     name="drone",
     title="Drone",
@@ -122,6 +128,8 @@ BODY = Body(
     move=move,
     takes="velocity",
     sees_obstacles=True,
+    passes=passes,
+    passes_with="guard = false",
     lasts=lambda p: p.dt,
     unit="s",
 )

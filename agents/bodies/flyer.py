@@ -15,6 +15,7 @@ from agents.bodies.upwash import saved
 from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
 from worlds.compiled import compiled
+from worlds.crossing import skin
 from worlds.ground import signed_distance
 
 ALWAYS = 0.0
@@ -147,20 +148,26 @@ def move(me, near, ground, want, p, out):
 
 @compiled
 def touches(me, near, ground, p):
-    """1.0 if the body touches another, 2.0 if it touches a block or a wall, else 0.0."""
+    """1.0 if the body touches another, 2.0 if it touches a block or a wall, else 0.0.
+
+    At no distance stands the agent itself; whoever else does touches it.
+    """
     if p.contact != ALWAYS and me.tick > 0:
         return 0.0
     least = math.inf
+    here = 0
     for j in range(near.n):
         dx = near.x[j] - me.x
         dy = near.y[j] - me.y
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
         least = min(least, d2 if d2 > 0.0 else math.inf)
+        here += 0 if d2 > 0.0 else 1
     apart = max(p.body, p.d_0) if me.tick == 0 else p.body
-    if least <= apart * apart:
+    if here > 1 or least <= apart * apart:
         return 1.0
-    if ground.solids > 0 and signed_distance(ground, me.x, me.y, me.z) <= 0.5 * p.body:
+    near_enough = 0.5 * p.body + 2.0 * skin(me.x, me.y, me.z)
+    if ground.solids > 0 and signed_distance(ground, me.x, me.y, me.z) <= near_enough:
         return 2.0
     return 0.0
 
@@ -176,6 +183,12 @@ def begins(parameters: Flyer, rng: np.random.Generator, n: int) -> np.ndarray:
     return rng.uniform(min(parameters.v_min, parameters.v0), parameters.v0, n)
 
 
+@compiled
+def passes(p):
+    """Whether it goes through blocks and walls: bodies are only looked at as a run starts."""
+    return p.contact != ALWAYS
+
+
 FLYER = Body(
     name="flyer",
     title="Flapping-wing aircraft",
@@ -188,6 +201,9 @@ FLYER = Body(
     measures=("saved",),
     measure=measure,
     begins=begins,
+    stops=True,
+    passes=passes,
+    passes_with="contact = start",
     sight="sight",
     lasts=lambda p: p.tau,
     unit="s",

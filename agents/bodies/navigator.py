@@ -196,6 +196,12 @@ def move(me, near, ground, want, p, out):
     return Moved(me.x + vx, me.y + vy, me.z + vz, u.x, u.y, u.z, speed)
 
 
+@compiled
+def passes(p):
+    """Whether it goes through what is solid, as in the paper's literal text."""
+    return p.guard == 0.0
+
+
 BODY = Body(
     name="navigator",
     title="Navigating UAV",
@@ -205,6 +211,8 @@ BODY = Body(
     signals=("heard",),
     deafens=True,
     sees_obstacles=True,
+    passes=passes,
+    passes_with="guard = false",
     sight="r_avoid",
     forces=("alignment", "repulsion", "attraction"),
     explain=explain,

@@ -110,6 +110,12 @@ def move(me, near, ground, want, p, out):
     return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
 
 
+@compiled
+def passes(p):
+    """Whether it goes through what is solid, as in the paper's literal text."""
+    return p.guard == 0.0
+
+
 BODY = Body(
     name="steered",
     title="Simple vehicle",
@@ -118,6 +124,8 @@ BODY = Body(
     move=move,
     takes="acceleration",
     sees_obstacles=True,
+    passes=passes,
+    passes_with="guard = false",
     lasts=lambda p: p.dt,
     unit="s",
 )

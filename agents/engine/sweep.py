@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 from agents.engine.around import fill_block, nearest_images
 from agents.engine.block import Me, Near, Wish
-from agents.engine.bounce import bounced
 from agents.engine.cells import (
     count_rows,
     fill_slots,
@@ -29,6 +28,7 @@ from agents.engine.cells import (
 from agents.engine.fall import crash, fall
 from agents.engine.flat import ones, zeros
 from agents.engine.guide import guided
+from agents.engine.hold import PASSES, held
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.observables.consistency import is_consistent
@@ -37,18 +37,19 @@ from worlds.ground import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (
-        BOUNCES,
         CRASHES,
         DEAFENS,
         DIM,
         HEADS,
         MEASURES,
+        MEETS,
         PRIVATE,
         SEES_POINTS,
         SIGNALS,
         decide,
         measure,
         move,
+        passes,
         perceive,
         prepare,
         remember,
@@ -80,10 +81,10 @@ def headed(me, wish, noise, eta):
 
 
 @compiled
-def settle(flock, space, ground, i, me, moved):
-    """Write what the body answered into row i, within the world's edges."""
-    if BOUNCES:
-        moved = bounced(ground, me, moved)
+def settle(flock, space, ground, i, me, moved, p):
+    """Write what the body answered into row i, within the world's edges and out of its solids."""
+    if MEETS != PASSES and not passes(p):
+        moved = held(ground, space, me, moved, MEETS)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
     flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
     flock.heading[i, 0] = moved.ux
@@ -115,7 +116,7 @@ def act(flock, space, ground, i, me, near, law, desk):
         want = decide(me, near, ground, p)
         if HEADS:
             want = headed(me, want, law.noise, p.eta)
-    settle(flock, space, ground, i, me, move(me, near, ground, want, p, out))
+    settle(flock, space, ground, i, me, move(me, near, ground, want, p, out), p)
     if SIGNALS > 0:
         remember(me, near, p, out)
     for k in range(SIGNALS):

@@ -23,8 +23,8 @@ MEASURES = 0
 """What is measured of each agent in the pass."""
 CRASHES = False
 """Whether agents that touch something fall."""
-BOUNCES = False
-"""Whether agents bounce off what is solid, because their rule does not see it."""
+MEETS = 0
+"""What an agent does where its step enters something solid, see `agents.engine.hold`."""
 
 
 @compiled
@@ -62,6 +62,12 @@ def measure(me, near, p, out):
 def touches(me, near, ground, p):
     """Touch nothing."""
     return 0.0
+
+
+@compiled
+def passes(p):
+    """Go through nothing solid."""
+    return False
 
 
 @compiled

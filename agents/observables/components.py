@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from agents.engine.cache import kept
+from agents.observables.checks import box, length, spread, together, vectors
 from agents.observables.groups import ranked
 from agents.observables.neighbours import into_the_box
 from worlds.compiled import compiled
@@ -101,20 +102,24 @@ def groups_within(position: np.ndarray, r: float, size, images) -> np.ndarray:
 
     Parameters
     ----------
-    position: (N, dim), length. r: length.
-    size: (dim,) sides of the box; images: (dim,) bool, axes seen across the seam.
+    position: (N, dim), length. r: >= 0, length.
+    size: (dim,) sides of the box > 0; images: (dim,) bool, axes seen across the seam.
 
     Returns
     -------
-    int (N,): 0 the largest group, then by size, ties by first row, as `groups.group_labels`.
+    int (N,): 0 the largest group, then by size, ties by first row, as `groups.group_labels`; -1 for
+    rows that are no numbers, of which a warning tells. Raises Refusal.
 
     >>> on_a_line = np.array([[0.0, 0.0], [5.0, 0.0], [6.0, 0.0]])
     >>> groups_within(on_a_line, 1.0, np.ones(2), np.zeros(2, bool)).tolist()
     [1, 0, 0]
     """
+    stay, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
+    r = length("r", r)
     n, dim = position.shape
-    if n == 0 or r <= 0.0:
-        return np.arange(n)
+    if n == 0 or r == 0.0:
+        return spread(stay, np.arange(n), -1)
     inside = into_the_box(position, size, images)
     most = r / math.sqrt(dim) * (1.0 - 1e-9)
     around = np.maximum(1, np.ceil(np.asarray(size, float) / most))
@@ -139,4 +144,4 @@ def groups_within(position: np.ndarray, r: float, size, images) -> np.ndarray:
     )
     label = np.empty(n, np.int64)
     label[order] = np.where(linked[of_agent], parent[of_agent], len(cells) + np.arange(n))
-    return ranked(label)
+    return spread(stay, ranked(label), -1)

@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.observables.checks import column, headings, numbers
 from worlds.compiled import compiled
+from worlds.refusal import Refusal
 
 DESIRED = 0.9984
 """Deg_con^d, the degree at which Liu et al. 2021 call a flock consistent (section 3.1)."""
@@ -80,16 +82,22 @@ def is_consistent(heading, watch):
 def reference_vector(heading: np.ndarray, reference) -> np.ndarray:
     """A unit vector: an angle (rad, 2-D), a vector, or None for the direction of the mean heading.
 
-    The mean direction of headings that cancel out is the first axis.
+    The mean direction of headings that cancel out, or of nobody, is the first axis. Raises Refusal.
     """
     if reference is None:
-        reference = heading.mean(axis=0)
+        reference = heading.mean(axis=0) if len(heading) else np.zeros(heading.shape[1])
         if np.linalg.norm(reference) * len(heading) < 1e-12:
             reference = np.eye(heading.shape[1])[0]
-    vector = np.atleast_1d(np.asarray(reference, float))
-    if vector.size == 1:
+    vector = np.atleast_1d(numbers("reference", reference))
+    if vector.shape == (1,) and math.isfinite(vector[0]):
         return np.array([math.cos(vector[0]), math.sin(vector[0])])
-    return vector / np.linalg.norm(vector)
+    size = float(np.linalg.norm(vector)) if vector.shape in ((2,), (3,)) else math.nan
+    if not 0.0 < size < math.inf:
+        raise Refusal(
+            f"reference = {vector.tolist()} is not allowed: a finite angle (rad), or a vector that "
+            "is not zero, is needed"
+        )
+    return vector / size
 
 
 def consistency(heading: np.ndarray, reference=None) -> float:
@@ -97,21 +105,24 @@ def consistency(heading: np.ndarray, reference=None) -> float:
 
     Parameters
     ----------
-    heading: (N, dim) unit vectors.
+    heading: (N, dim) unit vectors; rows that are no numbers are left out, with a warning.
     reference: theta^d as an angle (rad, 2-D) or a vector (dim,); None takes the mean heading, as
         for models that do not converge to a given direction.
 
     Returns
     -------
-    1 - sqrt(sum of squared angles) / (N pi), in [0, 1]; 1 for an empty flock.
+    1 - sqrt(sum of squared angles) / (N pi), in [0, 1]; 1 for an empty flock. Raises Refusal.
 
     >>> consistency(np.array([[1.0, 0.0], [1.0, 0.0]]), 0.0)
     1.0
     """
-    n = len(heading)
+    heading = headings(heading)
+    n, dim = heading.shape
+    target = reference_vector(heading, reference)
+    if len(target) != dim:
+        raise Refusal(f"reference has {len(target)} axes and heading {dim}")
     if n == 0:
         return 1.0
-    target = reference_vector(heading, reference)
     apart = np.linalg.norm(heading - target, axis=1)
     along = np.linalg.norm(heading + target, axis=1)
     angle = 2.0 * np.arctan2(apart, along)
@@ -121,18 +132,21 @@ def consistency(heading: np.ndarray, reference=None) -> float:
 def convergence_time(degrees, desired: float = DESIRED) -> int | None:
     """k_con (27): the first tick from which the degree of consistency stays at `desired` or above.
 
-    `degrees` holds Deg_con for k = 0, 1, 2, ...; None if its last value is below `desired`.
+    `degrees` (K,) holds Deg_con for k = 0, 1, 2, ...; None if its last value is below `desired`, or
+    without values. A tick whose value is nan is not known to be at `desired`, and so is not. Raises
+    Refusal.
 
     >>> convergence_time([0.5, 0.9990, 0.7, 0.9985, 0.9990])
     3
     """
-    below = np.flatnonzero(np.asarray(degrees) < desired)
+    degree = column("degrees", degrees)
+    below = np.flatnonzero(~(degree >= desired))
     k = 0 if below.size == 0 else int(below[-1]) + 1
-    return k if k < len(degrees) else None
+    return k if k < len(degree) else None
 
 
 def watch_for(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> Watch:
-    """A `Watch` for n agents: until Deg_con >= desired has held for `hold` ticks."""
+    """A `Watch` for n agents: until Deg_con >= desired has held for `hold` ticks. Or Refusal."""
     bound = ((1.0 - desired) * n * math.pi) ** 2
     if reference is None:
         return Watch(2, bound, hold, -1, 0.0, 0.0, 0.0)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.engine.cache import kept
+from agents.observables.checks import box, length, together, vectors
 from agents.observables.neighbours import nearest_neighbour
 
 LARGEST = 4000
@@ -61,8 +62,12 @@ def bin_width(position: np.ndarray, size, images) -> float:
     """The width of a bin of distance, length: the median distance to the nearest neighbour.
 
     Or what makes BINS bins of the largest distance that can be, if that is more. Arguments as for
-    `correlation`, of at least two agents; 1 if all are on one spot.
+    `correlation`; 1 if all are on one spot or fewer than two are there.
     """
+    _, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
+    if len(position) < 2:
+        return 1.0
     sides = np.where(images, np.asarray(size, float) / 2.0, np.ptp(position, axis=0))
     near = np.median(nearest_neighbour(position, size, images))
     return float(max(near, np.linalg.norm(sides) / BINS)) or 1.0
@@ -79,14 +84,20 @@ def correlation(
     Parameters
     ----------
     position, velocity: (N, dim), length and length/time; headings do where all speeds are equal.
-    size: (dim,) sides of the box; images: (dim,) bool, axes along which distances cross the seam.
+        Rows of which a number is missing are left out, with a warning.
+    size: (dim,) sides of the box > 0; images: (dim,) bool, axes along which distances cross the
+        seam.
     width: of a bin, length > 0; None takes `bin_width`.
 
     Returns
     -------
     None for fewer than two agents, or if all velocities are the same. Since fluctuations add up to
-    nothing, some bin is always below 0.
+    nothing, some bin is always below 0. Raises Refusal.
     """
+    position, velocity = vectors("position", position), vectors("velocity", velocity)
+    _, position, velocity = together(position=position, velocity=velocity)
+    size, images = box(size, images, position.shape[1])
+    width = None if width is None else length("width", width, positive=True)
     n = len(position)
     if n > LARGEST:
         rows = np.sort(np.random.default_rng(0).choice(n, LARGEST, replace=False))

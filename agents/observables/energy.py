@@ -7,16 +7,22 @@ from typing import Any
 
 import numpy as np
 
+from agents.observables.checks import is_finite, length, numbers, together, vectors
+from worlds.refusal import Refusal
+
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
 def sigma_norm(distance, eps: float):
-    """|z|_sigma = (sqrt(1 + eps |z|^2) - 1) / eps of distances |z| >= 0, same shape.
+    """|z|_sigma = (sqrt(1 + eps |z|^2) - 1) / eps of distances |z| >= 0, same shape; eps > 0.
+
+    nan where a distance is. Raises Refusal.
 
     >>> float(sigma_norm(4.0, 0.5))
     4.0
     """
-    return (np.sqrt(1.0 + eps * np.square(distance)) - 1.0) / eps
+    eps = length("eps", eps, positive=True)
+    return (np.sqrt(1.0 + eps * np.square(numbers("distance", distance))) - 1.0) / eps
 
 
 def action(s, p: Any):
@@ -38,8 +44,9 @@ def integral(low, high, p: Any):
 
 
 def potential(distance, p: Any) -> np.ndarray:
-    """psi_alpha(|z|_sigma) (8) of distances (M,), m^2/s^2: 0 at d, constant beyond r.
+    """psi_alpha(|z|_sigma) (8) of distances (M,), m, in m^2/s^2: 0 at d, constant beyond r.
 
+    nan where a distance is. Raises Refusal for what are no numbers.
     Within 1e-12 of its largest value, since the two smooth pieces of the bump are integrated apart.
     """
     end = sigma_norm(p.r, p.eps)
@@ -50,15 +57,19 @@ def potential(distance, p: Any) -> np.ndarray:
             np.broadcast_to(knot, s.shape), np.maximum(s, knot), p
         )
 
-    s = np.minimum(sigma_norm(np.atleast_1d(np.asarray(distance, float)), p.eps), end)
+    s = np.minimum(sigma_norm(np.atleast_1d(numbers("distance", distance)), p.eps), end)
     return from_zero(s) - from_zero(np.full(1, sigma_norm(p.d, p.eps)))
 
 
 def urgency(distance, p: Any) -> np.ndarray:
-    """eta (12) of distances (M,): tau_s nearer than d_e, tau_e up to d, tau_a beyond."""
+    """eta (12) of distances (M,), m: tau_s nearer than d_e, tau_e up to d, tau_a beyond.
+
+    nan where a distance is. Raises Refusal for what are no numbers.
+    """
     warning = p.d_min + 2.0 * p.p_max * p.dt
-    distance = np.asarray(distance, float)
-    return np.where(distance < warning, p.tau_s, np.where(distance <= p.d, p.tau_e, p.tau_a))
+    distance = numbers("distance", distance)
+    eta = np.where(distance < warning, p.tau_s, np.where(distance <= p.d, p.tau_e, p.tau_a))
+    return np.where(np.isnan(distance), np.nan, eta)
 
 
 def held(one: np.ndarray, other: np.ndarray, p: Any) -> float:
@@ -76,20 +87,33 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     Parameters
     ----------
     position, velocity: (N, dim), m and m/s. goal: (2, dim), position and velocity of the gamma
-        agent. points: (M, dim), all boundary points, m; M may be 0.
+        agent. points: (M, dim), all boundary points, m; M may be 0. Agents and points of which a
+        number is missing are left out, with a warning.
     p: parameters of the model `boundary-points` (a flock's `parameters`).
 
-    The potential of a pair counts once from either side, as printed: 1/2 (V_ij + V_ji). One agent
-    alone:
+    The potential of a pair counts once from either side, as printed: 1/2 (V_ij + V_ji). Nobody has
+    the energy 0. Raises Refusal. One agent alone:
 
     >>> from agents.catalogue import model
     >>> p = model("boundary-points").parameters()
     >>> hamiltonian([[3.0, 4.0]], [[0.0, 1.0]], [[0.0, 0.0], [0.0, 0.0]], [], p)
     13.0
     """
-    position, velocity = np.asarray(position, float), np.asarray(velocity, float)
-    at, speed = np.asarray(goal, float)
-    points = np.asarray(points, float).reshape(-1, position.shape[1])
+    position, velocity = vectors("position", position), vectors("velocity", velocity)
+    _, position, velocity = together(position=position, velocity=velocity)
+    dim = position.shape[1]
+    ends = numbers("goal", goal)
+    if ends.shape != (2, dim) or not is_finite(ends):
+        raise Refusal(
+            f"goal = {ends.tolist()} is not allowed: a position and a velocity, (2, {dim}) finite "
+            "numbers, are needed"
+        )
+    at, speed = ends
+    points = numbers("points", points)
+    points = vectors("points", points) if points.size else np.empty((0, dim))
+    if points.shape[1] != dim:
+        raise Refusal(f"points have {points.shape[1]} axes and positions {dim}")
+    _, points = together(points=points)
     flock = p.c1a * held(position, position, p)
     ground = 2.0 * p.c1b * held(position, points, p)
     pull = p.c1g * float(np.square(position - at).sum())
@@ -99,7 +123,8 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
 def furthest(energy: float, p: Any) -> float:
     """sqrt(2 H_0 / c_1^gamma): no agent is ever further from a static gamma agent, m (theorem 1).
 
-    `energy` is H at the start, m^2/s^2, `p` the parameters as for `hamiltonian`. Without a pull to
-    the gamma agent there is no bound: inf.
+    `energy` is H at the start, m^2/s^2, >= 0, `p` the parameters as for `hamiltonian`. Without a
+    pull to the gamma agent there is no bound: inf. Raises Refusal.
     """
+    energy = length("energy", energy)
     return math.sqrt(2.0 * energy / p.c1g) if p.c1g > 0.0 else math.inf

@@ -7,15 +7,14 @@ import math
 import numpy as np
 
 from agents.engine.cache import kept
+from agents.observables.checks import column, leave_out, length, numbers
 from worlds.ground import nearest_surface
+from worlds.refusal import Refusal
 
 
 @kept
-def nearest_pairs(trace, least2):
-    """Bring `least2` (N, N), the least squared distance of each pair so far, up to date.
-
-    `trace` is (T, dim, N), positions of T ticks, length. Only least2[i, j] with i < j is used.
-    """
+def bring_pairs(trace, least2):
+    """`nearest_pairs` of arrays that are checked."""
     ticks, dim, n = trace.shape
     for t in range(ticks):
         for i in range(n):
@@ -30,37 +29,34 @@ def nearest_pairs(trace, least2):
 
 
 @kept
-def least_clearances(trace, ground, least):
-    """Bring `least` (N,), each agent's least signed distance to a surface, up to date.
-
-    `trace` is (T, dim, N), positions of T ticks, length.
-    """
+def bring_clearances(trace, ground, least):
+    """`least_clearances` of arrays that are checked."""
     ticks, dim, n = trace.shape
     if ground.solids == 0:
         return
     for t in range(ticks):
         for i in range(n):
             z = trace[t, 2, i] if dim == 3 else 0.0
-            at = nearest_surface(ground, trace[t, 0, i], trace[t, 1, i], z)
-            least[i] = min(least[i], at.distance)
+            if math.isfinite(trace[t, 0, i]) and math.isfinite(trace[t, 1, i]) and math.isfinite(z):
+                at = nearest_surface(ground, trace[t, 0, i], trace[t, 1, i], z)
+                least[i] = min(least[i], at.distance)
 
 
 @kept
-def keep_following(trace, informed, r, follows, reached, queue):
-    """Clear `follows` (N,) for agents that at some tick are cut off from the information agents.
-
-    An agent follows while it is in the component of an information agent in the graph of all pairs
-    within r (length). `trace` is (T, dim, N), `informed` (N,) bool; `reached` (N,) bool and
-    `queue` (N,) int are working space. Liu et al. 2021, section 3.2.
-    """
+def bring_following(trace, there, informed, r, follows, reached, queue):
+    """`keep_following` of arrays that are checked; `there` (T, N) bool tells who is where."""
     ticks, dim, n = trace.shape
     for t in range(ticks):
         tail = 0
+        lost = False
         for i in range(n):
-            reached[i] = informed[i]
-            if informed[i]:
+            reached[i] = informed[i] and there[t, i]
+            lost = lost or (informed[i] and not there[t, i])
+            if reached[i]:
                 queue[tail] = i
                 tail += 1
+        if tail == 0 and lost:
+            continue
         at = 0
         while at < tail:
             i = queue[at]
@@ -76,29 +72,102 @@ def keep_following(trace, informed, r, follows, reached, queue):
                         queue[tail] = j
                         tail += 1
         for i in range(n):
-            follows[i] = follows[i] and reached[i]
+            follows[i] = follows[i] and (reached[i] or not there[t, i])
 
 
-KERNELS = (nearest_pairs, least_clearances, keep_following)
+KERNELS = (bring_pairs, bring_clearances, bring_following)
+
+
+def places(trace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A trace (T, dim, N) as the kernels take it, and whether an agent is anywhere then, (T, N).
+
+    What is infinite is made nan, from which nothing is near. Raises Refusal, and warns of the rows
+    of all ticks that are left out.
+    """
+    trace = numbers("trace", trace, axes=3)
+    ticks, dim, n = trace.shape
+    if dim not in (2, 3):
+        raise Refusal(f"trace has shape {trace.shape}: (T, 2, N) or (T, 3, N) is needed")
+    there = np.isfinite(trace).all(axis=1)
+    if not there.all():
+        leave_out(int((~there).sum()), ticks * n, "trace")
+        trace = np.where(there[:, None], trace, np.nan)
+    return np.ascontiguousarray(trace), there
+
+
+def written(name: str, array: np.ndarray, shape: tuple[int, ...], kind: type) -> np.ndarray:
+    """An array that is written to, of just this shape and kind. Raises Refusal."""
+    if not isinstance(array, np.ndarray) or array.shape != shape or array.dtype != kind:
+        found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else repr(array)
+        raise Refusal(f"{name} is {found}: an array {kind.__name__} {shape} is needed")
+    return array
+
+
+def nearest_pairs(trace: np.ndarray, least2: np.ndarray) -> None:
+    """Bring `least2` (N, N), the least squared distance of each pair so far, up to date.
+
+    `trace` is (T, dim, N), positions of T ticks, length. Only least2[i, j] with i < j is used. At a
+    tick at which an agent's position is no number it is left out, with a warning. Raises Refusal.
+    """
+    trace, _ = places(trace)
+    n = trace.shape[2]
+    bring_pairs(trace, written("least2", least2, (n, n), float))
+
+
+def least_clearances(trace: np.ndarray, ground, least: np.ndarray) -> None:
+    """Bring `least` (N,), each agent's least signed distance to a surface, up to date.
+
+    `trace` is (T, dim, N), positions of T ticks, length; `ground` a flock's `engine.ground`. Left
+    out and refused as for `nearest_pairs`.
+    """
+    trace, _ = places(trace)
+    bring_clearances(trace, ground, written("least", least, trace.shape[2:], float))
+
+
+def keep_following(trace, informed, r: float, follows, reached, queue) -> None:
+    """Clear `follows` (N,) for agents that at some tick are cut off from the information agents.
+
+    An agent follows while it is in the component of an information agent in the graph of all pairs
+    within r (length). `trace` is (T, dim, N), `informed` (N,) bool; `reached` (N,) bool and
+    `queue` (N,) int are working space. Liu et al. 2021, section 3.2. Left out and refused as for
+    `nearest_pairs`: where an agent is not known nothing is said of it, nor of anybody at a tick at
+    which that is so of all information agents.
+    """
+    trace, there = places(trace)
+    shape = trace.shape[2:]
+    bring_following(
+        trace,
+        there,
+        written("informed", informed, shape, bool),
+        length("r", r),
+        written("follows", follows, shape, bool),
+        written("reached", reached, shape, bool),
+        written("queue", queue, shape, np.int64),
+    )
 
 
 def spread_bound(n: int, d: float) -> float:
     """How far from its goal the outermost of n agents may be that stand around it at distance d.
 
-    1.35 times the radius of a hexagonal lattice of spacing d (length) with n places.
+    1.35 times the radius of a hexagonal lattice of spacing d (length, >= 0) with n >= 0 places.
+    Raises Refusal.
 
     >>> round(spread_bound(30, 4.0), 2)
     15.53
     """
-    return 1.35 * d * math.sqrt(n * math.sqrt(3.0) / (2.0 * math.pi))
+    count, d = length("n", n), length("d", d)
+    return 1.35 * d * math.sqrt(count * math.sqrt(3.0) / (2.0 * math.pi))
 
 
 def settling_tick(distance: np.ndarray, within: float) -> int | None:
     """The first index from which `distance` (T,) stays <= `within`, both length; None if never.
 
+    A tick at which the distance is nan is not known to be near, and so is not. Raises Refusal.
+
     >>> settling_tick(np.array([5.0, 1.0, 3.0, 1.5, 1.0]), 2.0)
     3
     """
+    distance = column("distance", distance)
     away = np.flatnonzero(~(distance <= within))
     if len(away) == 0:
         return 0

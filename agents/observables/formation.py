@@ -15,6 +15,7 @@ from scipy.optimize import minimize_scalar
 from agents.bodies.upwash import CORE, WITHIN, relief, saved_within
 from agents.engine.block import Me, Near
 from agents.engine.cache import kept
+from agents.observables.checks import box, numbers, spread, together, units, vectors
 from worlds.refusal import Refusal
 
 FAR = 1e9
@@ -66,20 +67,27 @@ def sum_up(position, heading, size, images, b, block, none, out):
 def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
     """Share of its induced drag that a bird saves by another, without the fading of wakes.
 
-    It flies `dx` behind (negative: ahead; `math.inf` is allowed), `dy` beside and `dz` above the
-    other, in spans; arrays that broadcast. `core` >= 0 is the radius of the vortices' cores in
-    spans, 0 for line vortices. The share is negative in the downwash. Raises Refusal.
+    It flies `dx` behind (negative: ahead), `dy` beside and `dz` above the other, in spans, each of
+    which may be infinite; arrays that broadcast. `core` >= 0 is the radius of the vortices' cores
+    in spans, 0 for line vortices. The share is negative in the downwash, and nan where a place is.
+    Raises Refusal.
 
     >>> round(float(upwash_share(math.inf, 1.0 - 0.137)), 3)
     0.692
     """
     if not 0.0 <= core < math.inf:
         raise Refusal(f"core = {core!r} span is not allowed: a number >= 0 is needed")
-    far = np.clip(np.asarray(dx, float), -FAR, FAR)
-    there = np.broadcast_arrays(far, np.asarray(dy, float), np.asarray(dz, float))
+    far = np.clip(numbers("dx", dx), -FAR, FAR)
+    try:
+        there = np.broadcast_arrays(far, numbers("dy", dy), numbers("dz", dz))
+    except ValueError:
+        shapes = ", ".join(str(np.shape(one)) for one in (dx, dy, dz))
+        raise Refusal(f"dx, dy and dz of shapes {shapes} do not match") from None
     out = np.empty(there[0].size)
     relieve(*(np.ascontiguousarray(one).ravel() for one in there), float(core), out)
-    return out.reshape(there[0].shape)
+    aside = np.isinf(there[1]) | np.isinf(there[2])
+    share = np.where(aside, 0.0, out.reshape(there[0].shape))
+    return np.where(np.isnan(there).any(axis=0), np.nan, share)
 
 
 def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.0) -> Spacing:
@@ -111,23 +119,26 @@ def saved_shares(
 ) -> np.ndarray:
     """Share (N,) of its own induced drag that each bird saves; as a flock's `saved` has it.
 
-    `position` (N, dim) and `heading` (N, dim, unit vectors) with dim 2 or 3, `span` > 0 the wing
+    `position` (N, dim) and `heading` (N, dim, unit vectors) with dim 2 or 3: a bird of which a
+    number is missing is left out and has nan, and a warning tells of it. `span` > 0 is the wing
     span in the unit of the positions. `size` (dim,) and `images` (dim,) bool: the sides of a box
     and along which of its axes the nearest image counts; None: open space. See
     `agents.bodies.upwash.saved` for what is summed; of N birds it costs N^2. Raises Refusal.
     """
-    position, heading = np.asarray(position, float), np.asarray(heading, float)
+    position, heading = vectors("position", position), vectors("heading", heading)
     if not 0.0 < span < math.inf:
         raise Refusal(f"span = {span!r} is not allowed: a length > 0 is needed")
+    stay, position, heading = together(position=position, heading=heading)
+    units(heading)
     n, dim = position.shape
     places, ways = np.zeros((3, n)), np.zeros((3, n))
     places[:dim], ways[:dim] = position.T, heading.T
-    box, wraps = np.ones(3), np.zeros(3, bool)
+    sides, wraps = np.ones(3), np.zeros(3, bool)
     if size is not None and images is not None:
-        box[:dim], wraps[:dim] = size, images
+        sides[:dim], wraps[:dim] = box(size, images, dim)
     out = np.zeros(n)
-    sum_up(places, ways, box, wraps, float(span), np.empty((3, n)), np.zeros((1, 1)), out)
-    return out
+    sum_up(places, ways, sides, wraps, float(span), np.empty((3, n)), np.zeros((1, 1)), out)
+    return spread(stay, out, np.nan)
 
 
 def vee(birds: int, step: float = 0.5, tip: float | None = None) -> np.ndarray:
@@ -136,8 +147,10 @@ def vee(birds: int, step: float = 0.5, tip: float | None = None) -> np.ndarray:
     Each is `step` spans further back than the one before it on its arm and at the wing-tip spacing
     `tip` (None: the best far behind). Raises Refusal.
     """
-    if birds < 1:
+    if not isinstance(birds, int | np.integer) or birds < 1:
         raise Refusal(f"birds = {birds!r} is not allowed: a whole number >= 1 is needed")
+    if not (math.isfinite(step) and (tip is None or math.isfinite(tip))):
+        raise Refusal(f"step = {step!r} and tip = {tip!r} are not allowed: finite spans are needed")
     beside = 1.0 + (best_spacing().tip if tip is None else tip)
     i = np.arange(birds)
     rank = (i + 1) // 2
@@ -160,6 +173,8 @@ def vee_saved(
     """
     if not 0.0 <= jitter < math.inf:
         raise Refusal(f"jitter = {jitter!r} span is not allowed: a number >= 0 is needed")
+    if not isinstance(draws, int | np.integer) or draws < 1:
+        raise Refusal(f"draws = {draws!r} is not allowed: a whole number >= 1 is needed")
     places = vee(birds, step, tip)
     ahead = np.tile([1.0, 0.0, 0.0], (birds, 1))
     chance = np.random.default_rng(rng)

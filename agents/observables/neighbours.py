@@ -5,17 +5,28 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from agents.observables.checks import box, length, numbers, spread, together, vectors
+from worlds.refusal import Refusal
+
 
 def into_the_box(position: np.ndarray, size, images) -> np.ndarray:
-    """Positions (N, dim), those along axes in `images` brought into [0, size)."""
-    size = np.asarray(size, float)
+    """Positions (N, dim), those along axes in `images` brought into [0, size). Raises Refusal.
+
+    Row by row: what is nan stays nan.
+    """
+    position = vectors("position", position)
+    size, images = box(size, images, position.shape[1])
     inside = np.where(images, np.mod(position, size), position)
     return np.where(images & (inside >= size), 0.0, inside)
 
 
 def tree(position: np.ndarray, size, images) -> cKDTree:
-    """A k-d tree of positions (N, dim), periodic along the axes in `images` of length `size`."""
-    images = np.asarray(images, bool)
+    """A k-d tree of positions (N, dim), periodic along the axes in `images` of length `size`.
+
+    Rows that are no numbers are left out, with a warning. Raises Refusal.
+    """
+    _, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
     if not images.any():
         return cKDTree(position)
     return cKDTree(into_the_box(position, size, images), boxsize=np.where(images, size, 0.0))
@@ -26,30 +37,52 @@ def links(position: np.ndarray, r: float, size, images) -> np.ndarray:
 
     Parameters
     ----------
-    position: (N, dim), length. r: > 0, length.
-    size: (dim,) sides of the box; images: (dim,) bool, axes seen across the seam.
+    position: (N, dim), length; a row that is no number has no pairs, and a warning tells of it.
+    r: >= 0, length.
+    size: (dim,) sides of the box > 0; images: (dim,) bool, axes seen across the seam.
+
+    Raises Refusal.
     """
+    stay, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
+    r = length("r", r)
     if len(position) < 2:
         return np.empty((0, 2), np.int64)
     found = tree(position, size, images)
     pairs = found.query_pairs(r, output_type="ndarray")
     apart = separation(found.data[pairs[:, 0]], found.data[pairs[:, 1]], size, images)
     pairs = pairs[(apart != 0.0).any(axis=1)].astype(np.int64)
+    pairs = pairs if stay is None else np.flatnonzero(stay)[pairs]
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
 def separation(a: np.ndarray, b: np.ndarray, size, images) -> np.ndarray:
-    """Vectors from a to the nearest image of b, (..., dim)."""
-    d = np.asarray(b) - np.asarray(a)
-    size = np.asarray(size, float)
+    """Vectors from a to the nearest image of b, (..., dim), length; nan where one is. Or Refusal.
+
+    `a` and `b` are places (..., dim) that broadcast, `size` (dim,) > 0, `images` (dim,) bool.
+    """
+    a, b = numbers("a", a), numbers("b", b)
+    dim = np.size(size)
+    size, images = box(size, images, dim)
+    try:
+        fits = np.broadcast_shapes(a.shape, b.shape)[-1:] == (dim,)
+    except ValueError:
+        fits = False
+    if not fits:
+        raise Refusal(f"places of shapes {a.shape} and {b.shape} do not match a box of {dim} axes")
+    d = b - a
     return np.where(images, d - size * np.round(d / size), d)
 
 
 def mean_neighbours(position: np.ndarray, r: float, size, images) -> float:
     """Mean number of neighbours within r, those on one's own spot left out; 0 for an empty flock.
 
-    Arguments as for `links`. Pairs are counted, not listed: quick in a crowd too.
+    Arguments as for `links`; rows left out are not counted. Pairs are counted, not listed: quick in
+    a crowd too.
     """
+    _, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
+    r = length("r", r)
     if len(position) == 0:
         return 0.0
     found = tree(position, size, images)
@@ -58,9 +91,15 @@ def mean_neighbours(position: np.ndarray, r: float, size, images) -> float:
 
 
 def nearest_neighbour(position: np.ndarray, size, images) -> np.ndarray:
-    """Distance from each agent to its nearest other, (N,), length; inf for a lone agent."""
+    """Distance from each agent to its nearest other, (N,), length; inf for a lone agent.
+
+    `position` (N, dim), length: a row that is no number has nan, and a warning tells of it. `size`
+    (dim,) sides of the box > 0, `images` (dim,) bool. Raises Refusal.
+    """
+    stay, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
     if len(position) < 2:
-        return np.full(len(position), np.inf)
+        return spread(stay, np.full(len(position), np.inf), np.nan)
     found = tree(position, size, images)
     distance, _ = found.query(found.data, k=2)
-    return distance[:, 1]
+    return spread(stay, distance[:, 1], np.nan)

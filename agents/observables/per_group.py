@@ -1,17 +1,44 @@
-"""Order within each connected group, and how large the groups are."""
+"""Order within each connected group, and how large the groups are.
+
+Labels are int (N,), the group of each agent, 0..G-1, as `groups_within` and `group_labels` have
+them; -1 is an agent in none. Rows of which a number is missing are left out, with a warning; a
+group of which nobody stays has nan. What is no such array raises Refusal.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from agents.observables.checks import box, labels_of, numbers, same_length, together, units, vectors
 from agents.observables.groups import group_sizes
+from agents.observables.rotation import outward, rounding
+
+
+def in_groups(labels: np.ndarray, **arrays: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The size of each group (G,), and labels and arrays of those in a group that are numbers."""
+    label = labels_of(labels)
+    same_length(labels=label, **arrays)
+    if label.size and label.min() < 0:
+        inside = label >= 0
+        label, arrays = label[inside], {name: array[inside] for name, array in arrays.items()}
+    groups = int(label.max(initial=-1)) + 1
+    stay, *whole = together(**arrays)
+    label = label if stay is None else label[stay]
+    return np.bincount(label, minlength=groups), label, *whole
+
+
+def averaged(size: np.ndarray, labels: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The mean of values (N, K) over each group, (G, K), of groups of these sizes (G,)."""
+    columns = [np.bincount(labels, column, len(size)) for column in values.T]
+    sums = np.stack(columns, axis=1)
+    shares = np.full(sums.shape, np.nan)
+    return np.divide(sums, size[:, None], out=shares, where=size[:, None] > 0)
 
 
 def means(labels: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The mean of values (N, K) over each group, (G, K). `labels` is int (N,), each of 0..G-1."""
-    size = group_sizes(labels)
-    columns = [np.bincount(labels, column, len(size)) for column in values.T]
-    return np.stack(columns, axis=1) / size[:, None]
+    """The mean of values (N, K) over each group, (G, K)."""
+    size, label, values = in_groups(labels, values=numbers("values", values, axes=2))
+    return averaged(size, label, values)
 
 
 def polarisations(labels: np.ndarray, heading: np.ndarray) -> np.ndarray:
@@ -19,26 +46,37 @@ def polarisations(labels: np.ndarray, heading: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    labels: int (N,), the group of each agent, each of 0..G-1 at least once (`group_labels`).
+    labels: int (N,), the group of each agent.
     heading: (N, dim) unit vectors.
 
     >>> east, west = [1.0, 0.0], [-1.0, 0.0]
     >>> polarisations(np.array([0, 0, 1]), np.array([east, west, west])).tolist()
     [0.0, 1.0]
     """
-    return np.minimum(1.0, np.linalg.norm(means(labels, heading), axis=1))
+    size, label, heading = in_groups(labels, heading=vectors("heading", heading))
+    return lengths(averaged(size, label, units(heading)))
+
+
+def lengths(mean: np.ndarray) -> np.ndarray:
+    """Lengths of mean unit vectors (G, dim), at most 1 whatever the rounding; (G,)."""
+    return np.minimum(1.0, np.linalg.norm(mean, axis=1))
 
 
 def centres(labels: np.ndarray, position: np.ndarray, size, images) -> np.ndarray:
     """The centre of each group, (G, dim), length; along axes with images the mean on the circle.
 
-    `position` is (N, dim), `size` (dim,) the sides of the box, `images` (dim,) bool.
+    `position` is (N, dim), `size` (dim,) the sides of the box > 0, `images` (dim,) bool.
     """
-    position, size = np.asarray(position, float), np.asarray(size, float)
+    agents, label, position = in_groups(labels, position=vectors("position", position))
+    return middles(agents, label, position, *box(size, images, position.shape[1]))
+
+
+def middles(agents, label, position, size, images) -> np.ndarray:
+    """`centres` of groups of these many agents, of arrays that are checked."""
     turn = 2.0 * np.pi * position / size
-    angle = np.arctan2(means(labels, np.sin(turn)), means(labels, np.cos(turn)))
-    around = angle % (2.0 * np.pi) / (2.0 * np.pi) * size
-    return np.where(images, around, means(labels, position))
+    sine, cosine = averaged(agents, label, np.sin(turn)), averaged(agents, label, np.cos(turn))
+    around = np.arctan2(sine, cosine) % (2.0 * np.pi) / (2.0 * np.pi) * size
+    return np.where(images, around, averaged(agents, label, position))
 
 
 def angular_momenta(
@@ -46,33 +84,38 @@ def angular_momenta(
 ) -> np.ndarray:
     """Angular momentum of each group about its own centre, (G,), in [0, 1].
 
-    As `agents.observables.rotation.angular_momentum`, for every group: `labels` int (N,), each of
-    0..G-1, `position` and `heading` (N, dim), `size` (dim,), `images` (dim,) bool. A lone agent has
-    0.
+    As `agents.observables.rotation.angular_momentum`, for every group: `labels` int (N,),
+    `position` (N, dim), length, `heading` (N, dim), unit vectors, `size` (dim,) > 0, `images`
+    (dim,) bool. A lone agent has 0.
     """
-    size = np.asarray(size, float)
-    lone = group_sizes(labels)[labels] == 1
-    apart = position - centres(labels, position, size, images)[labels]
+    position, heading = vectors("position", position), vectors("heading", heading)
+    agents, label, position, heading = in_groups(labels, position=position, heading=heading)
+    return momenta(agents, label, position, units(heading), *box(size, images, position.shape[1]))
+
+
+def momenta(agents, label, position, heading, size, images) -> np.ndarray:
+    """`angular_momenta` of groups of these many agents, of arrays that are checked."""
+    apart = position - middles(agents, label, position, size, images)[label]
     apart = apart - np.where(images, size * np.round(apart / size), 0.0)
-    apart[lone] = 0.0
-    length = np.linalg.norm(apart, axis=1, keepdims=True)
-    along = np.divide(apart, length, out=np.zeros_like(apart), where=length > 0.0)
+    apart[agents[label] == 1] = 0.0
+    largest = np.zeros(len(agents))
+    np.maximum.at(largest, label, np.max(np.abs(position), axis=1, initial=0.0))
+    along = outward(apart, rounding(agents, largest, size, images)[label, None])
     if position.shape[1] == 2:
         turning = (along[:, 0] * heading[:, 1] - along[:, 1] * heading[:, 0])[:, None]
     else:
         turning = np.cross(along, heading)
-    return np.minimum(1.0, np.linalg.norm(means(labels, turning), axis=1))
+    return lengths(averaged(agents, label, turning))
 
 
 def size_histogram(labels: np.ndarray) -> dict[int, int]:
     """How many groups have each size that occurs, largest size first.
 
-    `labels` is int (N,), each of 0..G-1.
-
     >>> size_histogram(np.array([0, 0, 0, 1, 2]))
     {3: 1, 1: 2}
     """
-    value, count = np.unique(group_sizes(labels), return_counts=True)
+    size = group_sizes(labels)
+    value, count = np.unique(size[size > 0], return_counts=True)
     return {int(v): int(c) for v, c in zip(value[::-1], count[::-1], strict=True)}
 
 
@@ -81,13 +124,15 @@ def group_table(
 ) -> dict[int, dict[str, float]]:
     """Agents, polarisation and angular momentum of each group, by its label.
 
-    `labels` is int (N,), each of 0..G-1, 0 for the largest group as `group_labels` has it;
-    `position` and `heading` (N, dim), `size` (dim,), `images` (dim,) bool.
+    `labels` is int (N,), 0 for the largest group as `group_labels` has it; `position` (N, dim),
+    length, `heading` (N, dim), unit vectors, `size` (dim,) > 0, `images` (dim,) bool.
     """
+    position, heading = vectors("position", position), vectors("heading", heading)
+    agents, label, position, heading = in_groups(labels, position=position, heading=heading)
     columns = (
-        group_sizes(labels),
-        polarisations(labels, heading),
-        angular_momenta(labels, position, heading, size, images),
+        agents,
+        lengths(averaged(agents, label, units(heading))),
+        momenta(agents, label, position, heading, *box(size, images, position.shape[1])),
     )
     return {
         group: {"agents": int(n), "polarisation": float(phi), "angular-momentum": float(m)}

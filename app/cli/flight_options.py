@@ -17,5 +17,8 @@ Settings = Annotated[
     ),
 ]
 Out = Annotated[Path, typer.Option(help="Folder for numbers and pictures.")]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace what the folder has of these results.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]

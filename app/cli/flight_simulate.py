@@ -7,10 +7,12 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
-from app.cli.outcome import as_json
+from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
-from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, demand_folder, request, within
+from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
+from app.results import demand_folder, picture_files
+from worlds.counting import counted
 
 LONGEST = 120.0
 """Seconds."""
@@ -31,6 +33,7 @@ def simulate(
     settings: Settings = None,
     out: Out = Path("results/flight-simulate"),
     pictures: Annotated[bool, typer.Option(help="Draw the pictures as PNG and SVG.")] = True,
+    overwrite: Overwrite = False,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -41,7 +44,12 @@ def simulate(
     asked_speed("--speed", speed)
     within("--seconds", seconds, 0.1, LONGEST, "s")
     asked = request(frequency, twist, settings)
-    demand_folder("--out", out)
+    demand_folder(
+        "--out",
+        out,
+        ("history.csv", *picture_files("history", pictures), *picture_files("beats", pictures)),
+        overwrite,
+    )
     from app.flight.flown import flown, pushes
     from app.flight.sheet import beat_columns, write_sheet
 
@@ -61,7 +69,7 @@ def simulate(
         files |= {f"history-{kind}": path for kind, path in drawn.items()}
         if made.beats:
             mean, weight = averaged(made.flown, made.per_beat), asked.aircraft.weight
-            title += f"\nmean of {made.beats} wing beats, with their least and largest"
+            title += f"\nmean of {counted(made.beats, 'wing beat')}, with their least and largest"
             drawn = paint(lambda f: draw_beat(f, mean, weight), title, out, "beats")
             files |= {f"beats-{kind}": path for kind, path in drawn.items()}
     value: dict[str, Any] = made.value()
@@ -71,4 +79,4 @@ def simulate(
     else:
         typer.echo("\n".join(made.lines()))
     if not quiet:
-        typer.echo("written: " + ", ".join(str(path) for path in files.values()), err=True)
+        tell_written(*files.values())

@@ -7,11 +7,12 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
-from app.cli.outcome import as_json
+from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.settings import numbers
-from app.flight.request import FREQUENCY, TWIST, asked_speed, demand_folder, request
+from app.flight.request import FREQUENCY, TWIST, asked_speed, request
+from app.results import demand_folder, picture_files
 
 DEFAULT = "2.5,3,3.25,3.5,4,4.5,5,6,7"
 
@@ -23,6 +24,7 @@ def sweep(
     settings: Settings = None,
     out: Out = Path("results/flight-sweep"),
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
+    overwrite: Overwrite = False,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -32,7 +34,7 @@ def sweep(
     """
     wanted = sorted({asked_speed("--speeds", one) for one in numbers("--speeds", speeds)})
     asked = request(frequency, twist, settings)
-    demand_folder("--out", out)
+    demand_folder("--out", out, ("sweep.csv", *picture_files("sweep", pictures)), overwrite)
     from app.flight.curve import swept
     from app.flight.sheet import write_sheet
 
@@ -56,7 +58,7 @@ def sweep(
         for speed in missing:
             typer.echo(f"{speed:8.3g}    no level flight was found")
     if not quiet:
-        typer.echo("written: " + ", ".join(str(path) for path in files.values()), err=True)
+        tell_written(*files.values())
 
 
 def table(rows: list[dict[str, Any]]) -> list[str]:

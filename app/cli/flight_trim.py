@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from app.cli.flight_options import AsJson, Frequency, Out, Quiet, Settings, Twist
-from app.cli.outcome import as_json
+from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
-from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, demand_folder, request
+from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request
+from app.results import demand_folder, picture_files
 
 
 def trim(
@@ -20,6 +21,7 @@ def trim(
     settings: Settings = None,
     out: Out = Path("results/flight-trim"),
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
+    overwrite: Overwrite = False,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -30,7 +32,7 @@ def trim(
     """
     asked_speed("--speed", speed)
     asked = request(frequency, twist, settings)
-    demand_folder("--out", out)
+    demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
     from app.flight.said import as_value, lines
     from app.flight.sheet import beat_columns, write_sheet
@@ -57,4 +59,4 @@ def trim(
     else:
         typer.echo("\n".join(lines(value)))
     if not quiet:
-        typer.echo("written: " + ", ".join(str(path) for path in files.values()), err=True)
+        tell_written(*files.values())

@@ -8,10 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
-from app.cli.refusals import told
 from app.cli.settings import at_least, numbers
+from app.cli.usage import grouped
+from app.results import demand_folder, picture_files
+from worlds.memory import demand_memory
 from worlds.refusal import Refusal
 
 Core = Annotated[float, typer.Option(help="Radius of the vortices' cores, in spans; 0 for none.")]
@@ -19,10 +21,16 @@ Behind = Annotated[float, typer.Option(help="How far behind the other, in spans;
 Above = Annotated[float, typer.Option(help="How far above the other, in spans.")]
 Span = Annotated[float, typer.Option(help="Wing span b, m.")]
 Out = Annotated[Path, typer.Option(help="Folder for pictures and numbers.")]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace what the folder has of these results.")
+]
 Pictures = Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No messages.")]
 
+MOST_DRAWS = 1_000_000
+BYTES_OF_A_DRAW = 32
+"""Of each bird: its place and what it saves."""
 FOLDER = Path("results/formation")
 
 
@@ -33,6 +41,7 @@ def spacing(
     span: Span = 2.5,
     out: Out = FOLDER,
     pictures: Pictures = True,
+    overwrite: Overwrite = False,
     json_asked: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -41,6 +50,7 @@ def spacing(
     demand("--behind", behind, -20.0, math.inf)
     demand("--above", above, -20.0, 20.0)
     demand("--span", span, 0.01, 100.0)
+    demand_folder("--out", out, ("spacing.csv", *picture_files("spacing", pictures)), overwrite)
     from agents.observables.formation import THESIS_SPACING, best_spacing, upwash_share
     from app.formation.files import table, written
     from app.formation.spacing import TIPS, curve, draw_spacing
@@ -88,13 +98,14 @@ def vee(
     seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,
     out: Out = FOLDER,
     pictures: Pictures = True,
+    overwrite: Overwrite = False,
     json_asked: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """What a V of birds saves, placed exactly and with jitter: percent and joules per metre."""
     if not 1 <= birds <= 200:
         raise Refusal(f"--birds {birds} is not allowed: a whole number from 1 to 200 is needed")
-    at_least("--draws", draws, 1)
+    at_least("--draws", draws, 1, MOST_DRAWS)
     at_least("--seed", seed, 0)
     demand("--step", step, -6.0, 6.0)
     demand("--induced", induced, 0.0, 1.0)
@@ -105,6 +116,8 @@ def vee(
     sizes = numbers("--jitter", jitter)
     for one in sizes:
         demand("--jitter", one, 0.0, 10.0)
+    demand_memory(f"--draws {draws}", float(draws) * birds * BYTES_OF_A_DRAW)
+    demand_folder("--out", out, ("vee.csv", *picture_files("vee", pictures)), overwrite)
     from agents.observables.formation import vee as placed
     from agents.observables.formation import vee_saved
     from app.formation.files import table, written
@@ -150,6 +163,7 @@ def behind_one(
     behind: Annotated[float, typer.Option(help="Where the wake is cut across, in spans.")] = 1.0,
     above: Above = 0.0,
     out: Out = FOLDER,
+    overwrite: Overwrite = False,
     json_asked: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -157,6 +171,7 @@ def behind_one(
     demand("--core", core, 0.0, 1.0)
     demand("--behind", behind, -1.5, 6.0)
     demand("--above", above, -20.0, 20.0)
+    demand_folder("--out", out, ("map.csv", *picture_files("map")), overwrite)
     from agents.observables.formation import best_spacing
     from app.formation.behind import ASIDE, BACK, draw_behind, from_above
     from app.formation.files import table, written
@@ -216,14 +231,14 @@ def tell(
     else:
         typer.echo("\n".join(lines))
     if not quiet:
-        typer.echo("written: " + ", ".join(str(path) for path in files.values()), err=True)
+        tell_written(*files.values())
 
 
-formation = typer.Typer(
-    help="Formation flight: what birds save by each other's upwash.",
-    no_args_is_help=True,
-    add_completion=False,
+formation = grouped(
+    "Formation flight: what birds save by each other's upwash.",
+    {
+        "spacing": spacing,
+        "vee": vee,
+        "map": behind_one,
+    },
 )
-formation.command("spacing")(told(spacing))
-formation.command("vee")(told(vee))
-formation.command("map")(told(behind_one))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.progress import Progress
@@ -13,6 +12,7 @@ from app.cli.stopping import Stopping
 
 if TYPE_CHECKING:
     from agents import Flock
+    from agents.record import Recorder
 
 SHORT, LONG = 0.05, 0.2
 """Seconds between which a stretch is kept."""
@@ -22,22 +22,22 @@ def run_ticks(
     flock: Flock,
     ticks: int,
     progress: Progress,
-    record: Path | None = None,
+    recorder: Recorder | None = None,
     every: int = 1,
     look: Callable[[], None] = lambda: None,
     over: int = 0,
+    check: Callable[[], None] = lambda: None,
 ) -> bool:
     """Run ticks, recording the first, every `every`-th and the last; False if asked to stop.
 
-    A recording is whole in either case. `look` is called after each of the last `over` ticks.
+    A recording is whole in either case. `look` is called after each of the last `over` ticks, and
+    `check` after each stretch.
     Raises Refusal if the recording cannot be written.
     """
-    from agents.record import Recorder
-
     with Stopping() as stopping, ExitStack() as stack:
         write: Callable[[], None] = lambda: None  # noqa: E731
-        if record is not None:
-            write = stack.enter_context(Recorder(record, flock)).write
+        if recorder is not None:
+            write = stack.enter_context(recorder).write
         first, last = flock.tick, flock.tick + ticks
         write()
         written = flock.tick
@@ -45,13 +45,14 @@ def run_ticks(
         while flock.tick < last and not stopping.asked:
             until_frame = every - (flock.tick - first) % every
             until_looked_at = max(1, last - over - flock.tick) if over else ticks
-            n = min(stretch, last - flock.tick, until_frame if record else ticks, until_looked_at)
+            n = min(stretch, last - flock.tick, until_frame if recorder else ticks, until_looked_at)
             begun = time.monotonic()
             flock.run(n)
+            check()
             if flock.tick > last - over:
                 look()
             stretch = next_stretch(stretch, time.monotonic() - begun)
-            if record and ((flock.tick - first) % every == 0 or flock.tick == last):
+            if recorder and ((flock.tick - first) % every == 0 or flock.tick == last):
                 write()
                 written = flock.tick
             progress.at((flock.tick - first) / ticks, text=f"tick {flock.tick}")

@@ -11,10 +11,11 @@ import typer
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
-from app.cli.serving_options import Host, OpenBrowser, Port
+from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.settings import assignment
 from app.cli.stopping import Stopping, leave
 from app.viewer.beside import companion, shared_by
+from app.viewer.origin import allowed
 from app.viewer.start import at_home
 from worlds.layout import layout_names
 
@@ -63,11 +64,13 @@ def lab(
     threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
     port: Port = 8080,
     host: Host = "127.0.0.1",
+    allow_host: AllowHost = None,
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
     from app.viewer.laboratory import Laboratory
 
+    names = tuple(allowed(name) for name in allow_host or ())
     own, others = parameters(find_model(model).name, set or [], beside)
     start = at_home(
         model,
@@ -85,7 +88,7 @@ def lab(
     flock = start.build()
     if beside is not None:
         companion(start, flock)
-    serve(Laboratory(start, host, port, speed), open_browser)
+    serve(Laboratory(start, host, port, speed, allow=names), open_browser)
 
 
 def parameters(
@@ -119,7 +122,7 @@ def serve(laboratory: Any, open_browser: bool) -> None:
     """Tell the address and serve until Ctrl-C or SIGTERM."""
     with Stopping() as stopping:
         try:
-            typer.echo(f"flockscope is at {laboratory.address} (Ctrl-C stops it)")
+            announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")
             if not laboratory.simulation.ready.wait(0.8):
                 typer.echo(
                     "compiling: only the first start of a model takes this long ...", err=True

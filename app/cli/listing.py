@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from typing import Annotated, Any
 
 import typer
 
-from worlds.refusal import unknown
+from worlds.counting import counted
 
 Rows = list[dict[str, Any]]
+WIDE = 80
+"""Columns of the overview, and of what is said of one thing."""
 
 
 def models() -> Rows:
@@ -106,17 +109,67 @@ ARTICLES = {
 
 
 def listing(
-    what: Annotated[str | None, typer.Argument(help=f"{', '.join(KINDS)}; all without.")] = None,
+    what: Annotated[
+        str | None,
+        typer.Argument(help=f"{', '.join(KINDS)}, or one name: a model, a world ..."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List models, parameters, worlds, observables and papers."""
-    if what is not None and what not in KINDS:
-        raise unknown("list", what, KINDS)
-    made = {kind: KINDS[kind]() for kind in ([what] if what else KINDS)}
-    if as_json:
-        typer.echo(json.dumps(made[what] if what else made))
+    """Show what there is to choose from: all names, one kind of things, or one thing."""
+    if what is None:
+        if as_json:
+            typer.echo(json.dumps({kind: rows() for kind, rows in KINDS.items()}))
+        else:
+            typer.echo("\n".join(overview()))
+    elif what in KINDS:
+        made = KINDS[what]()
+        if as_json:
+            typer.echo(json.dumps(made))
+        else:
+            show({what: made})
     else:
-        show(made)
+        from app.cli.one_thing import in_words, things_called
+
+        found = things_called(what)
+        if as_json:
+            typer.echo(json.dumps(found))
+        else:
+            typer.echo("\n".join(in_words(found)))
+
+
+def overview() -> list[str]:
+    """All names on one screen, and how to see more of them."""
+    lines = [
+        "One thing:  flockscope list NAME, as in `flockscope list hwvem`",
+        "One kind:   flockscope list KIND, as in `flockscope list models`",
+    ]
+    for kind, found in names().items():
+        lines.append(f"{kind} ({len(found)})")
+        if kind == "parameters":
+            lines.append("  flockscope list MODEL shows those of a model, with unit and range")
+        else:
+            lines += textwrap.wrap(
+                ", ".join(found), WIDE - 2, initial_indent="  ", subsequent_indent="  ",
+                break_on_hyphens=False,
+            )  # fmt: skip
+    return lines
+
+
+def names() -> dict[str, list[str]]:
+    """The names of each kind of things."""
+    from agents.catalogue import MODELS
+    from agents.observables.catalogue import OBSERVABLES
+    from app.experiments.experiment import experiment_names
+    from worlds.layout import layout_names
+
+    parameters = {one: None for model in MODELS.values() for one in model.parameters.model_fields}
+    return {
+        "models": list(MODELS),
+        "worlds": layout_names(),
+        "observables": list(OBSERVABLES),
+        "papers": list(experiment_names()),
+        "parameters": list(parameters),
+    }
 
 
 def show(made: dict[str, Rows]) -> None:
@@ -140,13 +193,15 @@ def in_words(model: dict[str, Any]) -> str:
     """What a model is and does, and where it is at home."""
     dimensions = ", ".join(f"{dim}-D" for dim in model["dimensions"])
     return (
-        f"{model['title']} ({dimensions}; {model['agents']} agents in {model['world']}; wishes "
-        f"{ARTICLES[model['wish']]})\n[dim]{model['summary']}[/dim]"
+        f"{model['title']} ({dimensions}; {counted(model['agents'], 'agent')} in "
+        f"{model['world']}; wishes {ARTICLES[model['wish']]})\n[dim]{model['summary']}[/dim]"
     )
 
 
 def cell(value: Any) -> str:
     """A value as a cell shows it."""
     if isinstance(value, list):
-        return ", ".join(str(one) for one in value)
+        return ", ".join(cell(one) for one in value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
     return f"{value:g}" if isinstance(value, float) else str(value)

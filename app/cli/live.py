@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import typer
-
 from app.cli.live_check import check
 from app.cli.live_emulate import emulate
 from app.cli.live_lab import lab
 from app.cli.live_recover import recover
 from app.cli.live_replay import replay
 from app.cli.live_run import run
-from app.cli.refusals import told
+from app.cli.usage import grouped
 
-live = typer.Typer(
-    help="Real cars in a room with motion capture: check, drive, replay, or emulate it all.",
-    no_args_is_help=True,
-    add_completion=False,
+live = grouped(
+    "Real cars in a room with motion capture: check, drive, replay, or emulate it all.",
+    {
+        "lab": lab,
+        "check": check,
+        "run": run,
+        "replay": replay,
+        "recover": recover,
+        "emulate": emulate,
+    },
 )
-live.command("lab")(told(lab))
-live.command("check")(told(check))
-live.command("run")(told(run))
-live.command("replay")(told(replay))
-live.command("recover")(told(recover))
-live.command("emulate")(told(emulate))

@@ -57,10 +57,10 @@ class Console:
         if trouble and trouble != self.trouble:
             typer.echo(trouble, err=True)
         self.trouble = trouble
-        events = self.room.events
-        for event in events[self.shown :] if self.said else ():
+        shown = len(self.room.events)
+        for event in self.room.events[self.shown : shown] if self.said else ():
             self.tell(event)
-        self.shown = len(events)
+        self.shown = shown
 
     def tell(self, event: Event) -> None:
         """Print an event."""

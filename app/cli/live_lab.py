@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import webbrowser
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.serving_options import Host, OpenBrowser, Port
+from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 
 if TYPE_CHECKING:
-    from app.live.lab import Lab
-
-OURS = ("127.0.0.1", "localhost", "::1")
-"""Addresses that nobody else in the network reaches."""
+    from app.viewer.live.page import LivePage
 
 
 def lab(
@@ -32,6 +30,7 @@ def lab(
     ] = None,
     port: Port = 8080,
     host: Host = "127.0.0.1",
+    allow_host: AllowHost = None,
     open_browser: OpenBrowser = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print no events.")] = False,
 ) -> None:
@@ -44,7 +43,9 @@ def lab(
     from app.live.choices import known, sources
     from app.live.example import example
     from app.live.kinds import SIMULATED
+    from app.viewer.origin import allowed
 
+    names = tuple(allowed(name) for name in allow_host or ())
     if file is None:
         found = example()
         source = source or next(word for word, text in sources(found).items() if text == SIMULATED)
@@ -52,31 +53,26 @@ def lab(
         found = laboratory(file)
     if source is not None:
         known("source", source, sources(found))
-    serve(found, host, port, source, record, open_browser, quiet)
+
+    def opening() -> LivePage:
+        from app.viewer.live.page import LivePage
+
+        return LivePage(found, host, port, source, record, allow=names)
+
+    serve(opening, open_browser, quiet)
 
 
-def serve(
-    lab: Lab,
-    host: str,
-    port: int,
-    source: str | None,
-    record: Path | None,
-    open_browser: bool,
-    quiet: bool,
-) -> None:
+def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
     from app.cli.live_console import Console
     from app.cli.stopping import Stopping
-    from app.viewer.live.page import LivePage
 
     with Stopping() as stopping:
-        page = LivePage(lab, host, port, source, record)
+        page = opening()
         try:
-            typer.echo(f"flockscope is at {page.address} (q or Ctrl-C stops the cars and leaves)")
-            if host not in OURS:
-                typer.echo(
-                    f"warning: --host {host} lets anyone in the network drive the cars", err=True
-                )
+            leaving = "q or Ctrl-C stops the cars and leaves"
+            announce(page.host, page.port, leaving, "see and stop the cars, and change the rule")
+            typer.echo(f"a browser arms with the code {page.room.code.digits}", err=True)
             if open_browser:
                 webbrowser.open(page.address)
             Console(page.room, stopping, not quiet).operate()

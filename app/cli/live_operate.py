@@ -17,6 +17,7 @@ from app.live.desk import Desk
 from app.live.events import Event
 from app.live.links.link import EMERGENCY, RUN
 from app.live.look import Look
+from worlds.counting import counted
 from worlds.refusal import Refusal
 
 KEYS: dict[str, Wish] = {"a": "arm", "d": "disarm", "r": "reset"}
@@ -25,6 +26,8 @@ LEAVES = "q"
 HELP = "a arms, space or any other key: EMERGENCY STOP, r resets it, d disarms, q leaves"
 EVERY = 0.05
 """Seconds between two looks."""
+SILENCE = 1.0
+"""Seconds without a new look after which the loop is said not to answer."""
 
 
 class Terminal:
@@ -51,6 +54,10 @@ class Terminal:
         self.shown = 0
         self.began = time.monotonic()
         self.last: Look | None = None
+        self.heard = self.began
+        """When the loop was last heard of."""
+        self.silent = False
+        """Whether it was said that it is not."""
         self.wide = 0
 
     def operate(self) -> None:
@@ -84,17 +91,27 @@ class Terminal:
         look = self.desk.look()
         if self.desk.trouble:
             raise Refusal(self.desk.trouble)
-        for event in self.desk.events[self.shown :]:
+        self.shown, new = self.desk.events.since(self.shown)
+        for event in new:
             self.tell(event)
-        self.shown = len(self.desk.events)
         if look is None or look is self.last:
+            self.listen()
             return
-        self.last = look
+        self.last, self.heard, self.silent = look, time.monotonic(), False
         if self.arms and look.arm == "safe" and not look.reasons:
             self.arms = False
             self.desk.ask(Request("arm", "--arm"))
         if self.said and not self.json_asked and sys.stderr.isatty():
             self.wide = rewritten(state_line(look), self.wide)
+
+    def listen(self) -> None:
+        """Say so, once, if the loop has not been heard of for too long."""
+        if self.silent or self.last is None or time.monotonic() - self.heard < SILENCE:
+            return
+        self.silent = True
+        if self.said:
+            self.wide = rewritten("", self.wide) if self.wide else 0
+            typer.echo("the control loop does not answer: the cars stop themselves", err=True)
 
     def tell(self, event: Event) -> None:
         """Print an event."""
@@ -145,10 +162,10 @@ def state_line(look: Look) -> str:
 
 def closing(made: dict[str, Any]) -> str:
     """The summary for people."""
-    line = f"{made['seconds']:.1f} s, {made['events']} events"
+    line = f"{made['seconds']:.1f} s, {counted(made['events'], 'event')}"
     if "ticks" in made:
         line += (
-            f", {made['ticks']} ticks of {1000 * made['period']['median']:.2f} ms"
+            f", {counted(made['ticks'], 'tick')} of {1000 * made['period']['median']:.2f} ms"
             f" (one in a hundred {1000 * made['period']['late']:.2f} ms or more),"
             f" {made['missed']} left out"
         )

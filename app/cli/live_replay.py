@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json
+from worlds.counting import counted
 
 DIFFERS = 1
 """Exit code where a command comes out differently."""
@@ -39,6 +40,6 @@ def replay(
         )
     else:
         outcome = f"differs: {made.differs}" if made.differs else "the same to the bit"
-        typer.echo(f"{made.ticks} ticks, {made.commands} commands: {outcome}")
+        typer.echo(f"{counted(made.ticks, 'tick')}, {counted(made.commands, 'command')}: {outcome}")
     if made.differs:
         raise typer.Exit(DIFFERS)

@@ -58,17 +58,21 @@ def conduct(
     quiet: bool,
 ) -> None:
     """Run a laboratory from the terminal. Raises Refusal."""
+    if not 0.0 <= seconds < 1e6:
+        raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
+
+    def tell(words: str) -> None:
+        if not quiet:
+            typer.echo(words, err=True)
+
+    tell(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
     from app.cli.live_operate import Terminal, closing
     from app.cli.stopping import Stopping
     from app.live.desk import Desk
     from app.live.squashing_driver import FlockDriver
 
-    if not 0.0 <= seconds < 1e6:
-        raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
-    if not quiet:
-        typer.echo(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...", err=True)
     with Stopping() as stopping:
-        FlockDriver(lab)  # compiled here, so that the loop need not wait for it
+        FlockDriver(lab, tell)  # compiled here, so that the loop need not wait for it
         desk = Desk(lab, opener, record)
         terminal = Terminal(desk, stopping, seconds, arm, json_asked, not quiet)
         try:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from importlib import import_module
 from typing import Annotated, Any, NamedTuple
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperCommand
 from typer.main import get_command
 
 from app.cli.refusals import told
+from app.cli.usage import Group, OneCommand
 
 
 class Entry(NamedTuple):
@@ -43,7 +45,7 @@ COMMANDS = {
 OWN_OPTIONS = ("--help", "--version", "--install-completion", "--show-completion")
 
 
-class Commands(TyperGroup):
+class Commands(Group):
     """The commands by name; the module of a command is imported when it is called."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002
@@ -58,7 +60,6 @@ class Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command for a call."""
-        self.commands = {one: self.get_command(ctx, one) for one in COMMANDS}  # for suggestions
         name, command, rest = super().resolve_command(ctx, args)
         return name, command and load(command.name or ""), rest
 
@@ -71,7 +72,7 @@ def load(name: str) -> Any:
         command = get_command(function)
     else:
         single = typer.Typer(add_completion=False)
-        single.command(name)(told(function))
+        single.command(name, cls=OneCommand)(told(function))
         command = get_command(single)
     command.name = name
     return command
@@ -101,8 +102,14 @@ def flockscope(
     """
 
 
+def show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    """Show a warning in one line, on stderr."""
+    typer.echo(f"flockscope: {' '.join(str(message).split())}", err=True)
+
+
 def main() -> None:
     """Entry point of the command line; without a command, options are those of `lab`."""
+    warnings.showwarning = show_warning
     given = sys.argv[1:]
     bare = not given or (given[0].startswith("-") and given[0] not in OWN_OPTIONS)
     app(args=["lab", *given] if bare else given, prog_name="flockscope")

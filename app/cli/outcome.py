@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
+
+from worlds.counting import counted
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -35,6 +38,13 @@ def telling(flock: Flock) -> list[str]:
     if SAVED in flock.model.columns:
         names += ["energy-saved"]
     return names
+
+
+def tell_written(*files: Path | None) -> None:
+    """Name the files that were written on stderr; None is left out."""
+    named = [str(path) for path in files if path is not None]
+    if named:
+        typer.echo("written: " + ", ".join(named), err=True)
 
 
 def plain(value: Any) -> Any:
@@ -77,6 +87,8 @@ def outcome(
         made["over"] = course(series)
     if flock.can_crash:
         made["crashes"] = crash_list(flock)
+    if flock.passing:
+        made["passes_solids"] = flock.passing
     return made
 
 
@@ -113,14 +125,14 @@ def show(made: dict[str, Any], flock: Flock) -> None:
     spec = made["spec"]
     size = " x ".join(f"{side:g}" for side in spec["size"])
     typer.echo(
-        f"{flock.model.title}: {spec['agents']} agents"
-        + (f" and {spec['informed']} information agent(s)" if spec["informed"] else "")
+        f"{flock.model.title}: {counted(spec['agents'], 'agent')}"
+        + (f" and {counted(spec['informed'], 'information agent')}" if spec["informed"] else "")
         + f" in {spec['world']} {size}, seed {spec['seed']}"
     )
     rate = made["ticks"] * len(flock.ids) / max(made["seconds"], 1e-9)
     now = "" if made["time_unit"] == "ticks" else f" = {made['time']:g} {made['time_unit']}"
     typer.echo(
-        f"tick {made['tick']}{now}; {made['ticks']} ticks took {made['seconds']:.3g} s"
+        f"tick {made['tick']}{now}; {counted(made['ticks'], 'tick')} took {made['seconds']:.3g} s"
         f" ({rate:.2g} agent-steps per second)"
     )
     wide = max((len(name) for name in made["observables"]), default=0)
@@ -130,9 +142,8 @@ def show(made: dict[str, Any], flock: Flock) -> None:
         typer.echo(f"  {name:<{wide}} {shown(value)}{unit}   in {one.range}")
     for name, mean in made.get("over", {}).get("mean", {}).items():
         off = shown(made["over"]["deviation"][name])
-        typer.echo(
-            f"  {name:<{wide}} {shown(mean)} +- {off} over the last {made['over']['ticks']} ticks"
-        )
+        last = counted(made["over"]["ticks"], "tick")
+        typer.echo(f"  {name:<{wide}} {shown(mean)} +- {off} over the last {last}")
     show_crashes(made.get("crashes", []))
 
 

@@ -10,11 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.lookout import ASTRAY
+from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress, duration
 from app.cli.refusals import INTERRUPTED
 from app.cli.settings import at_least, names, whole_numbers
 from app.cli.stopping import Stopping
+from app.results import demand_folder, picture_files
+from worlds.counting import counted
+
+MOST_RUNS = 100_000
+MOST_WORKERS = 1024
+RUNS = "runs.csv"
 
 if TYPE_CHECKING:
     from app.experiments.conduct import Done
@@ -35,26 +42,47 @@ def paper(
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Runs at a time. \\[default: cores]")] = None,
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Replace files of these names that are not of such runs."),
+    ] = False,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
 ) -> None:
     """Repeat a table or a figure of a paper and print it beside the published numbers.
 
-    Finished runs are kept in FOLDER/runs.csv: what is there is not run again.
+    Finished runs are kept in FOLDER/runs.csv: what is there is not run again. The exit code is 4 if
+    an agent of a run was seen inside an obstacle or beyond a solid edge.
     """
     at_least("--seed", seed, 0)
-    at_least("--workers", workers, 1)
+    at_least("--workers", workers, 1, MOST_WORKERS)
     from app.experiments.experiment import read_experiment
 
     whole = read_experiment(name)
-    at_least("--runs", runs, min(2, whole.runs))
+    at_least("--runs", runs, min(2, whole.runs), MOST_RUNS)
     experiment = whole.narrowed(names(models), whole_numbers("--agents", agents))
     folder = out or Path("results") / name
+    demand_results(folder, experiment.name, pictures, overwrite)
     begun = time.monotonic()
     done = carried_out(experiment, folder, runs or experiment.runs, seed, workers, quiet)
     seconds = time.monotonic() - begun
-    files = {"runs": folder / "runs.csv", "summary": folder / "summary.csv"}
+    files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
     report(experiment, done, seed, files, seconds, pictures, json_asked, quiet)
+    for line in done.astray:
+        tell(f"flockscope: {line}")
+    if done.astray:
+        raise typer.Exit(ASTRAY)
+
+
+def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> None:
+    """Refuse a folder that cannot be written, before anything is run. Raises Refusal.
+
+    Summary and pictures beside the runs that they are made of are made anew at every call.
+    """
+    runs = folder / RUNS
+    demand_folder("--out", folder, (RUNS,), overwrite=True)
+    theirs = ("summary.csv", *picture_files(name, pictures))
+    demand_folder("--out", folder, theirs, overwrite or runs.is_file())
 
 
 def carried_out(
@@ -78,12 +106,13 @@ def carried_out(
             )
     except KeyboardInterrupt:
         again = f"flockscope {shlex.join(sys.argv[1:])}"
-        kept = folder / "runs.csv"
+        kept = folder / RUNS
         tell(f"flockscope: stopped; finished runs are in {kept}; go on with: {again}")
         raise typer.Exit(INTERRUPTED) from None
     if not quiet:
         spent = duration(time.monotonic() - begun)
-        tell(f"{done.made} runs made in {spent}, {done.taken} taken from {folder / 'runs.csv'}")
+        made = counted(done.made, "run")
+        tell(f"{made} made in {spent}, {done.taken} taken from {folder / RUNS}")
     return done
 
 
@@ -120,7 +149,7 @@ def report(
 
         show(Console(), experiment, made, said)
     if not quiet:
-        tell("written: " + ", ".join(str(path) for path in files.values()))
+        tell_written(*files.values())
 
 
 def tell(line: str) -> None:

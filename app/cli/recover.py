@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from worlds.counting import counted
+
 
 def recover(
     file: Annotated[
@@ -27,4 +29,4 @@ def recover(
     if as_json:
         typer.echo(json.dumps({"recording": str(path), "rows": rows}))
     else:
-        typer.echo(f"{path}: {rows} rows")
+        typer.echo(f"{path}: {counted(rows, 'row')}")

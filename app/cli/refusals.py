@@ -1,16 +1,21 @@
-"""What cannot be done is told in one line on stderr, with exit code 2 and no traceback."""
+"""What cannot be done is told in a line on stderr, with exit code 2 and no traceback."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, NoReturn
 
 import typer
 
-from worlds.refusal import Refusal
+from worlds.refusal import Refusal, Refusals
 
 REFUSED = 2
+LONGEST = 1500
+"""Characters of a refusal."""
+MOST_LINES = 40
+"""Most lines that are told of several refusals at once."""
 INTERRUPTED = 130
 
 
@@ -39,6 +44,21 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def refuse(reason: object) -> NoReturn:
     """Tell the reason and stop."""
-    line = " ".join(str(reason).split())
-    typer.echo(f"flockscope: {line}", err=True)
+    lines = reason.lines if isinstance(reason, Refusals) else (str(reason),)
+    for line in lines[:MOST_LINES]:
+        typer.echo(f"flockscope: {one_line(line)}", err=True)
+    if len(lines) > MOST_LINES:
+        typer.echo(f"flockscope: and {len(lines) - MOST_LINES} more of the kind", err=True)
     raise typer.Exit(REFUSED) from None
+
+
+def one_line(text: str) -> str:
+    """A text in one line that a terminal can show, the middle left out of what is very long.
+
+    >>> one_line("eta\\n  = \\x1b[31m9")
+    'eta = \\\\x1b[31m9'
+    """
+    line = " ".join(text.split())
+    line = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in line)
+    line = re.sub(r"(\S{60})\S{80,}(\S{60})", r"\1...\2", line)
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 300]} ... {line[-295:]}"

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.settings import assignment
 from app.experiments.lines import place
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, shortened, unknown
+from worlds.toml import toml
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -37,10 +37,7 @@ class Request:
     def read_spec(self, path: Path) -> None:
         """Take the values of a spec file, whole or in part. Raises Refusal naming file and line."""
         text = read_text(path)
-        try:
-            given = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise Refusal(f"{path} is not TOML: {error}") from None
+        given = toml(text, str(path))
         for key in given:
             if key not in (*KEYS, "start", *TABLES):
                 raise unknown("key", key, (*KEYS, *TABLES), place(path, text, key))
@@ -84,7 +81,9 @@ class Request:
         given = dict(self.values)
         for key in NAMES:
             if key in given and not isinstance(given[key], str):
-                raise Refusal(f"{key} = {given[key]!r} is not a name ({self.origins[key]})")
+                raise Refusal(
+                    f"{key} = {shortened(given[key])} is not a name ({self.origins[key]})"
+                )
         size = given.get("size")
         if isinstance(size, list | tuple) and "dim" not in given and len(size) > 1:
             given["dim"] = len(size)
@@ -105,7 +104,9 @@ class Request:
         from worlds.world import world_from_layout
 
         if not isinstance(self.layout, dict):
-            raise Refusal(f"layout = {self.layout!r} is not a table ({self.origins['layout']})")
+            raise Refusal(
+                f"layout = {shortened(self.layout)} is not a table ({self.origins['layout']})"
+            )
         name = self.values.get("world", "layout")
         try:
             made = world_from_layout(self.layout, name, dim, size)

@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from app.cli.keeping import run_ticks
-from app.cli.outcome import as_json, outcome, show, telling
+from app.cli.lookout import Lookout
+from app.cli.outcome import as_json, outcome, show, tell_written, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
 from app.cli.settings import at_least, names, numbers
 from app.experiments.kernels import compile_loop
+from worlds.counting import counted
 from worlds.refusal import Refusal
+from worlds.writing import demand_apart, demand_writable, write_text
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -58,10 +61,13 @@ def run(
     ] = None,
     save: Annotated[Path | None, typer.Option(help="Save the last state (Parquet).")] = None,
     save_spec: Annotated[Path | None, typer.Option(help="Write the run's spec (TOML).")] = None,
-    record: Annotated[Path | None, typer.Option(help="Record frames (Parquet).")] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Record frames (Parquet, or CSV by its ending).")
+    ] = None,
     every: Annotated[int, typer.Option(help="Ticks between recorded frames.")] = 1,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --record replace a file.")
+        bool,
+        typer.Option("--overwrite", help="Let --save, --save-spec and --record replace a file."),
     ] = False,
     observe: Annotated[
         str | None,
@@ -82,17 +88,19 @@ def run(
 ) -> None:
     """Run a flock and print what is observed at its end.
 
-    The same spec and seed give the same numbers.
+    The same spec and seed give the same numbers. The exit code is 4 if an agent was seen inside an
+    obstacle or beyond a solid edge.
     """
     at_least("--ticks", ticks, 0)
     at_least("--every", every, 1)
     at_least("--over", over, 1)
     if over is not None and over > ticks:
         raise Refusal(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
-    if record and record.exists() and not overwrite:
-        raise Refusal(f"--record {str(record)!r} exists already: name another, or --overwrite")
+    demand_outputs(save, save_spec, record, overwrite)
     from agents.observables.catalogue import OBSERVABLES
+    from agents.record import Recorder
     from agents.series import Follower
+    from agents.whereabouts import warning
 
     made_of: dict[str, Any] = {
         "model": model,
@@ -112,25 +120,37 @@ def run(
         flock = loaded(state, spec, made_of, given, threads)
     else:
         flock = built(spec, made_of, given, threads, quiet)
+    if warning(flock) and not quiet:
+        tell(f"flockscope: {warning(flock)}")
     compile_loop(flock, None if quiet else tell)
     if save_spec:
-        write_spec(flock, save_spec)
+        write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
     observed = told(flock, over) if asked is None else asked
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
+    lookout = Lookout(flock)
     first, begun = flock.tick, time.perf_counter()
-    with Progress(f"{flock.model.name}, {len(flock.ids)} agents", quiet) as progress:
-        whole = run_ticks(flock, ticks, progress, record, every, follower.look, over or 0)
+    with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
+        recorder = Recorder(record, flock, overwrite) if record else None
+        whole = run_ticks(
+            flock, ticks, progress, recorder, every, follower.look, over or 0, lookout.look
+        )
     seconds = time.perf_counter() - begun
+    lookout.look()
     if save:
         flock.save(save)
     if not whole:
         stopped(flock, first + ticks, record, save, every)
     made = outcome(flock, observed, ticks, seconds, follower.series if over else None)
+    if not quiet:
+        tell_written(record, save, save_spec)
+    if lookout.found is not None:
+        made["astray"] = str(lookout.found)
     if json_asked:
-        files = {"recording": record, "state": save}
+        files = {"recording": record, "state": save, "spec_file": save_spec}
         typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
     else:
         show(made, flock)
+    lookout.leave()
 
 
 def known_observables(text: str, over: int | None) -> list[str]:
@@ -198,32 +218,47 @@ def sides(text: str) -> float | tuple[float, ...]:
     return made[0] if len(made) == 1 else tuple(made)
 
 
+def demand_outputs(
+    save: Path | None, save_spec: Path | None, record: Path | None, overwrite: bool
+) -> None:
+    """Refuse what cannot be written before anything is run. Raises Refusal."""
+    from agents.record import RECORDINGS, STATES
+
+    demand_apart({"--record": record, "--save": save, "--save-spec": save_spec})
+    for option, path, endings in (
+        ("--record", record, RECORDINGS),
+        ("--save", save, STATES),
+        ("--save-spec", save_spec, (".toml",)),
+    ):
+        if path is not None:
+            demand_writable(option, path, overwrite, endings)
+
+
 def tell(line: str) -> None:
     """A line on stderr."""
     typer.echo(line, err=True)
-
-
-def write_spec(flock: Flock, path: Path) -> None:
-    """Write the run's spec. Raises Refusal."""
-    try:
-        path.write_text(flock.spec.to_toml(), encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"--save-spec {str(path)!r} cannot be written: {error.strerror}") from None
 
 
 def stopped(
     flock: Flock, last: int, record: Path | None, save: Path | None, every: int
 ) -> NoReturn:
     """Tell how to go on from a run that was asked to stop."""
+    from agents.record import SHEET
+
     line = f"flockscope: stopped at tick {flock.tick} of {last}; "
+    kept = [str(path) for path in (record, save) if path]
+    if kept:
+        line += f"written: {', '.join(kept)}; "
     again = ["flockscope", "run", "--ticks", str(last - flock.tick)]
     again += ["--threads", str(flock.threads)] if flock.threads > 1 else []
-    if record:
+    if record and record.suffix.lower() != SHEET:
         again += ["--every", str(every)] if every > 1 else []
         part = record.with_name(f"{record.stem}-from-{flock.tick}{record.suffix}")
         line += f"go on with: {shlex.join([*again, '--state', str(record), '--record', str(part)])}"
     elif save:
         line += f"go on with: {shlex.join([*again, '--state', str(save)])}"
+    elif record:
+        line += "no run goes on from a CSV (--save FILE keeps the state)"
     else:
         line += "nothing was kept (--save FILE keeps the state)"
     tell(line)

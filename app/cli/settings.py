@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from worlds.refusal import Refusal
+from worlds.refusal import Refusal, shortened
 
 SWITCHES = {"true": True, "false": False, "on": True, "off": False}
 
@@ -61,7 +61,16 @@ def whole_numbers(option: str, text: str) -> list[int]:
         raise Refusal(f"{option} {text!r} is not a whole number, or some with commas") from None
 
 
-def at_least(option: str, value: int | None, least: int) -> None:
-    """Refuse a whole number below the least. Raises Refusal naming the option."""
-    if value is not None and value < least:
-        raise Refusal(f"{option} {value} is not allowed: a whole number >= {least} is needed")
+MOST = 10**15
+"""The largest count, unless there is a reason for a smaller one."""
+
+
+def at_least(option: str, value: int | None, least: int, most: int = MOST) -> None:
+    """Refuse a whole number outside [least, most]. Raises Refusal naming the option."""
+    if value is None:
+        return
+    if value < least:
+        shown = shortened(value)
+        raise Refusal(f"{option} {shown} is not allowed: a whole number >= {least} is needed")
+    if value > most:
+        raise Refusal(f"{option} {shortened(value)} is not allowed: the largest is {most}")

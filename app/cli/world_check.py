@@ -9,6 +9,7 @@ import typer
 from app.cli.outcome import as_json
 from app.cli.refusals import REFUSED
 from app.cli.world_file import given_world, size_text
+from worlds.counting import counted
 
 
 def check(
@@ -46,6 +47,7 @@ def check(
 def told(holds: dict[str, Any]) -> str:
     """What a world holds, in words."""
     return (
-        f"{holds['obstacles']} obstacles, {holds['outline_edges']} outline edges, "
-        f"{holds['boundary_points']} boundary points, {holds['free']:.1%} free"
+        f"{counted(holds['obstacles'], 'obstacle')}, "
+        f"{counted(holds['outline_edges'], 'outline edge')}, "
+        f"{counted(holds['boundary_points'], 'boundary point')}, {holds['free']:.1%} free"
     )

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.settings import at_least, names, numbers
-from worlds.refusal import Refusal
+from worlds.writing import demand_writable, write_text
 
 if TYPE_CHECKING:
     from worlds.world import World
@@ -42,10 +43,15 @@ def edges_asked(text: str) -> str | tuple[str, ...]:
     return made[0] if len(made) == 1 else tuple(made)
 
 
-def demand_new(option: str, path: Path, overwrite: bool) -> None:
-    """Refuse to replace a file unless asked. Raises Refusal."""
-    if path.exists() and not overwrite:
-        raise Refusal(f"{option} {str(path)!r} exists already: name another, or --overwrite")
+LAYOUTS = (".toml",)
+"""Endings of layouts."""
+
+
+def demand_new(
+    option: str, path: Path, overwrite: bool, endings: Collection[str] = LAYOUTS
+) -> None:
+    """Refuse a file that cannot be written, or is there, unless asked. Raises Refusal."""
+    demand_writable(option, path, overwrite, endings)
 
 
 def write_layout(made: World, path: Path) -> None:
@@ -53,10 +59,7 @@ def write_layout(made: World, path: Path) -> None:
     from worlds.checks import demand_sound
 
     demand_sound(made)
-    try:
-        path.write_text(made.to_toml(), encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"--out {str(path)!r} cannot be written: {error.strerror}") from None
+    write_text("--out", path, made.to_toml())
 
 
 def size_text(made: World) -> str:

@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome import as_json, tell_written
 from app.cli.settings import assignment, at_least
 from app.cli.world_file import demand_new, edges_asked, sides, size_text, write_layout
+from worlds.counting import counted
 
 
 def make(
@@ -42,4 +43,5 @@ def make(
     if json_asked:
         typer.echo(as_json({"layout": str(out), "obstacles": solid, "size": made.size}))
     else:
-        typer.echo(f"written: {out}, {solid} obstacles in {size_text(made)}")
+        typer.echo(f"{counted(solid, 'obstacle')} in {size_text(made)}")
+    tell_written(out)

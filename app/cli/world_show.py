@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome import as_json, tell_written
 from app.cli.world_file import demand_new, given_world
 from worlds.refusal import Refusal
 
@@ -30,9 +30,7 @@ def show(
 ) -> None:
     """Draw a world: obstacles, edges, start, path and goal; in space from above and in front."""
     path = out or Path(f"{Path(name).name.removesuffix('.toml')}.png")
-    if path.suffix.lower() not in PICTURES:
-        raise Refusal(f"--out {str(path)!r} is not allowed: {' or '.join(PICTURES)} is needed")
-    demand_new("--out", path, overwrite)
+    demand_new("--out", path, overwrite, PICTURES)
     made = given_world(name, dim, size, seed)
     if points and made.dim == 3:
         raise Refusal("--points is not allowed in space: boundary points are made in the plane")
@@ -42,4 +40,6 @@ def show(
 
     demand_sound(made)
     draw_world(made, path, boundary_points(made) if points else None)
-    typer.echo(as_json({"picture": str(path)}) if json_asked else f"written: {path}")
+    if json_asked:
+        typer.echo(as_json({"picture": str(path)}))
+    tell_written(path)

@@ -11,6 +11,7 @@ from app.experiments.file import Every, Faster, Found, Lags, Order, Said, Sweep
 from app.experiments.phase_map import found_claim, lag_claim
 from app.experiments.statistics import difference
 from app.experiments.verdict import LARGE, Verdict, name, of, sweeps_of
+from worlds.counting import counted
 
 
 def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
@@ -69,7 +70,8 @@ def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
     unit = "" if measure.unit == "1" else f" {measure.unit}"
     when = "" if one.tick is None else f" at tick {one.tick}"
     often = "every run" if one.share == 1.0 else f"{one.share:.0%} of the runs or more"
-    text = f"{who}: {measure.symbol} {words}{unit}{when} in {often}; {span} in {len(values)} runs"
+    runs = counted(len(values), "run")
+    text = f"{who}: {measure.symbol} {words}{unit}{when} in {often}; {span} in {runs}"
     holds = len(values) - bad >= one.share * len(values)
     return [Claim(text + (f", {bad} not" if bad else ""), holds, one.not_reproduced)]
 

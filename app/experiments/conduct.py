@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from agents.whereabouts import warning
 from app.experiments.costs import Costs, guess
 from app.experiments.experiment import Cell, Experiment
 from app.experiments.kernels import compile_loop
@@ -13,6 +14,7 @@ from app.experiments.kinds.settings import Number
 from app.experiments.pool import run_all
 from app.experiments.store import Key, Store, key_of
 from app.experiments.trial import Result, Trial, fingerprint, flock_of
+from worlds.counting import counted
 from worlds.refusal import Refusal
 
 Tell = Callable[[str], object]
@@ -37,6 +39,8 @@ class Done:
     """Runs taken from the store."""
     made: int
     """Runs made now."""
+    astray: list[str]
+    """Of each run in which an agent was seen where it cannot be: which run, and which agent."""
 
 
 class Plan:
@@ -99,6 +103,17 @@ class Plan:
         """All cells with their runs."""
         return [self.measured_of(k) for k in range(len(self.experiment.cells))]
 
+    @property
+    def astray(self) -> list[str]:
+        """The runs in which an agent was seen where it cannot be, in words."""
+        keys = [self.key(k, seed) for k in range(len(self.experiment.cells)) for seed in self.seeds]
+        found = {key: self.store.results[key].astray for key in keys}
+        return [
+            f"{key.model}, N = {key.agents}, {key.parameters}, seed {key.seed}: {words}"
+            for key, words in found.items()
+            if words
+        ]
+
     def measured_of(self, cell: int) -> Measured:
         """A cell (by its number) with its runs."""
         results = [self.store.results[self.key(cell, seed)].measures for seed in self.seeds]
@@ -125,6 +140,13 @@ def compile_models(experiment: Experiment, tell: Tell | None) -> None:
         experiment.settings.compile(flock)
 
 
+def warn(experiment: Experiment, tell: Tell) -> None:
+    """Tell of each model of an experiment whose agents go through what is solid."""
+    flocks = [flock_of(cell, experiment.settings, 0) for cell in experiment.cells]
+    for words in dict.fromkeys(warning(flock) for flock in flocks if flock.passing):
+        tell(f"flockscope: {words}")
+
+
 def conduct(
     experiment: Experiment,
     folder: Path,
@@ -145,12 +167,18 @@ def conduct(
         trials = plan.trials
         taken = runs * len(plan.paths) - len(trials)
         if trials:
+            if tell is not None:
+                warn(experiment, tell)
             compile_models(experiment, tell)
 
         def keep(trial: Trial, results: list[Result]) -> None:
             plan.keep(trial, results)
             done = sum(plan.costs.done)
-            at(plan.costs.share, plan.costs.ahead / workers, f"{done} of {len(trials)} runs")
+            at(
+                plan.costs.share,
+                plan.costs.ahead / workers,
+                f"{done} of {counted(len(trials), 'run')}",
+            )
 
         run_all(trials, experiment.settings, workers, keep)
-        return Done(plan.measured, taken, len(trials))
+        return Done(plan.measured, taken, len(trials), plan.astray)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,7 +15,8 @@ from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
 from app.experiments.strict import Value
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, needed, unknown
+from worlds.toml import toml
 
 Way = Literal["", "there", "back"]
 
@@ -147,11 +147,11 @@ def read_file(path: Path) -> Experiment:
     """The experiment of a TOML file. Raises Refusal naming file and line."""
     try:
         text = path.read_text(encoding="utf-8")
-        values = tomllib.loads(text)
     except OSError as error:
         raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise Refusal(f"{path} is not TOML: {error}") from None
+    values = toml(text, str(path))
     kind = values.get("kind", "convergence")
     if kind not in KINDS:
         raise unknown("kind of experiment", str(kind), KINDS, place(path, text, "kind"))
@@ -162,7 +162,7 @@ def read_file(path: Path) -> Experiment:
         first = error.errors()[0]
         keys = [str(part) for part in first["loc"] if not isinstance(part, int)]
         where = place(path, text, keys[-1], ".".join(keys[:-1]))
-        raise Refusal(f"{'.'.join(keys)}: {first['msg']} ({where})") from None
+        raise Refusal(f"{'.'.join(keys)}: {needed(first)} ({where})") from None
     check_sizes(file, path)
     check_measures(file, path)
     main = file.settings.measures[0].name

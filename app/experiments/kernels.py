@@ -18,3 +18,4 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
     name, world = flock.model.name, flock.world
     twin = Flock(name, agents=1, world=world, activation=flock.activation, rng=0)
     twin.run(1)
+    twin.stray()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,8 @@ from app.experiments.experiment import Experiment
 from app.experiments.statistics import INTERVAL_NOTE, NOTE, WELCH_NOTE
 from app.experiments.tables import STYLES, table_of
 from app.experiments.verdict import Verdict, of
-from worlds.refusal import Refusal
+from worlds.counting import counted
+from worlds.writing import write_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,13 +38,11 @@ def as_value(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> 
 def write_summary(path: Path, made: list[Verdict]) -> None:
     """Write the summary as CSV, one line per row and measure. Raises Refusal."""
     rows = [one.as_row() for one in made]
-    try:
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
-    except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be written: {error.strerror or error}") from None
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text("summary", path, text.getvalue())
 
 
 def show(console: Console, experiment: Experiment, made: list[Verdict], said: list[Claim]) -> None:
@@ -91,7 +91,7 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
             )
             lines.append(
                 f"[bold red]{measure.absent}[/]  {measure.symbol}: {cells} of "
-                f"{len(rows[0].values)} runs each; left out above"
+                f"{counted(len(rows[0].values), 'run')} each; left out above"
             )
     return lines
 

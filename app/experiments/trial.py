@@ -42,6 +42,8 @@ class Result:
     measures: dict[str, Number | None]
     """By name; None where the run has none, such as k_con of a run that was given up."""
     seconds: float
+    astray: str = ""
+    """The first agent that was seen where it cannot be, in words; empty if none was."""
 
 
 class Stopped(Exception):
@@ -85,8 +87,15 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[R
     """Run a flock to the end of each of its cells. Raises Stopped."""
     begun = time.perf_counter()
     flock = flock_of(trial.cells[0], settings, trial.seed)
+    astray: list[str] = []
+
+    def look() -> None:
+        found = None if astray else flock.stray()
+        if found is not None:
+            astray.append(str(found))
 
     def go_on() -> None:
+        look()
         if stop.is_set():
             raise Stopped
 
@@ -95,7 +104,8 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[R
         flock.set(**cell.parameters)
         measures = settings.run(flock, go_on)
         ended = time.perf_counter()
-        results.append(Result(measures, ended - begun))
+        look()
+        results.append(Result(measures, ended - begun, "".join(astray)))
         begun = ended
     return results
 

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from worlds.refusal import Refusal
+from app.figure import write_figure
+from app.results import PICTURES, make_folder
 
 LIFT, THRUST, POWER, FAINT, OTHER = "#2166ac", "#2a9d5c", "#c0392b", "#9aa3ad", "#b07d12"
 
@@ -22,18 +23,13 @@ def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> d
 
     from app.experiments.pictures.draw import LOOK
 
-    files = {kind: folder / f"{name}.{kind}" for kind in ("png", "svg")}
+    files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
         figure: Any = Figure(layout="constrained")
         FigureCanvasAgg(figure)
         draw(figure)
         figure.suptitle(title, x=0.01, ha="left")
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            figure.savefig(files["png"], dpi=160)
-            figure.savefig(files["svg"], metadata={"Date": None})
-        except OSError as error:
-            raise Refusal(
-                f"picture in {str(folder)!r} cannot be written: {error.strerror}"
-            ) from None
+        make_folder(folder)
+        for path in files.values():
+            write_figure(figure, path)
     return files

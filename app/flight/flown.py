@@ -14,6 +14,7 @@ from agents.flight.power import History, history
 from agents.flight.trim import Trim, trim
 from app.cli.settings import assignment
 from app.flight.request import Request, within
+from worlds.counting import counted
 from worlds.refusal import Refusal, unknown
 
 PER_BEAT = 96
@@ -92,8 +93,9 @@ class Flown:
             f"  mean power   {value['mean_power']:.3f} W",
         ]
         if np.isfinite(self.left[-1]):
+            beats = counted(len(self.left) - 1, "beat")
             made.append(
-                f"  of the push  {self.left[-1]:.2g} is left after {len(self.left) - 1} beats;"
+                f"  of the push  {self.left[-1]:.2g} is left after {beats};"
                 f" largest |mu| = {value['largest_multiplier']:.3f}"
             )
         return made

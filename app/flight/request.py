@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.settings import assignment
@@ -41,15 +39,6 @@ def asked_speed(option: str, speed: float) -> float:
     from agents.flight.trim import SPEEDS
 
     return within(option, speed, *SPEEDS, "m/s")
-
-
-def demand_folder(option: str, folder: Path) -> None:
-    """Refuse a folder that cannot be made or written to, before time is spent. Raises Refusal."""
-    there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
-    if not there.is_dir() or not os.access(there, os.W_OK):
-        raise Refusal(
-            f"{option} {str(folder)!r} cannot be written: {str(there)!r} is no folder to write to"
-        )
 
 
 def request(frequency: float, twist: float, settings: list[str] | None) -> Request:

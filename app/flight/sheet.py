@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from worlds.refusal import Refusal
+from app.results import make_folder
+from worlds.writing import write_text
 
 
 def write_sheet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
     """Write columns of one length under their names; None stays empty. Raises Refusal."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
-            out = csv.writer(file, lineterminator="\n")
-            out.writerow(columns)
-            for row in zip(*columns.values(), strict=True):
-                out.writerow("" if one is None else f"{float(one):.9g}" for one in row)
-    except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be written: {error.strerror}") from None
+    text = io.StringIO()
+    out = csv.writer(text, lineterminator="\n")
+    out.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        out.writerow("" if one is None else f"{float(one):.9g}" for one in row)
+    make_folder(path.parent)
+    write_text("table", path, text.getvalue())
 
 
 def beat_columns(beat: Any, frequency: float) -> dict[str, Any]:

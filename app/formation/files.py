@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from app.experiments.pictures.draw import LOOK
-from worlds.refusal import Refusal
+from app.figure import write_figure
+from app.results import PICTURES, make_folder
+from worlds.writing import write_text
 
 SAVED, LOST, INK, PALE = "#1f9d63", "#c0392b", "#3c434b", "#9aa3ad"
 SHADES = "BrBG"
@@ -20,17 +22,14 @@ def written(folder: Path, name: str, draw: Callable[[Any], None]) -> dict[str, P
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    files = {kind: folder / f"{name}.{kind}" for kind in ("png", "svg")}
+    files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
         figure: Any = Figure(layout="constrained")
         FigureCanvasAgg(figure)
         draw(figure)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            figure.savefig(files["png"], dpi=160)
-            figure.savefig(files["svg"], metadata={"Date": None})
-        except OSError as error:
-            raise refused(folder, error) from None
+        make_folder(folder)
+        for path in files.values():
+            write_figure(figure, path)
     return files
 
 
@@ -40,14 +39,6 @@ def table(
     """Write rows of numbers as CSV into the folder; the file by kind. Raises Refusal."""
     path = folder / f"{name}.csv"
     lines = [",".join(head), *(",".join(f"{one:.9g}" for one in row) for row in rows)]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise refused(folder, error) from None
+    make_folder(folder)
+    write_text("table", path, "\n".join(lines) + "\n")
     return {"csv": path}
-
-
-def refused(folder: Path, error: OSError) -> Refusal:
-    """That the folder cannot be written."""
-    return Refusal(f"--out {str(folder)!r} cannot be written: {error.strerror}")

@@ -15,6 +15,8 @@ from worlds.refusal import Refusal, unknown
 State = Literal["safe", "armed", "emergency"]
 Wish = Literal["arm", "disarm", "hold", "emergency", "reset", "tune", "accompany"]
 WISHES: tuple[Wish, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune", "accompany")
+UNDOING = ("reset", "arm")
+"""What is no longer meant once somebody has asked for an emergency stop."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from agents.engine.arrays import Arrays
 from agents.model import Model
 from agents.rows import begun
 from agents.start import Start
+from app.live.driver import NoRoom
 from app.live.lab import Lab
 from app.live.pose import Pose
 from worlds.refusal import Refusal
@@ -39,7 +40,7 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
 
     It heads along the injected car's circle, or anywhere if that goes no circle. `size` is the
     longest line in a car, m. A car tries the same places whenever it begins, which follow from the
-    seed and its number. Raises Refusal if none of them is free.
+    seed and its number. Raises NoRoom if none of them is free.
     """
     area = lab.area
     rng = np.random.default_rng([lab.simulated.seed, number])
@@ -47,16 +48,36 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
     tried = rng.uniform(low, high, (TRIES, 2))
     yaw = float(rng.uniform(-math.pi, math.pi))
     apart = max(APART, size)
-    others = np.array([tuple(one) for one in taken])
-    gaps = np.linalg.norm(tried[:, None] - others[None], axis=2).min(axis=1)
+    others = np.array([tuple(one) for one in taken]).reshape(-1, 2)
+    gaps = np.linalg.norm(tried[:, None] - others[None], axis=2).min(axis=1, initial=math.inf)
     free = np.flatnonzero(gaps >= apart)
     if not len(free):
-        raise Refusal(
+        raise NoRoom(
             f"{named(number)} has no room: none of {TRIES} places within the fence is {apart:g} m "
             "from every other car"
         )
     x, y = (float(one) for one in tried[free[0]])
     return Pose(x, y, along_circle(lab, x, y) if lab.injected.path == "circle" else yaw)
+
+
+def begin_more(
+    lab: Lab, kept: int, count: int, taken: Iterable[Sequence[float]], size: float
+) -> list[Pose]:
+    """Where simulated cars `kept` + 1 to `count` begin; for the rest see `begins`.
+
+    Raises NoRoom with the number that would fit.
+    """
+    occupied = [tuple(one) for one in taken]
+    more: list[Pose] = []
+    for number in range(kept + 1, count + 1):
+        try:
+            more.append(begins(lab, number, occupied, size))
+        except NoRoom as refused:
+            raise NoRoom(
+                f"simulated cars = {count} is not allowed: {refused}; {number - 1} would fit"
+            ) from None
+        occupied.append((more[-1].x, more[-1].y))
+    return more
 
 
 def along_circle(lab: Lab, x: float, y: float) -> float:

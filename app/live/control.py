@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from app.live.arm import Request
-from app.live.driver import Accompanied, Companion, Driver, Tunable
+from app.live.driver import Accompanied, Companion, Driver, NoRoom, Tunable
 from app.live.events import Event
 from app.live.links.link import RUN
 from app.live.pose import Frame, Pose, Sighting
@@ -123,6 +123,9 @@ class Control:
                 for name in self.safety.cars
                 if name in answer
             }
+        except NoRoom as refused:  # for simulated cars: the real ones need not wait for them
+            words = " ".join(str(refused).split())
+            self.events.append(Event(self.tick, now, "refused", words))
         except Exception as error:  # whatever a rule does wrong, the cars stop
             failed = " ".join(f"{type(error).__name__}: {error}".split())
         verdict = self.safety.judge(now, wanted, failed)

@@ -7,24 +7,28 @@ it notices that its desk is gone, stops the cars and leaves. Nothing at the desk
 from __future__ import annotations
 
 import atexit
+import itertools
 import math
 import multiprocessing
 import threading
+import time
 from contextlib import suppress
 from pathlib import Path
 
-from app.live.arm import Request
+from app.live.arm import UNDOING, Request
 from app.live.ends import Opener
-from app.live.events import Event
+from app.live.events import Events
 from app.live.lab import Lab
 from app.live.look import Look
-from app.live.loop_process import Answer, serve
+from app.live.loop_process import Answer, Asked, serve
 from worlds.refusal import Refusal
 
 PATIENCE = 180.0
 """Seconds that the process may take to begin: the first time a rule is compiled."""
 GRACE = 30.0
 """Seconds that it has to finish its recording, once the cars are stopped, before it is ended."""
+AGAIN = 1.0
+"""Seconds in which an emergency stop is not sent again, if nobody has asked to undo it."""
 
 
 class Desk:
@@ -36,10 +40,17 @@ class Desk:
 
     def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
         spawn = multiprocessing.get_context("spawn")
+        self.recording = recording
         self.line, theirs = spawn.Pipe(duplex=True)
+        stops, self.stops = spawn.Pipe(duplex=False)
+        """The emergency stop's own way, on which nothing else ever waits."""
         self.lock = threading.Lock()
-        self.events: list[Event] = []
-        """All events, the oldest first."""
+        self.stopping = threading.Lock()
+        """Of the emergency stop's way alone."""
+        self.stopped: float | None = None
+        """When the stop was sent that nobody has asked to undo, s."""
+        self.numbers = itertools.count(1)
+        self.events = Events()
         self.known = 0
         self.trouble = ""
         """Why the loop ended, if it did by itself."""
@@ -51,11 +62,12 @@ class Desk:
         # not a daemon: the loop has a child of its own, its tracking
         self.process = spawn.Process(
             target=serve,
-            args=(lab.to_toml(), opener, recording, theirs),
+            args=(lab.to_toml(), opener, recording, theirs, stops),
             name="flockscope control loop",
         )
         self.process.start()
         theirs.close()
+        stops.close()
         atexit.register(self.close)
         self.begin()
 
@@ -79,9 +91,26 @@ class Desk:
         return self.process.is_alive()
 
     def ask(self, request: Request) -> None:
-        """Ask for something, which is done at the loop's next tick; events say what came of it."""
+        """Ask for something, which is done at the loop's next tick; events say what came of it.
+
+        An emergency stop waits for nothing that was asked before, and of many only one is sent.
+        """
+        if request.wish == "emergency":
+            self.stop(request)
+            return
+        if request.wish in UNDOING:
+            self.stopped = None  # before its number is taken: a stop from now on is a new one
+        asked = Asked(next(self.numbers), request)
         with self.lock, suppress(OSError):
-            self.line.send(request)
+            self.line.send(asked)
+
+    def stop(self, request: Request) -> None:
+        """Send an emergency stop, unless one has just been sent that nobody has asked to undo."""
+        with self.stopping, suppress(OSError):
+            now = time.monotonic()
+            if self.stopped is None or now - self.stopped >= AGAIN:
+                self.stopped = now
+                self.stops.send(Asked(next(self.numbers), request))
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; goes out with the next look. Raises Refusal."""
@@ -100,7 +129,7 @@ class Desk:
                     answer: Answer = self.line.recv()
                     self.waits = False
                     self.newest = answer.look or self.newest
-                    self.events += answer.events
+                    self.events.add(*answer.events)
                     self.known = answer.known
                 if not self.waits:
                     hand, self.hand = self.hand, None
@@ -109,6 +138,8 @@ class Desk:
             except (EOFError, OSError):
                 if not self.closed:
                     self.trouble = "the control loop is gone: the cars stop themselves"
+                    if self.recording is not None:
+                        self.trouble += f"; flockscope live recover {self.recording}"
             return self.newest
 
     def close(self) -> None:
@@ -121,5 +152,6 @@ class Desk:
             if self.process.is_alive():
                 end()
                 self.process.join(GRACE)
-        with self.lock:
+        with self.lock, self.stopping:
             self.line.close()
+            self.stops.close()

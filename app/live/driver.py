@@ -7,6 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from app.live.pose import Pose, Sighting
+from worlds.refusal import Refusal
+
+
+class NoRoom(Refusal):
+    """Simulated cars for which there is no room; raised once for each time that they are wanted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +42,7 @@ class Driver(Protocol):
         names, that were seen within the limit `stale`, each where it was last seen; a car without
         a command gets no throttle. `injected` is the injected car, None where there is none.
         `running` says whether the cars were told to run in the last tick. Whatever it raises stops
-        the cars.
+        the cars; after NoRoom they go on with the next tick, without new simulated cars.
         """
         ...
 

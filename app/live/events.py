@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import overload
 
 KEPT = 10_000
 """Events that are kept in memory; the recording has them all."""
@@ -33,11 +35,21 @@ class Event:
 
 
 class Events:
-    """The latest events; one thread writes, any may read."""
+    """All events, of which the newest are kept; one thread writes, any may read.
 
-    def __init__(self) -> None:
+    It is read as a list is, and counts from the first event that there ever was: those that are no
+    longer kept are left out of a slice, and change the place of no other.
+
+    >>> log = Events(kept=2)
+    >>> for tick, kind in enumerate(("arm", "run", "stop")):
+    ...     log.add(Event(tick, 0.01 * tick, kind, kind))
+    >>> len(log), [event.kind for event in log[0:]], [event.kind for event in log[2:]]
+    (3, ['run', 'stop'], ['stop'])
+    """
+
+    def __init__(self, kept: int = KEPT) -> None:
         self.count = 0
-        self.kept: deque[Event] = deque(maxlen=KEPT)
+        self.kept: deque[Event] = deque(maxlen=kept)
         self.lock = threading.Lock()
 
     def add(self, *events: Event) -> None:
@@ -57,3 +69,30 @@ class Events:
         with self.lock:
             new = min(self.count - count, len(self.kept))
             return self.count, list(self.kept)[len(self.kept) - new :] if new > 0 else []
+
+    @property
+    def dropped(self) -> int:
+        """How many are no longer kept."""
+        with self.lock:
+            return self.count - len(self.kept)
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __iter__(self) -> Iterator[Event]:
+        return iter(self[:])
+
+    @overload
+    def __getitem__(self, which: int, /) -> Event: ...
+    @overload
+    def __getitem__(self, which: slice, /) -> list[Event]: ...
+    def __getitem__(self, which: int | slice, /) -> Event | list[Event]:
+        with self.lock:
+            gone = self.count - len(self.kept)
+            if isinstance(which, int):
+                place = range(self.count)[which] - gone
+                if place < 0:
+                    raise IndexError(f"event {which} is no longer kept")
+                return self.kept[place]
+            places = range(self.count)[which]
+            return [self.kept[place - gone] for place in places if place >= gone]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,8 +20,10 @@ from app.live.limits import CarLimits, Limits
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.live.loop import RATE
 from app.live.misfit import Misfit
+from app.live.parts import Kept
 from app.live.safety import Safety
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, needed, shortened, unknown
+from worlds.toml import toml
 
 MOST_SIMULATED = 32
 """Simulated cars beside real ones: with more, a tick would not be done in time."""
@@ -75,6 +76,7 @@ class Lab(Strict):
     limits: Limits = Limits()
     injected: Injection = Injection()
     simulated: Simulated = Simulated()
+    recording: Kept = Kept()
     cars: dict[str, Car] = Field(min_length=1, max_length=MOST_CARS)
 
     @model_validator(mode="after")
@@ -179,6 +181,7 @@ TABLES: dict[str, type[Strict]] = {
     "limits": Limits,
     "injected": Injection,
     "simulated": Simulated,
+    "recording": Kept,
     "cars": Car,
 }
 
@@ -196,10 +199,7 @@ def read_lab(path: str | Path) -> Lab:
 
 def lab_from_toml(text: str, origin: str) -> Lab:
     """The laboratory that a text describes. Raises Refusal naming the line that is wrong."""
-    try:
-        values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise Refusal(f"{origin} is not TOML: {error}") from None
+    values = toml(text, origin)
     try:
         return checked(values)
     except ValidationError as error:
@@ -230,13 +230,11 @@ def refusal(error: ValidationError, text: str, origin: str) -> Refusal:
         return unknown("key", keys[-1], known_keys(keys[:-1]), where)
     if first["type"] == "missing" and first["loc"][-1] == keys[-1]:
         return Refusal(f"{table_of(keys)} has no {keys[-1]} ({where})")
-    message = first["msg"].removeprefix("Value error, ")
-    message = message[:1].lower() + message[1:]
     if isinstance(cause, ValueError):
-        return Refusal(f"{message} ({where})")
+        return Refusal(f"{needed(first)} ({where})")
     value = first["input"]
-    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else repr(value)
-    return Refusal(f"{'.'.join(keys)} = {shown} is not allowed: {message} ({where})")
+    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shortened(value)
+    return Refusal(f"{'.'.join(keys)} = {shown} is not allowed: {needed(first)} ({where})")
 
 
 def known_keys(table: Sequence[str]) -> list[str]:

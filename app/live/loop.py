@@ -14,9 +14,10 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
-from app.live.arm import Request
-from app.live.control import Control
+from app.live.arm import UNDOING, Request
+from app.live.control import Control, Step
 from app.live.events import Event, Events
+from app.live.firmware import WATCHDOG
 from app.live.injected import Injected
 from app.live.links.link import EMERGENCY, STOP, CarLink
 from app.live.look import Look, cars_of
@@ -29,8 +30,6 @@ RATE = 100.0
 """Ticks per second."""
 MOST_REQUESTS = 4
 """Requests that are taken in one tick, up to half a millisecond each; the others wait."""
-UNDOING = ("reset", "arm")
-"""What is no longer meant once somebody has asked for an emergency stop."""
 OVERTAKEN = "overtaken by an emergency stop"
 PARTING = 5
 """Stop frames that are sent at the end."""
@@ -61,6 +60,10 @@ class Journal(Protocol):
 
     def write(self, moment: Moment) -> None:
         """Take down a tick."""
+        ...
+
+    def news(self) -> list[str]:
+        """What is new of the recording, each in one line."""
         ...
 
 
@@ -98,6 +101,8 @@ class Loop:
         self.asked: queue.SimpleQueue[Request] = queue.SimpleQueue()
         self.pending: list[Request] = []
         """What was asked and waits for its turn."""
+        self.late: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        """What comes after an emergency stop and was asked before it."""
         self.overtaken: list[Request] = []
         """What an emergency stop has overtaken in this tick and may not undo it."""
         self.newest: Frame | None = None
@@ -114,6 +119,10 @@ class Loop:
     def ask(self, request: Request) -> None:
         """Ask for something, which is done at the next tick; an emergency stop before all else."""
         self.asked.put(request)
+
+    def overtake(self, request: Request) -> None:
+        """Take note of what an emergency stop has overtaken on its way here; it is not done."""
+        self.late.put(request)
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; kept within the fence. Raises Refusal for NaN."""
@@ -137,6 +146,9 @@ class Loop:
                     left_out = int((now - due) / self.period)
                     self.missed += left_out
                     due += left_out * self.period
+        except BaseException as error:
+            self.leaving = f"it failed: {type(error).__name__}: {' '.join(str(error).split())}"
+            raise
         finally:
             self.part()
 
@@ -183,10 +195,11 @@ class Loop:
         Nothing that was asked before an emergency stop may undo it or arm again.
         """
         self.pending += taken(self.asked)
+        self.overtaken = taken(self.late)
         urgent = [one for one in self.pending if one.wish == "emergency"]
         if urgent:
             last = max(k for k, one in enumerate(self.pending) if one.wish == "emergency")
-            self.overtaken = [one for one in self.pending[:last] if one.wish in UNDOING]
+            self.overtaken += [one for one in self.pending[:last] if one.wish in UNDOING]
             done = {id(one) for one in (*urgent, *self.overtaken)}
             self.pending = [one for one in self.pending if id(one) not in done]
         found = urgent + self.pending[:MOST_REQUESTS]
@@ -220,18 +233,71 @@ class Loop:
                 words = trouble or f"the {kind} works again"
                 found.append(Event(self.control.tick, now, kind, words))
                 self.known[kind] = trouble
+        news = self.journal.news() if self.journal is not None else []
+        found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
         return found
 
     def part(self) -> None:
-        """Send stops, and let go of the link. A latched emergency stop stays latched."""
-        latched = self.control.safety.arm.state == "emergency" or any(
-            one.wish == "emergency" for one in taken(self.asked)
-        )
+        """Send stops, let go of the link, take them down. A latched emergency stop stays latched.
+
+        What is taken down comes after: whatever has failed, and fails again, holds no stop up.
+        """
+        asked = [one for one in taken(self.asked) if one.wish == "emergency"]
+        state = self.control.safety.arm.state
+        latched = state == "emergency" or bool(asked)
+        if state == "armed" and not asked:
+            asked = [Request("hold", "loop", self.leaving)]
+        mode = EMERGENCY if latched else STOP
         still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
+        times = []
+        frames = 0
         for _ in range(PARTING):
-            self.send(EMERGENCY if latched else STOP, still)
+            dropped = self.link.dropped
+            times.append(self.clock())
+            self.send(mode, still)
+            frames += not self.troubles["link"] and self.link.dropped == dropped
             self.wait(self.period)
         self.link.close()
+        end = self.farewell(frames, latched)
+        for left, now in zip(reversed(range(PARTING)), times, strict=True):
+            self.take_down_stop(now, asked, mode, still, "" if left else end)
+            asked = []
+
+    def farewell(self, frames: int, latched: bool) -> str:
+        """How the loop ends, in words: why, and who stops the cars."""
+        stop = "an emergency stop" if latched else "to stop"
+        told = (
+            f"{frames} frames told the cars {stop}"
+            if frames
+            else f"the link took no stop ({self.troubles['link'] or 'it is busy'}): the cars' own "
+            f"watchdogs stop them, {1000 * WATCHDOG:g} ms after their last command"
+        )
+        return f"the control loop ends ({self.leaving or 'nobody asked it to'}): {told}"
+
+    def take_down_stop(
+        self,
+        now: float,
+        asked: list[Request],
+        mode: int,
+        still: dict[str, Command],
+        end: str,
+    ) -> None:
+        """Put a stop that was sent at `now` (s) in events and recording: a tick that replays."""
+        control = self.control
+        injected = None
+        try:
+            control.see(now, asked, self.newest)
+            injected = self.injected.at(now, control.running, control.sightings)
+            step = control.act(now, injected)
+        except Exception:  # what has failed before may fail again; what was sent is known
+            step = Step({}, Verdict(mode, still, ()), ())
+        events = step.events
+        if end:
+            events = (*events, Event(control.tick, now, "end", end, cause="loop"))
+        self.events.add(*events)
+        if self.journal is not None:
+            arm = control.safety.arm.state
+            self.journal.write(Moment(control.tick, now, (), injected, step, arm, events, None))
 
     def look(self, now: float, injected: Pose | None, verdict: Verdict) -> Look:
         """What there is to see."""

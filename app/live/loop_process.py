@@ -8,17 +8,18 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.live.arm import Request
+from app.live.arm import UNDOING, Request
 from app.live.events import Event
 from app.live.lab import lab_from_toml
 from app.live.look import Look
 from app.live.loop import Journal, Loop
+from app.live.parts import Kept
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -44,8 +45,23 @@ class Answer:
     """Why the loop cannot begin."""
 
 
-def serve(laboratory: str, opener: Opener, recording: Path | None, line: Connection) -> None:
-    """Run the control loop of a laboratory (its TOML) until the desk says so or is gone."""
+@dataclass(frozen=True)
+class Asked:
+    """Something asked at the desk."""
+
+    number: int
+    """Counts what is asked: an emergency stop has a way of its own and comes before what was asked
+    before it."""
+    request: Request
+
+
+def serve(
+    laboratory: str, opener: Opener, recording: Path | None, line: Connection, stops: Connection
+) -> None:
+    """Run the control loop of a laboratory (its TOML) until the desk says so or is gone.
+
+    `line` is the desk's, both ways; `stops` brings its emergency stops.
+    """
     leaving: list[str] = []
     loop: Loop | None = None
 
@@ -62,14 +78,15 @@ def serve(laboratory: str, opener: Opener, recording: Path | None, line: Connect
         try:
             lab = lab_from_toml(laboratory, "the laboratory")
             ends = stack.enter_context(closing(opener(lab)))
-            journal = stack.enter_context(journal_in(recording, laboratory))
+            journal = stack.enter_context(journal_in(recording, laboratory, lab.recording))
         except Refusal as refusal:
             line.send(Answer(trouble=str(refusal)))
             return
         loop = ends.loop(lab, journal)
         if leaving:
             loop.leave(leaving[0])
-        threading.Thread(target=attend, args=(line, loop), name="desk", daemon=True).start()
+        arguments = (line, stops, loop)
+        threading.Thread(target=attend, args=arguments, name="desk", daemon=True).start()
         line.send(Answer())
         gc.collect()
         gc.freeze()  # so that later collections are short: they look at what a run makes
@@ -77,7 +94,7 @@ def serve(laboratory: str, opener: Opener, recording: Path | None, line: Connect
 
 
 @contextmanager
-def journal_in(folder: Path | None, laboratory: str) -> Iterator[Journal | None]:
+def journal_in(folder: Path | None, laboratory: str, kept: Kept) -> Iterator[Journal | None]:
     """A recording in a folder, or none; if it cannot be finished, the terminal is told."""
     if folder is None:
         yield None
@@ -85,7 +102,7 @@ def journal_in(folder: Path | None, laboratory: str) -> Iterator[Journal | None]
     from app.live.record import Recording
 
     with ExitStack() as stack:
-        journal = stack.enter_context(Recording(folder, laboratory))
+        journal = stack.enter_context(Recording(folder, laboratory, kept))
         yield journal
         try:
             stack.close()
@@ -93,17 +110,48 @@ def journal_in(folder: Path | None, laboratory: str) -> Iterator[Journal | None]
             print(f"flockscope: {refusal}", file=sys.stderr)
 
 
-def attend(line: Connection, loop: Loop) -> None:
-    """Pass on what the desk says, and answer it; the loop leaves when the desk is gone."""
+class InOrder:
+    """Passes on to a loop what comes by two ways: nothing that was asked before an emergency stop
+    undoes it, though it may come after it."""
+
+    def __init__(self, loop: Loop):
+        self.loop = loop
+        self.stopped = 0
+        """The number of the last emergency stop."""
+
+    def ask(self, asked: Asked) -> None:
+        """Pass on a request, unless it was overtaken."""
+        if asked.request.wish == "emergency":
+            self.stopped = max(self.stopped, asked.number)
+        elif asked.request.wish in UNDOING and asked.number < self.stopped:
+            self.loop.overtake(asked.request)
+            return
+        self.loop.ask(asked.request)
+
+    def ask_all(self, stops: Connection) -> None:
+        """Pass on the emergency stops that have come."""
+        with suppress(EOFError, OSError):
+            while stops.poll():
+                self.ask(stops.recv())
+
+
+def attend(line: Connection, stops: Connection, loop: Loop) -> None:
+    """Pass on what the desk says, emergency stops first, and answer it; the loop leaves when the
+    desk is gone."""
     parent = multiprocessing.parent_process()
-    watched: list[Connection | int] = [line]
+    watched: list[Connection | int] = [line, stops]
     if parent is not None:
         watched.append(parent.sentinel)
+    asking = InOrder(loop)
+    why = "the desk is gone"
     try:
-        while line in wait(watched):
+        while line in (ready := wait(watched)) or stops in ready:
+            if stops in ready:
+                asking.ask(stops.recv())
+                continue
             match line.recv():
-                case Request() as request:
-                    loop.ask(request)
+                case Asked() as asked:
+                    asking.ask(asked)
                 case (int(known), hand):
                     loop.attended = loop.clock()
                     if hand is not None:
@@ -112,8 +160,9 @@ def attend(line: Connection, loop: Loop) -> None:
                     told = new[:MOST_EVENTS]
                     line.send(Answer(loop.latest, tuple(told), count - len(new) + len(told)))
                 case None:
-                    loop.leave("the desk says so")
-                    return
+                    why = "the desk says so"
+                    break
     except (EOFError, OSError):
         pass
-    loop.leave("the desk is gone")
+    asking.ask_all(stops)
+    loop.leave(why)

@@ -9,8 +9,9 @@ events     tick, time, kind, words, car, cause, asked, note
 ticks      tick, now (s), mode, arm, the injected car, latency (s); one row a tick
 ========== ========================================================================================
 
-While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last half
-second even if the process is killed; `recover` makes the tables of what is left.
+While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last tenth
+of a second even if the process is killed; `app.live.recovery` makes the tables of what is left.
+What has become long goes on in another part: see `app.live.parts`.
 """
 
 from __future__ import annotations
@@ -19,19 +20,27 @@ import queue
 import threading
 import time
 from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from itertools import batched
 from pathlib import Path
+from typing import Any
 
 from agents.record import refused
 from agents.spec import versions
 from app.live.moment import Moment
+from app.live.parts import MB, RESERVE, Kept, Part, part_of, parts_of
 from app.live.stream import Stream, finish
 from worlds.refusal import Refusal
 
-FORMAT = 2
-"""1 had no simulated cars."""
-EVERY = 0.5
+FORMAT = 3
+"""1 had no simulated cars, 2 no parts."""
+EVERY = 0.1
 """Seconds between which the tables are brought to the disk."""
+AT_ONCE = 100
+"""Ticks that are written at once at most."""
+MOST_WAITING = 6000
+"""Ticks, a minute of them, that wait for a disk that takes nothing before it is given up."""
 TABLES = {
     "frames": {"tick": "int64", "number": "int64", "received": "float64", "sent": "float64"},
     "poses": {
@@ -90,33 +99,41 @@ NOWHERE = (None, None, None)
 class Recording:
     """Writes a recording in a thread of its own, so that the loop never waits for the disk.
 
-    A context manager; `laboratory` is its TOML. Entering raises Refusal if the folder has something
-    in it or cannot be written.
+    A context manager; `laboratory` is its TOML, `kept` how much of it stays on the disk. Entering
+    raises Refusal if the folder has something in it or cannot be written.
     """
 
-    def __init__(self, folder: str | Path, laboratory: str):
+    def __init__(self, folder: str | Path, laboratory: str, kept: Kept | None = None):
         self.folder = Path(folder)
         self.laboratory = laboratory
+        self.kept = kept or Kept()
         self.trouble = ""
         """Why it cannot write, in one line; empty while all is well."""
         self.waiting: queue.SimpleQueue[Moment] = queue.SimpleQueue()
+        self.told: queue.SimpleQueue[str] = queue.SimpleQueue()
+        """What is new of it, and was not asked for yet."""
         self.ending = threading.Event()
+        self.part = part_of(self.folder, 1)
+        """The one that is being written."""
         self.streams: dict[str, Stream] = {}
+        """Its tables."""
+        self.filing: list[Future[None]] = []
+        """Parts before it of which tables are being made."""
+        self.filer = ThreadPoolExecutor(1, "filing")
 
     def __enter__(self) -> Recording:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             if any(self.folder.iterdir()):
                 raise Refusal(f"recording {str(self.folder)!r} exists already: name a new folder")
-            meta = {
+            self.meta: dict[str, Any] = {
                 "format": FORMAT,
                 "laboratory": self.laboratory,
                 "began": time.time(),
                 "began_on_the_clock": time.monotonic(),
                 "versions": versions(),
             }
-            for name in TABLES:
-                self.streams[name] = Stream(self.folder / f"{name}.parquet", TABLES[name], meta)
+            self.begin(self.part)
         except OSError as error:
             raise refused(self.folder, error) from None
         self.thread = threading.Thread(target=self.keep_writing, name="recording", daemon=True)
@@ -127,11 +144,12 @@ class Recording:
         """Finish the tables, however the loop ended. Raises Refusal if they cannot be written."""
         self.ending.set()
         self.thread.join()
+        self.filer.shutdown()
         try:
             for stream in self.streams.values():
                 stream.close()
-            for stream in self.streams.values():
-                finish(stream.part, stream.path)
+            for part in parts_of(self.folder):  # also an earlier one that could not be made then
+                self.file(part)
         except OSError as error:
             raise Refusal(
                 f"{refused(self.folder, error)}; what was written is in its .part files"
@@ -141,8 +159,23 @@ class Recording:
 
     def write(self, moment: Moment) -> None:
         """Take down a tick; it is written within EVERY seconds."""
-        if not self.trouble:
-            self.waiting.put(moment)
+        if self.trouble:
+            return
+        if self.waiting.qsize() >= MOST_WAITING:
+            self.trouble = (
+                f"recording {str(self.folder)!r} cannot be written: the disk has taken nothing for "
+                f"{MOST_WAITING} ticks"
+            )
+            return
+        self.waiting.put(moment)
+
+    def news(self) -> list[str]:
+        """What is new of it, each in one line: parts that begin, and those that are removed."""
+        found = []
+        with suppress(queue.Empty):
+            while True:
+                found.append(self.told.get_nowait())
+        return found
 
     def keep_writing(self) -> None:
         """Write what waits, until the end."""
@@ -154,11 +187,60 @@ class Recording:
                 while True:
                     moments.append(self.waiting.get_nowait())
             try:
-                for name, stream in self.streams.items():
-                    stream.write(list(rows(name, moments)))
+                for some in batched(moments, AT_ONCE):
+                    for name, stream in self.streams.items():
+                        stream.write(list(rows(name, some)))
+                    if sum(one.size for one in self.streams.values()) >= MB * self.kept.part:
+                        self.turn_over()
             except OSError as error:
                 self.trouble = str(refused(self.folder, error))
                 return
+
+    def begin(self, part: Part) -> None:
+        """Open the streams of a part. Raises OSError, and leaves nothing of a later part."""
+        meta = self.meta | {"part": part.number}
+        try:
+            part.folder.mkdir(exist_ok=True)
+            self.streams = {
+                name: Stream(part.table(name), columns, meta) for name, columns in TABLES.items()
+            }
+        except OSError:
+            if part.number > 1:
+                part.remove()
+            raise
+
+    def turn_over(self) -> None:
+        """Begin the next part; the tables of this one are made meanwhile. Raises OSError."""
+        for stream in self.streams.values():
+            stream.close()
+        before, self.part = self.part, part_of(self.folder, self.part.number + 1)
+        self.make_room()
+        self.begin(self.part)
+        self.told.put(f"the recording goes on in part {self.part.number}")
+        self.filing.append(self.filer.submit(self.file, before))
+
+    def make_room(self) -> None:
+        """Remove the oldest parts that there is no room for any more. Raises OSError."""
+        for filed in self.filing:  # what is still being made cannot be removed
+            with suppress(OSError):  # said at the end
+                filed.result()
+        parts = parts_of(self.folder)
+        sizes = {part.number: part.size() for part in parts}
+        left = MB * (self.kept.most - RESERVE * self.kept.part)
+        for part in parts[:-1]:
+            if sum(sizes.values()) - sizes[parts[-1].number] <= left:
+                return
+            part.remove()
+            del sizes[part.number]
+            self.told.put(
+                f"part {part.number} of the recording was removed: it keeps {self.kept.most:g} MB"
+            )
+
+    def file(self, part: Part) -> None:
+        """Make the tables of a part that is closed. Raises OSError."""
+        for name in TABLES:
+            if part.stream(name).exists():
+                finish(part.stream(name), part.table(name))
 
 
 def rows(table: str, moments: Iterable[Moment]) -> Iterator[tuple]:
@@ -211,25 +293,3 @@ def command_rows(moment: Moment) -> Iterator[tuple]:
     for name, sent in moment.step.verdict.commands.items():
         wanted = moment.step.wanted.get(name, (None, None))
         yield (moment.tick, moment.now, name, *wanted, *sent)
-
-
-def recover(folder: str | Path) -> dict[str, int]:
-    """Make the tables of a recording whose process was killed; rows by table.
-
-    Raises Refusal if there is nothing to recover.
-    """
-    import pyarrow as pa
-
-    folder = Path(folder)
-    found = {}
-    for name in TABLES:
-        part = folder / f"{name}.parquet.part"
-        if not part.exists():
-            continue
-        try:
-            found[name] = finish(part, part.with_suffix(""))
-        except (OSError, pa.ArrowInvalid) as error:
-            raise Refusal(f"{str(part)!r} cannot be recovered: {error}") from None
-    if not found:
-        raise Refusal(f"{str(folder)!r} holds nothing to recover")
-    return found

@@ -17,6 +17,7 @@ from app.live.arm import Request, Wish
 from app.live.control import Control, Step
 from app.live.driver import Companion, Driver
 from app.live.lab import Lab, lab_from_toml
+from app.live.parts import Part, part_of, parts_of
 from app.live.pose import Frame, Pose, Sighting
 from app.live.record import TABLES
 from worlds.refusal import Refusal
@@ -54,17 +55,28 @@ class Recorded:
     """The same moment on the clock of `now`, s."""
     tables: tuple[str, ...]
     """Those that recordings of its format have."""
+    parts: tuple[Part, ...]
+    """Those that are there, the oldest first."""
+
+    @property
+    def removed(self) -> str:
+        """Which of its parts are no longer there, in words; empty if it is whole."""
+        first = self.parts[0].number
+        if first == 1:
+            return ""
+        return "part 1" if first == 2 else f"parts 1 to {first - 1}"
 
     def ticks(self) -> Iterator[Tick]:
         """The ticks in their order."""
-        tables = {name: Cursor(self.folder / f"{name}.parquet") for name in self.tables}
-        for row in rows(self.folder / "ticks.parquet"):
-            taken = {name: cursor.take(row["tick"]) for name, cursor in tables.items()}
-            yield tick_of(row, {"companions": [], **taken})
+        for part in self.parts:
+            tables = {name: Cursor(part.table(name)) for name in self.tables}
+            for row in rows(part.table("ticks")):
+                taken = {name: cursor.take(row["tick"]) for name, cursor in tables.items()}
+                yield tick_of(row, {"companions": [], **taken})
 
     def events(self) -> list[Row]:
         """All that happened."""
-        return list(rows(self.folder / "events.parquet"))
+        return [row for part in self.parts for row in rows(part.table("events"))]
 
 
 @dataclass(frozen=True)
@@ -82,12 +94,17 @@ class Replayed:
 def read(folder: str | Path) -> Recorded:
     """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
     folder = Path(folder)
-    meta = meta_of(folder / "ticks.parquet")
+    parts = tuple(parts_of(folder)) or (part_of(folder, 1),)
+    meta = meta_of(parts[0].table("ticks"))
     tables = tuple(name for name in TABLES if meta["format"] > 1 or name != "companions")
-    for name in tables:
-        meta_of(folder / f"{name}.parquet")
+    for place, part in enumerate(parts):
+        if part.number != parts[0].number + place:
+            raise Refusal(f"{str(folder)!r} has no part {part.number - 1}, but part {part.number}")
+        for name in tables:
+            if meta_of(part.table(name))["began"] != meta["began"]:
+                raise Refusal(f"{str(part.table(name))!r} is of another recording")
     lab = lab_from_toml(meta["laboratory"], str(folder))
-    return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables)
+    return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
 
 
 def meta_of(path: Path) -> dict[str, Any]:
@@ -185,7 +202,16 @@ def pose(x: float | None, y: float | None, yaw: float | None) -> Pose | None:
 
 
 def steps(recorded: Recorded, driver: Driver) -> Iterator[tuple[Tick, Step]]:
-    """What the driver behind the safety of the recording's laboratory makes of every tick."""
+    """What the driver behind the safety of the recording's laboratory makes of every tick.
+
+    Raises Refusal if its beginning is no longer there: all that follows depends on it.
+    """
+    if recorded.removed:
+        raise Refusal(
+            f"{str(recorded.folder)!r} cannot be replayed: {recorded.removed} of it were removed "
+            f"([recording] keeps {recorded.lab.recording.most:g} MB), and a replay needs it from "
+            "its beginning"
+        )
     control = Control(recorded.lab.safety(), driver)
     newest = None
     for tick in recorded.ticks():

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from agents.motion import Motion
 from agents.rows import begun
 from agents.rules.squashing import SQUASHING
 from agents.start import Start
-from app.live.companions import begins, demand_allowed, named, resized
+from app.live.companions import begin_more, demand_allowed, named, resized
 from app.live.driver import Companion
 from app.live.lab import Lab
 from app.live.pose import Pose, Sighting
@@ -46,6 +46,8 @@ NOT_SIMULATED = {
 decides takes for it, which goes for simulated cars too; a tick lasts as long as the loop's."""
 AT_ONCE = {"latency": 0.0, "hop": 0.0}
 """The radio of simulated cars, unless the laboratory says otherwise; real ones have their own."""
+COMPILING = "compiling {} for this machine: about a minute, and only this first time ..."
+"""What is said while a rule is compiled; once it is, it is kept for later starts."""
 OVER = 10
 """Ticks over which the speed of a car is measured: noise of 0.5 mm then makes 7 mm/s."""
 CARS = (car.BODY.name, car.STEERED.name)
@@ -58,10 +60,11 @@ WHEEL, THROTTLE = (SIGNALS.index(one) for one in ("wheel sent 1", "throttle sent
 class FlockDriver(Motion):
     """A driver by a rule of the catalogue; see `app.live.driver`: `Tunable`, `Accompanied`.
 
-    Raises Refusal if the rule is unknown or cannot drive cars, or for its parameters.
+    `tell` is called with a line if the rule must be compiled. Raises Refusal if the rule is unknown
+    or cannot drive cars, for its parameters, or if the simulated cars do not fit an empty room.
     """
 
-    def __init__(self, lab: Lab):
+    def __init__(self, lab: Lab, tell: Callable[[str], object] | None = None):
         self.lab = lab
         self.names = sorted(lab.cars)
         self.model = model_for(lab.rule)
@@ -82,7 +85,10 @@ class FlockDriver(Motion):
         """How many simulated cars there are to be; they begin once all real ones were seen."""
         self.first_signal = len(self.model.rule.signals)
         self.begin()
-        self.warm()
+        begin_more(
+            lab, 0, lab.simulated.cars, [], self.size
+        )  # they must fit an empty room at least
+        self.warm(tell)
         self.begin()
 
     def begin(self) -> None:
@@ -91,10 +97,12 @@ class FlockDriver(Motion):
         still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n))
         self._use(begun(still, self.model, 1))
 
-    def warm(self) -> None:
+    def warm(self, tell: Callable[[str], object] | None) -> None:
         """Compile, which takes up to a minute the first time, so that the loop need not."""
         from numba.core.errors import NumbaError
 
+        if tell is not None and not self.is_compiled:
+            tell(COMPILING.format(self.model.name))
         try:
             self.engine.open(self.law, 0)
         except NumbaError:
@@ -126,8 +134,8 @@ class FlockDriver(Motion):
         """(steer, throttle) of every car that is seen, once all have been seen.
 
         Others hear a car that is not seen where it was last. No command for anybody while there
-        is an injected car in the laboratory that is not seen. Raises Refusal if there is no room
-        for the simulated cars to begin.
+        is an injected car in the laboratory that is not seen. Raises NoRoom, once, if there is no
+        room for the simulated cars to begin: there are none then.
         """
         seen = [sighting.name for sighting in sightings if self.found(now, sighting)]
         if injected is not None:
@@ -136,7 +144,9 @@ class FlockDriver(Motion):
             self.stand()
             return {}
         if self.wanted != self.simulated:
-            self.have(self.wanted)
+            wanted, self.wanted = self.wanted, self.simulated  # what is refused is not tried again
+            self.have(wanted)
+            self.wanted = wanted
         n = len(self.names)
         self.position[:n], self.heading[:n] = self.place, self.nose
         self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
@@ -211,19 +221,20 @@ class FlockDriver(Motion):
         self.wanted = count
 
     def have(self, count: int) -> None:
-        """Make it so many simulated cars. Raises Refusal if there is no room for them."""
+        """Make it so many simulated cars. Raises NoRoom, and then changes nothing."""
         n = len(self.names)
         kept = n + min(count, self.simulated)
         taken = [*self.place, *self.position[n:kept]]
         if self.target is not None:
             taken.append(self.target)
-        body = self.law.parameters
-        size = math.hypot(body.length, body.width)
-        more: list[Pose] = []
-        for number in range(kept - n + 1, count + 1):
-            more.append(begins(self.lab, number, taken, size))
-            taken.append((more[-1].x, more[-1].y))
+        more = begin_more(self.lab, kept - n, count, taken, self.size)
         self._use(resized(self.arrays, kept, more, self.model))
+
+    @property
+    def size(self) -> float:
+        """The longest line in a car, m."""
+        body = self.law.parameters
+        return math.hypot(body.length, body.width)
 
     @property
     def follows(self) -> bool:

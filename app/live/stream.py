@@ -27,7 +27,7 @@ class Stream:
         self.part = path.with_name(path.name + ".part")
         fields = [pa.field(name, arrow_type(kind)) for name, kind in columns.items()]
         self.schema = pa.schema(fields, {KEY: json.dumps(meta).encode()})
-        self.file = pa.OSFile(str(self.part), "wb")
+        self.file = self.part.open("wb")
         self.stream = pa.ipc.new_stream(self.file, self.schema)
         # the schema comes before the first batch, and a table without rows is to be readable too
         self.put([() for _ in fields])
@@ -47,6 +47,11 @@ class Stream:
         ]
         self.stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self.schema))
         self.file.flush()
+
+    @property
+    def size(self) -> int:
+        """Bytes written."""
+        return self.file.tell()
 
     def close(self) -> None:
         """End the stream. Raises OSError."""
@@ -70,7 +75,7 @@ def finish(part: Path, path: Path) -> int:
     import pyarrow.parquet as pq
 
     made = path.with_name(path.name + ".tmp")
-    rows, waiting = 0, []
+    rows, group, waiting = 0, 0, []
     try:
         with open(part, "rb") as source:
             stream = pa.ipc.open_stream(source)
@@ -79,12 +84,12 @@ def finish(part: Path, path: Path) -> int:
                 while whole:
                     try:
                         waiting.append(stream.read_next_batch())
-                        rows += waiting[-1].num_rows
+                        group += waiting[-1].num_rows
                     except (StopIteration, pa.ArrowInvalid, OSError):
                         whole = False
-                    if sum(batch.num_rows for batch in waiting) >= GROUP or not whole:
+                    if group >= GROUP or not whole:
                         writer.write_table(pa.Table.from_batches(waiting, stream.schema))
-                        waiting = []
+                        rows, group, waiting = rows + group, 0, []
         os.replace(made, path)
     finally:
         made.unlink(missing_ok=True)

@@ -21,7 +21,7 @@ from app.viewer.frame import Frame
 from app.viewer.picture import Wanted
 from app.viewer.run import Run
 from app.viewer.start import Start
-from app.viewer.words import Broken, in_words
+from app.viewer.words import Astray, Broken, in_words
 from worlds.refusal import Refusal
 
 ROUNDING = 1e-9
@@ -34,8 +34,8 @@ def named(flock: Flock) -> Iterator[None]:
     title = flock.model.title
     try:
         yield
-    except (Refusal, ArithmeticError) as error:
-        kind = Refusal if isinstance(error, Refusal) else ArithmeticError
+    except (Refusal, ArithmeticError, Astray) as error:
+        kind = next(one for one in (Refusal, ArithmeticError, Astray) if isinstance(error, one))
         raise kind(f"{title}: {error}") from error
     except Exception as error:
         raise Broken(f"{title}: {in_words(error)}") from error

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from app.viewer.command_queue import CommandQueue, Waiting
 from app.viewer.edits import Edits
 from app.viewer.picture import Wanted
 from app.viewer.start import Start
@@ -19,57 +20,70 @@ Models = tuple[str, str | None]
 
 
 class Commands(Edits):
-    """Commands return at once and are carried out in order, between two ticks.
+    """Commands return at once and are carried out in order, between two ticks; a pause comes first.
 
-    What a user must be told is left in `notices`.
+    However much is told, little waits: what comes to the same is merged, and what is too much is
+    refused. What a user must be told is left in `notices`.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self.commands: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self.commands = CommandQueue()
 
-    def tell(self, command: Callable[[], Any]) -> Future:
-        """Carry out a command between two ticks; what it refuses becomes a notice."""
-        answer: Future = Future()
+    def tell(self, command: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
+        """Carry out a command between two ticks; what it refuses becomes a notice.
 
-        def carry_out() -> None:
-            try:
-                answer.set_result(command())
-            except Exception as error:
-                self.notices.put(in_words(error))
-                answer.set_exception(error)
+        Of commands with one `key` that follow each other only the last is carried out, as the
+        answer to all. `runs` says whether the flock runs afterwards.
+        """
+        return self.answered(lambda: self.commands.put(command, key, runs))
 
-        self.commands.put(carry_out)
-        return answer
+    def answered(self, put: Callable[[], Future]) -> Future:
+        """Let a command wait; if it may not, its answer says so, and a notice."""
+        try:
+            return put()
+        except Exception as error:
+            self.notices.put(in_words(error))
+            refused: Future = Future()
+            refused.set_exception(error)
+            return refused
+
+    def carry_out(self, waiting: Waiting) -> None:
+        """On the simulation's own thread: do what waits, and answer."""
+        try:
+            waiting.answer.set_result(waiting())
+        except Exception as error:
+            self.notices.put(in_words(error))
+            waiting.answer.set_exception(error)
 
     def setup(self, start: Start) -> Future:
         """Build a new flock; of several set-ups at once only the last is built."""
-        return self.tell(lambda: self.schedule(start))
+        return self.tell(lambda: self.schedule(start), "set up")
 
     def reset(self) -> Future:
         """The same flock again: same seed, same start, the parameters as they are now."""
-        return self.tell(lambda: self.schedule(self.state.again()))
+        return self.tell(lambda: self.schedule(self.state.again()), "set up")
 
     def go(self) -> Future:
         """Run."""
-        return self.tell(lambda: self.switch(True))
+        return self.tell(lambda: self.switch(True), "go", runs=True)
 
     def pause(self) -> Future:
-        """Stop running, until told to go."""
-        return self.tell(lambda: self.switch(False))
+        """Stop running, before anything else that waits, until told to go."""
+        return self.commands.pause(lambda: self.switch(False))
 
     def toggle(self) -> Future:
-        """Pause if running, go if not."""
-        return self.tell(lambda: self.switch(not self.state.running))
+        """Pause if it runs once all is done that waits, go if not."""
+        return self.pause() if self.commands.will_run(self.state.running) else self.go()
 
     def step(self, ticks: int = 1) -> Future:
-        """Pause and run a few ticks."""
-        return self.tell(lambda: self.step_now(ticks))
+        """Pause and run a few ticks; with those that wait already never very many."""
+        return self.answered(lambda: self.commands.step(self.step_now, ticks))
 
     def run_at(self, speed: float) -> Future:
         """Run at so many ticks per second; infinity for as fast as it goes."""
-        return self.tell(lambda: self.change_pace(speed))
+        return self.tell(lambda: self.change_pace(speed), "pace")
 
     def set(
         self, name: str, value: Any, beside: bool = False, models: Models | None = None
@@ -79,32 +93,33 @@ class Commands(Edits):
         The answer is the value that it has taken: a zone stops at the next one, which is told. If
         `models` are given, and others have come since, nothing is done.
         """
-        return self.tell(lambda: self.set_now(name, value, beside, models))
+        key = f"set {name} {beside} {models}"
+        return self.tell(lambda: self.set_now(name, value, beside, models), key)
 
     def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
         """Put an agent somewhere and turn it."""
-        return self.tell(lambda: self.place_now(row, position, heading))
+        return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")
 
     def want(self, wanted: Wanted) -> Future:
         """Say what frames should hold beside positions and headings."""
-        return self.tell(lambda: self.want_now(wanted))
+        return self.tell(lambda: self.want_now(wanted), "want")
 
     def watch(self, names: Iterable[str]) -> Future:
         """Say which observables should be measured beside those that always are."""
         chosen = frozenset(names)
-        return self.tell(lambda: self.watch_now(chosen))
+        return self.tell(lambda: self.watch_now(chosen), "watch")
 
     def look_again(self) -> Future:
         """Take another frame, though nothing has moved."""
-        return self.tell(self.look_again_now)
+        return self.tell(self.look_again_now, "look again")
 
     def spec(self) -> Future:
         """The run as TOML, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.sound_run().spec())
+        return self.tell(lambda: self.sound_run().spec(), "spec")
 
     def saved(self) -> Future:
         """The flock's saved state, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.sound_run().saved())
+        return self.tell(lambda: self.sound_run().saved(), "saved")
 
     # What the simulation's own thread does about them.
 

@@ -48,7 +48,7 @@ class Edits:
         self.prepared: set[tuple[str, int, str]] = set()
         """Models, dimensions and turns that have been compiled for obstacles, aside."""
 
-    def tell(self, command: Callable[[], Any]) -> Future:
+    def tell(self, command: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
         raise NotImplementedError
 
     def sound_run(self) -> Run:
@@ -75,8 +75,9 @@ class Edits:
         with self.drags_lock:
             waiting = gesture in self.drags
             self.drags[gesture] = change
-        if not waiting:
-            self.tell(lambda: self.drag_now(gesture))
+        if not waiting and self.tell(lambda: self.drag_now(gesture), f"drag {gesture}").done():
+            with self.drags_lock:  # it was refused: the next change of this drag is told again
+                self.drags.pop(gesture, None)
 
     def open_layout(self, name: str, content: bytes) -> Future:
         """Set up the flock anew in the world of a layout file, TOML or a drawing.
@@ -87,7 +88,7 @@ class Edits:
 
     def layout(self) -> Future:
         """The world as TOML, bytes."""
-        return self.tell(lambda: self.sound_run().flock.world.to_toml().encode())
+        return self.tell(lambda: self.sound_run().flock.world.to_toml().encode(), "layout")
 
     def prepare(self) -> None:
         """Compile the model for obstacles in a thread aside, so that the first one comes sooner."""
@@ -119,9 +120,10 @@ class Edits:
 
     def drag_now(self, gesture: str) -> None:
         with self.drags_lock:
-            change = self.drags.pop(gesture)
+            change = self.drags.pop(gesture, None)
         with contextlib.suppress(Refusal):
-            self.edit_now(change)
+            if change is not None:
+                self.edit_now(change)
 
     def open_now(self, name: str, content: bytes) -> None:
         world = layout_of(name, content)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from app.viewer.addresses import here
 from app.viewer.drawing import Drawing
 from app.viewer.editing.layout_file import LARGEST
 from app.viewer.frame import Frame
 from app.viewer.notices import Notices
+from app.viewer.origin import Allowed
 from app.viewer.panels.crashes import CrashLists
 from app.viewer.panels.downloads import Downloads
 from app.viewer.panels.guide import Guide
@@ -26,7 +28,8 @@ from app.viewer.picture import Wanted
 from app.viewer.readings import Readings
 from app.viewer.scene import COLOURINGS, Look, Scene
 from app.viewer.server import close_server, open_server
-from app.viewer.shell import address, dock, dress, settle
+from app.viewer.serving.front import Front
+from app.viewer.shell import dock, dress, settle
 from app.viewer.simulation import Simulation
 from app.viewer.start import Start, lively_speed
 from app.viewer.state import State
@@ -38,7 +41,8 @@ from app.viewer.values import show
 class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
 
-    Raises Refusal if the port is busy.
+    `allow`: names by which browsers may reach it beside this machine's own. Raises Refusal if the
+    port is busy.
     """
 
     def __init__(
@@ -48,8 +52,9 @@ class Laboratory:
         port: int = 8080,
         speed: float | None = None,
         running: bool = True,
+        allow: tuple[Allowed, ...] = (),
     ):
-        self.server = open_server(host, port)
+        self.server = open_server(host, port, Front(allow=allow))
         accept_uploads(self.server, LARGEST)
         self.host = host
         start = start or Start()
@@ -66,9 +71,14 @@ class Laboratory:
         self.drawing.start()
 
     @property
+    def port(self) -> int:
+        """The port that it serves on."""
+        return self.server.get_port()
+
+    @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        return address(self.server, self.host)
+        return here(self.host, self.port)
 
     def close(self) -> None:
         """Stop drawing, running and serving."""

@@ -2,17 +2,66 @@
 
 A browser sends the origin of the page that opens a connection, and the name by which it reached
 the server. A foreign page shows a foreign origin; a page whose name was made to point here (DNS
-rebinding) shows a foreign name.
+rebinding) shows a foreign name. Names that somebody else gives this machine, or a proxy before it,
+are allowed one by one.
 """
 
 from __future__ import annotations
 
 import ipaddress
+import re
 import socket
+from dataclasses import dataclass
 from urllib.parse import SplitResult, urlsplit
 
+from worlds.refusal import Refusal
 
-def trusted(host: str | None, origin: str | None) -> bool:
+LABEL = "[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?"
+NAME = re.compile(rf"(?=.{{1,253}}$){LABEL}(\.{LABEL})*")
+"""A host name, in small letters."""
+PORTS = {"http": 80, "https": 443}
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """A name under which somebody reaches the laboratory, and its port if it is not the usual."""
+
+    name: str
+    port: int | None = None
+
+    def __str__(self) -> str:
+        whole = f"[{self.name}]" if ":" in self.name else self.name
+        return whole if self.port is None else f"{whole}:{self.port}"
+
+    def shows(self, page: SplitResult) -> bool:
+        """Whether a page is of this name and port."""
+        usual = PORTS[page.scheme]
+        return page.hostname == self.name and (page.port or usual) == (self.port or usual)
+
+
+def allowed(text: str) -> Allowed:
+    """A name as `--allow-host` gives it. Raises Refusal for anything else than a name and a port.
+
+    >>> allowed("hub.example.org:8443")
+    Allowed(name='hub.example.org', port=8443)
+    """
+    wrong = Refusal(
+        f"--allow-host {text!r} is not a host name with an optional port, "
+        "such as hub.example.org or hub.example.org:8443"
+    )
+    try:
+        parts = urlsplit(f"//{text}")
+        given = Allowed(parts.hostname or "", parts.port)
+        numeric = is_address(given.name)
+        name = given.name if numeric else given.name.encode("idna").decode()
+    except ValueError:
+        raise wrong from None
+    if given.port == 0 or str(given) != text.lower() or not (numeric or NAME.fullmatch(name)):
+        raise wrong
+    return Allowed(name, given.port)
+
+
+def trusted(host: str | None, origin: str | None, allow: tuple[Allowed, ...] = ()) -> bool:
     """Whether a request with these headers may be answered.
 
     No origin is a program, not a page: a program on this machine needs no browser to do harm.
@@ -24,22 +73,44 @@ def trusted(host: str | None, origin: str | None) -> bool:
     """
     try:
         reached = urlsplit(f"//{host or ''}")
-        if not is_ours(reached):
+        if authority(host) is None or not (is_ours(reached) or is_named(reached, allow)):
             return False
         if origin is None:
             return True
         page = urlsplit(origin)
-        if page.scheme not in ("http", "https") or page.hostname is None:
+        if page.scheme not in PORTS or page.hostname is None:
             return False
+        if any(one.shows(page) for one in allow):
+            return True
         return port(page) == port(reached) and same_host(page, reached)
     except ValueError:
         return False
+
+
+def authority(host: str | None) -> str | None:
+    """A `Host` header as `name` or `name:port`; None if there is more or less in it.
+
+    >>> authority("LOCALHOST:8080")
+    'localhost:8080'
+    >>> authority("localhost:8080/; script-src *")
+    """
+    try:
+        reached = urlsplit(f"//{host or ''}")
+        found = Allowed(reached.hostname or "", reached.port)
+    except ValueError:
+        return None
+    return str(found) if found.name and str(found) == (host or "").lower() else None
 
 
 def is_ours(reached: SplitResult) -> bool:
     """Whether the server was reached by an address, or by a name that is this machine's."""
     name = reached.hostname or ""
     return is_address(name) or name in own_names()
+
+
+def is_named(reached: SplitResult, allow: tuple[Allowed, ...]) -> bool:
+    """Whether the server was reached by an allowed name, at whatever port of it."""
+    return any(reached.hostname == one.name for one in allow)
 
 
 def same_host(page: SplitResult, reached: SplitResult) -> bool:
@@ -49,7 +120,7 @@ def same_host(page: SplitResult, reached: SplitResult) -> bool:
 
 def port(address: SplitResult) -> int:
     """The port, or the one that the scheme implies."""
-    return address.port or (443 if address.scheme == "https" else 80)
+    return address.port or PORTS.get(address.scheme, 80)
 
 
 def is_loopback(address: SplitResult) -> bool:

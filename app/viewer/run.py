@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from agents.whereabouts import Stray
 from app.viewer.crowd import refuse_too_dense
 from app.viewer.frame import Frame
 from app.viewer.picture import Camera, Wanted
 from app.viewer.readings import Readings
+from app.viewer.words import Astray
 from app.viewer.zones import allowed
 from worlds.refusal import Refusal
 
@@ -37,6 +39,10 @@ class Run:
         self.camera = Camera(flock, number, wanted)
         self.compiled = False
         """Whether the flock has run, so that its next tick need not be compiled."""
+        self.warned = ""
+        """What was told of agents that go through what is solid."""
+        self.astray: Stray | None = None
+        """The first agent that was seen where it cannot be."""
         self.troubles: list[Exception] = []
         """What went wrong in looking, each kind once; the flock runs on all the same."""
 
@@ -101,6 +107,9 @@ class Run:
                 f"agent {flock.ids[row]} has position {flock.position[row].tolist()} at tick "
                 f"{flock.tick}: every position must be a finite number"
             )
+        if self.astray is None:
+            self.astray = flock.stray()
+            self.troubles += [] if self.astray is None else [Astray(str(self.astray))]
         self.attempt(lambda: self.readings.read(at_once=closely))
         self.attempt(self.camera.examine)
         self.attempt(self.camera.inspect)

@@ -1,29 +1,38 @@
 """A viser server that keeps its port, its visitors and its values in hand.
 
 viser takes the next free port when its own is busy, answers pages of any origin, opens a public
-tunnel for any browser that asks, and believes what browsers send. This one does none of it.
+tunnel for any browser that asks, and believes what browsers send, however much it is. This one does
+none of it.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import os
 import socket
 import threading
-from collections.abc import Iterator
-from http import HTTPStatus
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import viser
 import websockets.asyncio.server
 from viser import _messages as messages
-from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.viewer.allowance import Allowance
-from app.viewer.origin import trusted
-from app.viewer.values import UnusableError, is_pose, usable
+from app.viewer.incoming.connection import PROTOCOL, Connection
+from app.viewer.incoming.controls import guard
+from app.viewer.incoming.door import Door
+from app.viewer.incoming.failures import log_failures, logger
+from app.viewer.incoming.handed_over import hand_over
+from app.viewer.incoming.kinds import LARGEST
+from app.viewer.incoming.log import Log
+from app.viewer.incoming.visitors import Visitors
+from app.viewer.serving.front import Front
 from worlds.refusal import Refusal
 
 UNWANTED = (
@@ -35,35 +44,75 @@ UNWANTED = (
     messages.GuiFormDirtyMessage,
 )
 """What browsers may send to viser but not to a laboratory."""
+BACKLOG = 1024
+"""Connections that the system keeps until the door takes them."""
 
 starting = threading.Lock()
 
 
-def open_server(host: str = "127.0.0.1", port: int = 8080) -> viser.ViserServer:
+@dataclass
+class Entrance:
+    """How browsers come to one server."""
+
+    front: Front
+    visitors: Visitors = field(default_factory=Visitors)
+    log: Log = field(default_factory=Log)
+    inner: Any = None
+    """The server of websockets, which takes no connections itself."""
+    door: Door | None = None
+
+
+entrances: WeakKeyDictionary[viser.ViserServer, Entrance] = WeakKeyDictionary()
+"""Of every server that is open."""
+
+
+def open_server(
+    host: str = "127.0.0.1", port: int = 8080, front: Front | None = None
+) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
-    Raises Refusal if the port is busy or the host is not this machine's.
+    `front` answers what comes by HTTP; by default one with viser's page alone. Raises Refusal if
+    the port is busy or the host is not this machine's.
     """
-    with starting, served_on(listening(host, port)), contextlib.redirect_stdout(io.StringIO()):
+    hand_over()
+    entrance, quiet = Entrance(front or Front()), contextlib.redirect_stdout(io.StringIO())
+    sock = listening(host, port)
+    with starting, served_on(sock, entrance), quiet:
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     for kind in UNWANTED:
         server._websock_server.unregister_handler(kind)
-    guard(server.gui)
-    server.on_client_connect(guard_client)
+    guard(server)
+    loop = server._event_loop
+    factory = entrance.inner.server._protocol_factory
+    inside = partial(loop.connect_accepted_socket, factory)
+    entrance.door = Door(sock, inside, loop, entrance.visitors, entrance.front.allow)
+    entrances[server] = entrance
     return server
+
+
+def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
+    """Have emergency stops carried out, on the door's thread; `stop` is told by whom."""
+    door = entrances[server].door
+    assert door is not None
+    door.stop = stop
 
 
 def close_server(server: viser.ViserServer) -> None:
     """Stop a server without a word on standard output."""
+    entrance = entrances.pop(server, None)
+    if entrance is not None and entrance.door is not None:
+        entrance.door.close()
     with starting, contextlib.redirect_stdout(io.StringIO()):
         server.stop()
+    if entrance is not None:
+        entrance.log.close()
 
 
 def listening(host: str, port: int) -> socket.socket:
     """A socket that is bound already, so that nobody can take the port in between."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
-        return socket.create_server((host, port), family=family)
+        return socket.create_server((host, port), family=family, backlog=BACKLOG)
     except (OSError, OverflowError) as error:
         number = getattr(error, "errno", None)
         why = os.strerror(number) if number else str(error)
@@ -73,15 +122,35 @@ def listening(host: str, port: int) -> socket.socket:
 
 
 @contextlib.contextmanager
-def served_on(sock: socket.socket) -> Iterator[None]:
-    """Within it, viser serves on this socket, and only to visitors that can be trusted."""
+def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
+    """Within it, viser serves on this socket what an entrance lets in.
+
+    It takes no connections from the socket: they are brought in by the door.
+    """
     serve = websockets.asyncio.server.serve
+    front, visitors, log = entrance.front, entrance.visitors, entrance.log
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
         def answer(connection: Any, request: Request) -> Response | None:
-            return refused(request) or process_request(connection, request)
+            return front.answer(request, lambda: process_request(connection, request))
 
-        return serve(handler, sock=sock, process_request=answer, **options)
+        def finish(_connection: Any, _request: Request, response: Response) -> None:
+            front.finish(response)
+
+        log_failures(asyncio.get_running_loop(), log)
+        ours = {
+            "sock": sock,
+            "start_serving": False,
+            "max_size": LARGEST,
+            "create_connection": partial(Connection, visitors=visitors, log=log),
+            "process_request": answer,
+            "process_response": finish,
+            "logger": logger(log),
+        }
+        made = serve(partial(of_one_version, handler), **(options | ours))
+        entrance.inner = made.server
+        made.server.is_serving = lambda: made.server.close_task is None  # type: ignore[method-assign]
+        return made
 
     websockets.asyncio.server.serve = serve_here  # type: ignore[misc, assignment]
     try:
@@ -90,59 +159,9 @@ def served_on(sock: socket.socket) -> Iterator[None]:
         websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
 
-def refused(request: Request) -> Response | None:
-    """What a visitor gets who comes from elsewhere; None for those who may enter."""
-    if trusted(request.headers.get("Host"), request.headers.get("Origin")):
-        return None
-    text = b"flockscope only answers its own pages\n"
-    headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(text))})
-    return Response(HTTPStatus.FORBIDDEN, "Forbidden", headers, text)
-
-
-def guard(gui: viser.GuiApi) -> None:
-    """Clamp what browsers send before viser, callbacks and other browsers see it."""
-    accept = gui._handle_gui_updates
-    allowance = Allowance()
-
-    async def accept_usable(client_id: Any, message: messages.GuiUpdateMessage) -> None:
-        if not isinstance(message.uuid, str) or not isinstance(message.updates, dict):
-            return
-        control = gui._gui_input_handle_from_uuid.get(message.uuid)
-        if control is None or set(message.updates) != {"value"}:
-            return
-        if not isinstance(control, viser.GuiButtonHandle) and not allowance.has(client_id):
-            return
-        sent = message.updates["value"]
-        try:
-            value = usable(control, sent)
-            await accept(client_id, messages.GuiUpdateMessage(message.uuid, {"value": value}))
-        except UnusableError:
-            value = control.value
-        if value != sent:
-            gui._websock_interface.queue_message(
-                messages.GuiUpdateMessage(message.uuid, {"value": value})
-            )
-
-    gui._websock_interface.unregister_handler(messages.GuiUpdateMessage)
-    gui._websock_interface.register_handler(messages.GuiUpdateMessage, accept_usable)
-    guard_drags(gui._websock_interface)
-
-
-def guard_drags(line: Any) -> None:
-    """Drop drags that lead nowhere: viser keeps what is sent, and nobody could draw it again."""
-    kind = messages.TransformControlsUpdateMessage
-    handlers = tuple(line._incoming_handlers[kind])
-    allowance = Allowance()
-
-    async def accept_usable(client_id: Any, message: messages.TransformControlsUpdateMessage):
-        if allowance.has(client_id) and is_pose(message.position, message.wxyz):
-            for handler in handlers:
-                await handler(client_id, message)
-
-    line.unregister_handler(kind)
-    line.register_handler(kind, accept_usable)
-
-
-async def guard_client(client: viser.ClientHandle) -> None:
-    """Guard the controls and handles that only one browser has."""
-    guard(client.gui)
+async def of_one_version(handler: Any, connection: Any) -> None:
+    """Tell a page of another version so, as viser does, but without a line on standard output."""
+    if connection.subprotocol == PROTOCOL:
+        await handler(connection)
+    else:
+        await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")

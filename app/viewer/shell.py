@@ -1,4 +1,4 @@
-"""What every page has in common: its address, its look, and cameras that find their place."""
+"""What every page has in common: its look, and cameras that find their place."""
 
 from __future__ import annotations
 
@@ -13,12 +13,6 @@ SETTLING = 5.0
 """Time in which a new browser's canvas finds its shape, s."""
 LEFT, RIGHT = 310, 330
 """Widths of the panels, pixels."""
-
-
-def address(server: viser.ViserServer, host: str) -> str:
-    """Where a browser on this machine finds a server that listens on `host`."""
-    host = "localhost" if host in ("0.0.0.0", "::", "127.0.0.1") else host
-    return f"http://{f'[{host}]' if ':' in host else host}:{server.get_port()}"
 
 
 def dress(gui: viser.GuiApi, label: str) -> None:

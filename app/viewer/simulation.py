@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import queue
 import threading
 import time
 import traceback
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from agents.whereabouts import warning
 from app.viewer.beside import Pair, companion
 from app.viewer.commands import Commands, Models
 from app.viewer.crowd import refuse_too_dense
@@ -25,7 +25,7 @@ from app.viewer.readings import Readings
 from app.viewer.run import Run
 from app.viewer.start import Start
 from app.viewer.state import State
-from app.viewer.words import in_words
+from app.viewer.words import Astray, in_words
 from app.viewer.zones import stopped
 from worlds.refusal import Refusal
 
@@ -70,7 +70,7 @@ class Simulation(Commands):
     def close(self, wait: float = 2.0) -> None:
         """Stop for good."""
         self.closing = True
-        self.commands.put(lambda: None)
+        self.commands.wake()
         self.thread.join(wait)
 
     # The simulation's own thread.
@@ -93,13 +93,12 @@ class Simulation(Commands):
 
         However much is told, the flock gets its turn.
         """
-        try:
-            self.commands.get(timeout=self.idle_time())()
-            end = time.perf_counter() + OBEDIENCE
-            while not self.closing and time.perf_counter() < end:
-                self.commands.get_nowait()()
-        except queue.Empty:
-            pass
+        waiting = self.commands.get(timeout=self.idle_time())
+        end = time.perf_counter() + OBEDIENCE
+        while waiting is not None:
+            self.carry_out(waiting)
+            over = self.closing or time.perf_counter() >= end
+            waiting = None if over else self.commands.get(timeout=0.0)
 
     def idle_time(self) -> float | None:
         """How long to wait for commands, s; None for ever."""
@@ -137,10 +136,11 @@ class Simulation(Commands):
         self.stale = False
         now = time.perf_counter()
         self.next_frame = now + FRAMES
+        self.warn(self.run)
         known = len(self.run.troubles)
         self.frame = self.run.look(closely=not self.state.running)
         for trouble in self.run.troubles[known:]:
-            if not isinstance(trouble, Refusal):
+            if not isinstance(trouble, Refusal | Astray):
                 traceback.print_exception(trouble)
             self.notices.put(in_words(trouble))
         self.readings = self.run.readings
@@ -203,6 +203,14 @@ class Simulation(Commands):
         if self.run is None or self.state.error:
             raise Refusal("there is no flock to run: press Setup")
         return self.run
+
+    def warn(self, run: Run) -> None:
+        """Tell of flocks whose agents go through what is solid, once for each setting."""
+        for one in run.both:
+            words = warning(one.flock)
+            if words and words != one.warned:
+                self.notices.put(words)
+            one.warned = words
 
     def schedule(self, start: Start) -> None:
         self.next_start = start

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from typing import Any
 
 import viser
@@ -10,15 +12,33 @@ from viser import _messages as messages
 AT_ONCE = 4
 """Files on their way at the same time at most."""
 MOST_PARTS = 1000
+STANDSTILL = 20.0
+"""Seconds without a part after which a file is given up."""
 
 
-def accept_uploads(server: viser.ViserServer, largest: int) -> None:
-    """Let upload buttons take files of up to `largest` bytes; what is more is never kept."""
+def accept_uploads(
+    server: viser.ViserServer, largest: int, clock: Callable[[], float] = time.monotonic
+) -> None:
+    """Let upload buttons take files of up to `largest` bytes; what is more is never kept.
+
+    A file whose browser leaves, or that stands still, makes room for others.
+    """
     gui, socket = server.gui, server._websock_server
     under_way = gui._current_file_upload_states
+    heard: dict[str, float] = {}
+    """When each file was last heard of, s."""
+
+    def give_up() -> None:
+        for transfer in [one for one in heard if one not in under_way]:
+            del heard[transfer]
+        for transfer in [one for one, then in heard.items() if clock() - then > STANDSTILL]:
+            del heard[transfer], under_way[transfer]
 
     def start(client_id: Any, message: messages.FileTransferStartUpload) -> None:
-        if not well_formed(message):
+        if not well_formed(message) or client_id not in server._connected_clients:
+            return
+        give_up()
+        if message.transfer_uuid in under_way:
             return
         button = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
         own = [one for one in under_way.values() if one["client_id"] == client_id]
@@ -29,6 +49,7 @@ def accept_uploads(server: viser.ViserServer, largest: int) -> None:
             tell(server, client_id, message, largest)
             return
         gui._handle_file_transfer_start(client_id, message)
+        heard[message.transfer_uuid] = clock()
 
     def part(client_id: Any, message: messages.FileTransferPart) -> None:
         state = under_way.get(message.transfer_uuid)
@@ -39,8 +60,13 @@ def accept_uploads(server: viser.ViserServer, largest: int) -> None:
         if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
             under_way.pop(message.transfer_uuid, None)
             return
+        heard[message.transfer_uuid] = clock()
         gui._handle_file_transfer_part(client_id, message)
 
+    async def leave(connection: Any) -> None:
+        gui._drop_uploads_from_client(connection.client_id)
+
+    socket.on_client_disconnect(leave)
     socket.register_handler(messages.FileTransferStartUpload, start)
     socket.register_handler(messages.FileTransferPart, part)
 

@@ -9,12 +9,16 @@ class Broken(RuntimeError):
     """What one of two flocks raised, told with the name of its model."""
 
 
+class Astray(Exception):
+    """An agent is where it cannot be; the flock runs on."""
+
+
 def in_words(error: BaseException) -> str:
     """An error as one line for the user.
 
     >>> in_words(IndexError("out of reach")), in_words(Refusal("there is no flock"))
     ('IndexError: out of reach', 'there is no flock')
     """
-    if isinstance(error, Refusal | ArithmeticError | Broken):
+    if isinstance(error, Refusal | ArithmeticError | Broken | Astray):
         return str(error)
     return f"{type(error).__name__}: {error}"

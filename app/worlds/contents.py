@@ -19,18 +19,22 @@ def contents(world: World) -> dict[str, Any]:
 
     `free` is the share of the box that is not solid on the plan, in [0, 1].
     """
-    solid = shadow(world)
-    corner = np.array(world.low[:2])
-    floor = shapely.box(*corner, *(corner + world.size[:2]))
-    rings = shapely.get_rings(shapely.get_parts(solid))
+    rings = shapely.get_rings(shapely.get_parts(shadow(world)))
     return {
         "size": list(world.size),
         "edges": list(world.edges),
         "obstacles": len(world.obstacles),
         "outline_edges": int(sum(shapely.get_num_points(rings) - 1)),
         "boundary_points": len(points(world)) if world.dim == 2 else 0,
-        "free": 1.0 - floor.intersection(solid).area / math.prod(world.size[:2]),
+        "free": free_share(world),
     }
+
+
+def free_share(world: World) -> float:
+    """The share of the box that is not solid on the plan, in [0, 1]."""
+    corner = np.array(world.low[:2])
+    floor = shapely.box(*corner, *(corner + world.size[:2]))
+    return 1.0 - floor.intersection(shadow(world)).area / math.prod(world.size[:2])
 
 
 def points(world: World) -> np.ndarray:

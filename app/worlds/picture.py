@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from app.figure import write_figure
 from app.worlds.colours import LOOK, SOLID_EDGE
 from app.worlds.plan import draw_plan, view
 from app.worlds.rulers import ruled
 from app.worlds.space import draw_space
-from worlds.refusal import Refusal
+from worlds.counting import counted
 from worlds.world import World
 
 LONG, TALL, NARROW = 8.6, 6.4, 5.6
 """Inches: the most width and height of a plan, the least width of a picture."""
 AXES = ("x", "y", "z")
-DOTS = 160
-"""Dots per inch of a PNG."""
 
 
 def draw_world(world: World, path: Path, points: np.ndarray | None = None) -> None:
@@ -48,15 +47,7 @@ def draw_world(world: World, path: Path, points: np.ndarray | None = None) -> No
             figure.legend(
                 handles=signs, loc="outside lower left", ncols=min(len(signs), 5), fontsize=9
             )
-        try:
-            figure.savefig(path, dpi=DOTS, metadata={"Date": None} if is_svg(path) else None)
-        except OSError as error:
-            raise Refusal(f"{str(path)!r} cannot be written: {error.strerror}") from None
-
-
-def is_svg(path: Path) -> bool:
-    """Whether a file is to be SVG."""
-    return path.suffix.lower() == ".svg"
+        write_figure(figure, path)
 
 
 def head(figure: Any, world: World) -> None:
@@ -66,7 +57,7 @@ def head(figure: Any, world: World) -> None:
     if len(set(world.edges)) == 1:
         edges = f"{world.edges[0]} edges"
     solid = len(world.obstacles)
-    told = f"{solid} obstacle{'s' * (solid != 1)}" if solid else "no obstacles"
+    told = counted(solid, "obstacle") if solid else "no obstacles"
     figure.suptitle(
         f"{world.title or world.name}\n" + f"{size} m, {edges}, {told}",
         x=0.012,

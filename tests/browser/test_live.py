@@ -11,6 +11,7 @@ import pytest
 from app.live.example import FILE
 from app.live.lab import lab_from_toml
 from app.viewer.live.page import LivePage
+from tests.browser.conftest import obeyed
 from tests.viewer.waiting import until
 
 EMULATED = "emulated cars"
@@ -43,6 +44,7 @@ class Operator:
     """A person at a browser."""
 
     def __init__(self, chromium, room_page):
+        self.code = room_page.room.code.digits
         self.page = chromium.new_page(viewport={"width": 900, "height": 600})
         self.page.goto(room_page.address)
         self.page.locator(".fs-banner").wait_for(timeout=1000 * OPENS)
@@ -56,10 +58,16 @@ class Operator:
         button = self.page.get_by_role("button", name=label, exact=True)
         button.click(timeout=1000 * SOON)
 
+    def enter_code(self, code: str) -> None:
+        """Type a code as a person does: viser's client sends at most 20 changes a second."""
+        self.page.locator(".mantine-Modal-body input").first.fill(code, timeout=1000 * SOON)
+        self.page.wait_for_timeout(100)
+
     def arm(self) -> None:
         """Arm, and say yes; once more where a machine that stood still has taken it away."""
         for _ in range(3):
             self.press("Arm …")
+            self.enter_code(self.code)
             self.press("Arm")
             running = self.page.locator(".fs-banner.fs-running")
             with suppress(AssertionError):
@@ -79,7 +87,8 @@ class Operator:
 def browser(chromium, room_page):
     """One browser at the room."""
     one = Operator(chromium, room_page)
-    yield one
+    with obeyed(one.page):
+        yield one
     one.page.close()
 
 

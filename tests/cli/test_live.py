@@ -193,6 +193,7 @@ def test_the_folder_of_a_killed_live_run_is_recovered(tmp_path, command):
     assert json.loads(made.stdout) == {
         "folder": str(tmp_path / "killed"),
         "rows": dict.fromkeys(TABLES, 0),
+        "ending": None,
     }
     assert read(tmp_path / "killed").lab == example()
 

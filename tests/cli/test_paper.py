@@ -56,5 +56,5 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     result = call(*SMALL, "--out", tmp_path / "file" / "deep", "--quiet")
     assert result.exit_code == 2
-    assert "cannot be kept" in result.stderr
+    assert "cannot be written" in result.stderr
     assert result.stderr.count("\n") == 1

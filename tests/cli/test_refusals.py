@@ -1,11 +1,17 @@
 """What cannot be done: one line that names the thing, the value, what is allowed, where it is."""
 
+import re
 import resource
 import subprocess
 
+import pyarrow.parquet as pq
 import pytest
 
+from agents import Flock
+from agents.spec import Spec
 from cli.calling import PROGRAM, call, refusal
+from worlds import memory
+from worlds.refusal import Refusal
 
 MODELS = "vem, vem-a, ivem"
 
@@ -112,16 +118,23 @@ def test_a_recording_is_not_overwritten_unless_asked(tmp_path):
 def test_a_folder_that_is_not_there_is_refused(tmp_path):
     nowhere = tmp_path / "no" / "run.parquet"
     for option in ("--record", "--save", "--save-spec"):
-        line = refusal("run", "vem", "--ticks", 1, "--quiet", option, nowhere)
-        assert "cannot be written: No such file" in line
+        path = nowhere.with_suffix(".toml") if option == "--save-spec" else nowhere
+        line = refusal("run", "vem", "--ticks", 1, "--quiet", option, path)
+        assert f"cannot be written: there is no folder '{nowhere.parent}'" in line
 
 
-def test_more_agents_than_memory_is_refused():
+def test_more_agents_than_memory_is_refused(monkeypatch):
     line = refusal("run", "vem", "--agents", 10**13, "--size", "10")
-    assert "not enough memory" in line
+    assert "agents = 10000000000000 is not allowed: the largest is 2147483647 (--agents)" in line
+    monkeypatch.setattr(memory, "memory", lambda: 8e9)
+    line = refusal("run", "vem", "--agents", 10**9)
+    assert line == (
+        "flockscope: agents = 1000000000 is not allowed: about 204 GB of memory would be needed, "
+        "this machine has 8 GB (--agents)"
+    )
 
 
-def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path):
+def test_a_full_disk_is_one_line_and_keeps_the_frames_that_fitted(tmp_path):
     assert call("run", "hwvem", "--agents", 2000, "--ticks", 1, "--quiet").exit_code == 0
 
     def little_room():
@@ -136,13 +149,18 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path):
     assert made.stdout == ""
     assert made.stderr.count("\n") == 1
     assert "run.parquet' cannot be written: File too large" in made.stderr
-    assert list(tmp_path.iterdir()) == []
+    assert [path.name for path in tmp_path.iterdir()] == ["run.parquet"]
+    found = re.search(r"it holds (\d+) frames that fitted, the last of tick (\d+)$", made.stderr)
+    ticks = pq.read_table(tmp_path / "run.parquet")["tick"].to_pylist()
+    assert int(found[1]) == len(set(ticks)) > 0
+    assert int(found[2]) == max(ticks) == len(set(ticks)) - 1
+    assert len(ticks) == 2001 * len(set(ticks)), "a frame is whole or not there"
 
 
 @pytest.mark.parametrize(
     ("args", "words"),
     [
-        (["list", "model"], ["unknown list 'model'", "'models'"]),
+        (["list", "model"], ["unknown name 'model'", "'models'", "`flockscope list`"]),
         (["paper", "liu2021-tabel1"], ["unknown paper", "did you mean 'liu2021-table1'?"]),
         (["paper", "liu2021-table1", "--runs", "1"], ["--runs 1", ">= 2"]),
         (["paper", "liu2021-table1", "--workers", "0"], ["--workers 0", ">= 1"]),
@@ -160,11 +178,81 @@ def test_other_commands_are_refused_in_one_line(args, words):
 
 
 @pytest.mark.parametrize(
-    "args",
-    [["rnu"], ["run", "vem", "--tikcs", "3"], ["run", "vem", "--ticks", "few"], ["recover"]],
+    ("args", "line"),
+    [
+        (["run", "vem", "--tikcs", "3"],
+         "unknown option '--tikcs': did you mean '--ticks'? (flockscope run --help)"),
+        (["run", "vem", "--ticks", "few"],
+         "--ticks 'few' is not allowed: a whole number is needed (flockscope run --help)"),
+        (["run", "vem", "--ticks"], "--ticks needs a value"),
+        (["run", "vem", "--json=3"], "--json takes no value"),
+        (["run", "vem", "wvem"], "unexpected argument 'wvem' (flockscope run --help)"),
+        (["recover"], "FILE is missing (flockscope recover --help)"),
+        (["lab", "--port", "99999", "--no-open"],
+         "--port '99999' is not allowed: a number <= 65535 is needed (flockscope lab --help)"),
+        (["world", "show", "wrap", "--dim", "7"],
+         "--dim '7' is not allowed: a number <= 3 is needed (flockscope world show --help)"),
+        (["lab", "--beside", "vem", "--beside", "ivem"],
+         "--beside is given 2 times (flockscope lab --help)"),
+        (["run", "vem", "--seed", "1", "--seed=1"],
+         "--seed is given 2 times (flockscope run --help)"),
+    ],
+)  # fmt: skip
+def test_wrong_usage_is_one_line_and_exit_code_2(args, line):
+    assert refusal(*args) == f"flockscope: {line}"
+
+
+def test_a_wrong_command_is_named_with_the_nearest():
+    assert "unknown command 'rnu': did you mean 'run'? (known: lab, run" in refusal("rnu")
+    assert "unknown command 'sho': did you mean 'show'?" in refusal("world", "sho")
+
+
+def test_what_may_be_repeated_may_be_repeated():
+    args = ("run", "vem", "--ticks", 1, "--set", "eta=0.1", "--set", "r=2", "--json", "--json")
+    assert call(*args, "--quiet").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["--seed", "9" * 40], ["seed = 9999", "the largest is 9223372036854775807", "--seed"]),
+        (["--threads", "1000000"], ["threads = 1000000", "the largest is 1024"]),
+        (["--ticks", "9" * 30], ["--ticks 999", "the largest is 1000000000000000"]),
+        (["--world", "plan.dxf"],
+         ["'plan.dxf' is a drawing", "`flockscope world import plan.dxf --out plan.toml`"]),
+        (["--world", "a b.WKT"], ["`flockscope world import 'a b.WKT' --out 'a b.toml'`"]),
+        (["--world", "x.geojson"], ["world import"]),
+        (["--world", "x.json"], ["world import"]),
+    ],
+)  # fmt: skip
+def test_what_ended_in_a_traceback_is_refused_in_one_line(args, words):
+    line = refusal("run", "vem", *args)
+    for word in words:
+        assert word in line
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x = " + "[" * 100_000, "tables or lists lie more than 50 deep"),
+        ("x = " + "{a=" * 100_000, "tables or lists lie more than 50 deep"),
+        ("a." * 100_000 + "b = 1", "tables or lists lie more than 50 deep"),
+        ("x = " + "[" * 60 + "]" * 60, "tables or lists lie more than 50 deep"),
+        ("x = " + "9" * 5000, "too many digits"),
+    ],
 )
-def test_wrong_usage_is_exit_code_2(args):
-    result = call(*args)
-    assert result.exit_code == 2
-    assert result.stdout == ""
-    assert "Traceback" not in result.stderr
+def test_a_file_that_is_nested_too_deep_is_refused(tmp_path, text, words):
+    path = tmp_path / "deep.toml"
+    path.write_text(text)
+    assert words in refusal("run", "--spec", path)
+    assert words in refusal("run", "vem", "--world", path)
+    assert words in refusal("live", "run", path, "--dry")
+
+
+def test_a_seed_or_a_spec_too_large_is_refused_from_python():
+    with pytest.raises(Refusal, match=r"seed = 16069\d+\.\.\.\d+ is not allowed: the largest is"):
+        Flock("vem", rng=2**200)
+    with pytest.raises(Refusal, match=r"seed = .* is not allowed: a number <= 9223372036854775807"):
+        Spec.from_values({"model": "vem", "agents": 3, "informed": 0, "seed": 2**63,
+                          "world": "wrap", "size": (1.0, 1.0)}, "here")  # fmt: skip
+    assert Flock("vem", agents=2, rng=2**63 - 1).spec.seed == 2**63 - 1

@@ -106,7 +106,8 @@ def test_a_state_goes_on_to_the_bit(tmp_path):
 def test_settings_change_the_parameters_of_a_state(tmp_path):
     state = tmp_path / "state.parquet"
     outcome("vem", "--ticks", 2, "--save", state)
-    made = outcome("--state", state, "--ticks", 1, "--set", "eta=1.25", "--save", state)
+    again = ("--state", state, "--ticks", 1, "--set", "eta=1.25", "--save", state, "--overwrite")
+    made = outcome(*again)
     assert made["spec"]["parameters"]["eta"] == 1.25
     assert Flock.load(state).tick == 3
 

@@ -13,7 +13,7 @@ from experiments.small import TEXT, small
 from worlds.refusal import Refusal
 
 MEASURES = Convergence.measures
-COLUMNS = ("model", "agents", "parameters", "seed", "fingerprint", "k_con", "seconds")
+COLUMNS = ("model", "agents", "parameters", "seed", "fingerprint", "k_con", "seconds", "astray")
 CELL = Cell("vem", 12, 1.7, {"eta": 0.0, "r": 1.0})
 
 
@@ -37,7 +37,7 @@ def test_what_is_added_is_read_back(tmp_path):
     path = tmp_path / "deep" / "runs.csv"
     with Store(path, MEASURES) as store:
         store.add(key_of(CELL, 3, "abc"), Result({"k_con": 17}, 0.25))
-        assert path.read_text().endswith("abc,17,0.250000\n"), "each line is written at once"
+        assert path.read_text().endswith("abc,17,0.250000,\n"), "each line is written at once"
         store.add(key_of(CELL, 4, "abc"), Result({"k_con": None}, 0.5))
     with Store(path, MEASURES) as store:
         assert store.results == {
@@ -131,3 +131,14 @@ def test_a_parameter_out_of_range_names_the_experiment(tmp_path):
     experiment = small(tmp_path, TEXT.replace("p2 = 7.0", "p2 = 0.5"))
     with pytest.raises(Refusal, match=r"p2 = 0.5 is outside .* \(small, hwvem with N = 20\)"):
         carry_out(experiment, tmp_path)
+
+
+def test_a_store_of_before_strays_were_looked_for_is_taken_on(tmp_path):
+    path = tmp_path / "runs.csv"
+    path.write_text(",".join(COLUMNS[:-1]) + '\nvem,12,"{}",3,abc,17,0.25\n')
+    with Store(path, MEASURES) as store:
+        [(key, result)] = store.results.items()
+        assert (key.seed, result) == (3, Result({"k_con": 17}, 0.25))
+        store.add(key_of(CELL, 4, "abc"), Result({"k_con": 18}, 0.25, "agent 3 where it cannot be"))
+    with Store(path, MEASURES) as store:
+        assert [one.astray for one in store.results.values()] == ["", "agent 3 where it cannot be"]

@@ -37,6 +37,9 @@ address = 2
 body = "blue body"
 """
 TICK = 0.01
+ROUND = (0.367, 0.9)
+"""The command of a car that goes round the middle of a whole room, on the ring that it begins on.
+"""
 
 
 def lab(text: str = LAB) -> Lab:

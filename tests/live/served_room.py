@@ -29,9 +29,15 @@ class ServedRoom(FullRoom):
         file = Path(self.folder.name) / "lab.toml"
         file.write_text(lab.to_toml(), encoding="utf-8")
         asked = ["live", "lab", str(file), "--port", "0", "--no-open"]
-        self.process = subprocess.Popen(
-            [*PROGRAM, *asked], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True
-        )
+        self.said = Path(self.folder.name) / "stderr.txt"
+        with self.said.open("w") as said:
+            self.process = subprocess.Popen(
+                [*PROGRAM, *asked],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=said,
+                text=True,
+            )
         self.desk = self
         self.port = self.told_port()
         self.browser = StandIn(self.port)
@@ -43,6 +49,11 @@ class ServedRoom(FullRoom):
             if found := re.search(r"localhost:(\d+)", line):
                 return int(found[1])
         raise AssertionError("the page did not begin")
+
+    def told_code(self):
+        """The code without which no browser arms, as the program prints it; empty before that."""
+        found = re.search(r"code (\d{6})", self.said.read_text(encoding="utf-8"))
+        return found[1] if found else ""
 
     def close(self):
         """End the page's process, whatever state it is in."""
@@ -68,6 +79,8 @@ class ServedRoom(FullRoom):
             if time.monotonic() - asked > AGAIN:
                 asked = time.monotonic()
                 label = "Arm" if browser.found("Arm") else "Arm …"
+                if label == "Arm" and browser.can(label):
+                    browser.set("Code", self.told_code())
                 if browser.can(label):
                     browser.set(label, True)
             return min(abs(car.speed) for car in self.plant.cars.values()) > 0.5

@@ -109,9 +109,10 @@ class StandIn:
         """Press a button, as soon as that can be done."""
         self.set(label, True)
 
-    def arm(self) -> None:
-        """Arm the cars, and say yes when asked."""
+    def arm(self, code: str) -> None:
+        """Arm the cars, and say yes when asked, with the code of the terminal."""
         self.press("Arm …")
+        self.set("Code", code)
         self.press("Arm")
 
     def stop(self) -> None:

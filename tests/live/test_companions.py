@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import math
+import re
 import time
 import tracemalloc
 from pathlib import Path
@@ -13,9 +14,12 @@ import pytest
 
 from agents.bodies.chassis import separation
 from agents.flock import Flock
+from app.live.arm import Request
 from app.live.companions import APART
+from app.live.control import Control
 from app.live.driver import Accompanied
-from app.live.pose import Pose, seen, unseen
+from app.live.links.link import RUN, STOP
+from app.live.pose import Frame, Pose, seen, unseen
 from app.live.squashing_driver import FlockDriver, model_for, room
 from live.rooms import lab
 from live.test_squashing_driver import PERFECT, SQUASHING, naive, text_of
@@ -263,14 +267,38 @@ def test_where_there_is_no_room_nothing_changes():
     assert driver.companions == before
 
 
-def test_without_room_at_the_start_nobody_drives_until_fewer_are_asked_for():
-    driver = FlockDriver(lab(narrow(8)))
+def test_simulated_cars_that_do_not_fit_an_empty_room_are_refused_before_anything_begins():
+    words = r"simulated cars = 8 is not allowed: sim (\d) has no room: .*; (\d) would fit"
+    with pytest.raises(Refusal, match=words) as refused:
+        FlockDriver(lab(narrow(8)))
+    first, fit = re.search(words, str(refused.value)).groups()
+    assert int(first) == int(fit) + 1
+    FlockDriver(lab(narrow(int(fit))))
+
+
+def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive():
+    text = narrow(1)
+    one, now = lab(text), 100.0
+    driver = FlockDriver(one)
+    control = Control(one.safety(), driver)
+    everywhere = (Pose(-0.4, 0.0, 0.0), Pose(0.4, 0.0, 0.0))  # no place is 0.6 m from both
     target = Pose(0.0, 0.4, 0.0)
-    for k in range(2):
-        with pytest.raises(Refusal, match="has no room"):
-            driver.drive(0.01 * k, sightings(driver), target, False)
-    driver.accompany(0)
-    assert driver.drive(0.1, sightings(driver), target, False).keys() == {"red", "blue"}
+    events, modes = [], []
+    for number in range(50):
+        now += 0.01
+        asked = [Request("arm", "test")] if number == 5 else []
+        control.see(now, asked, Frame(number, now, sightings(driver, everywhere)))
+        step = control.act(now, target)
+        events += step.events
+        modes.append(step.verdict.mode)
+    refused = [event.words for event in events if event.kind == "refused"]
+    assert len(refused) == 1
+    assert re.fullmatch(
+        r"simulated cars = 1 is not allowed: sim 1 has no room: .*0 would fit", *refused
+    )
+    assert modes == [STOP] * 5 + [RUN] * 45
+    assert set(step.wanted) == {"red", "blue"}
+    assert driver.companions == ()
 
 
 def test_a_change_compiles_nothing_and_is_quick():

@@ -28,7 +28,7 @@ import numpy as np
 import pytest
 
 from app.live.arm import Request
-from app.live.record import recover
+from app.live.recovery import recover
 from app.live.replay import replay
 from app.live.squashing_driver import FlockDriver
 from live.full_room import FullRoom
@@ -181,7 +181,10 @@ def test_the_loop_is_killed_and_its_recording_replays_to_the_bit(driving):
     stopped(room)
     assert room.states() == {"lost"}
     room.look()
-    assert room.desk.trouble == "the control loop is gone: the cars stop themselves"
+    assert room.desk.trouble == (
+        "the control loop is gone: the cars stop themselves; "
+        f"flockscope live recover {room.recording}"
+    )
     rows = recover(room.recording)
     assert rows["events"] > 10
     made = replay(room.recording, FlockDriver)

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents import plug_ins
 from app.live.links import links, wire
 from app.live.links.chain import encode_chain
 from app.live.links.frame import Command, Decoder, encode
@@ -271,7 +272,7 @@ def test_a_link_of_another_package_enters_by_its_name(monkeypatch):
         def load(self):
             return links.open_dry
 
-    monkeypatch.setattr(links, "entry_points", lambda group: [Entry()] * (group[-5:] == "links"))
+    monkeypatch.setattr(plug_ins, "entry_points", lambda group: [Entry()] * (group[-5:] == "links"))
     assert set(links.collect()) == {"serial", "xbee", "udp", "chain", "dry", "smoke"}
 
 

@@ -22,7 +22,8 @@ from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.links import open_link
 from app.live.loop import Loop
 from app.live.pose import Frame, Pose, Sighting
-from app.live.record import TABLES, Recording, recover
+from app.live.record import TABLES, Recording
+from app.live.recovery import recover
 from app.live.replay import bits, read, replay
 from live.rooms import LAB, Steady, lab
 from worlds.refusal import Refusal
@@ -270,7 +271,7 @@ def test_a_killed_recording_is_recovered_and_replays(tmp_path):
     )
     part = folder / "ticks.parquet.part"
     ends = time.monotonic() + 60.0
-    while not part.exists() or part.stat().st_size < 20_000:
+    while not part.exists() or part.stat().st_size < 60_000:
         assert time.monotonic() < ends
         time.sleep(0.05)
     process.kill()

@@ -260,7 +260,7 @@ def test_no_key_and_no_button_but_the_two_arms(page, witness):
 def test_the_cars_stop_when_the_browser_that_armed_them_is_gone(page, junk):
     page.room.place(0.0, 0.0)
     with StandIn(page.server.get_port()) as browser:
-        browser.arm()
+        browser.arm(page.room.code.digits)
         until(lambda: page.room.look.arm == "armed", SOON)
         if junk:
             browser.say(
@@ -288,7 +288,7 @@ def test_a_drag_does_reach_the_injected_car(page, witness):
 
 def test_junk_while_the_cars_run_keeps_them_within_their_limits(page, witness):
     seen = []
-    witness.arm()
+    witness.arm(page.room.code.digits)
     until(lambda: page.room.look.arm == "armed", SOON)
     for value in (1e308, -1e308, math.nan, True, "9", None, [1.0], 0):
         said = [

@@ -15,10 +15,9 @@ import subprocess
 import tempfile
 import threading
 import time
-from contextlib import suppress
 
 import pytest
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from app.live.example import example
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
@@ -64,7 +63,7 @@ def arm(page, browser):
 
     def drives():
         if page.room.look.arm == "safe" and not page.room.look.reasons:
-            browser.arm()
+            browser.arm(page.room.code.digits)
             time.sleep(0.2)
         return page.room.frame.speed.min() > 0.3
 
@@ -123,29 +122,36 @@ def test_a_browser_that_takes_nothing_holds_nobody_up(page, operator):
 
 @pytest.fixture
 def flood(page, operator):
-    """A browser that moves a slider to and fro as fast as it can."""
+    """A browser that moves a slider to and fro as fast as it can, and comes back when it is cut
+    off; how often it was."""
     slider = operator.found("β")
     over = threading.Event()
+    ends: list[str] = []
 
     def pour():
-        with StandIn(page.server.get_port(), reads=False) as browser, suppress(ConnectionClosed):
+        with StandIn(page.server.get_port(), reads=False) as browser:
             for value in itertools.cycle((2.0, 2.1)):
                 browser.say(type="GuiUpdateMessage", uuid=slider, updates={"value": value})
                 if over.is_set():
                     return
 
-    thread = threading.Thread(target=pour, daemon=True)
+    def pour_again():
+        while not over.is_set():
+            try:
+                pour()
+            except (ConnectionClosed, InvalidHandshake, OSError) as end:
+                ends.append(type(end).__name__)
+
+    thread = threading.Thread(target=pour_again, daemon=True)
     thread.start()
-    yield
+    yield ends
     over.set()
     thread.join(SOON)
 
 
-@pytest.mark.usefixtures("flood")
-def test_a_browser_that_never_stops_asking_holds_nobody_up(page, operator):
-    events = len(page.room.events)
+def test_a_browser_that_never_stops_asking_holds_nobody_up(page, operator, flood):
     keeps_its_time(page, operator.usual)
-    assert any(event.kind == "tune" for event in page.room.events[events:])
+    until(lambda: flood, SOON)
     assert stopped_within(page, operator) < AT_ONCE
 
 
@@ -173,16 +179,35 @@ def test_a_browser_that_is_stopped_holds_nobody_up(page, operator, chromium):
     assert stopped_within(page, operator) < AT_ONCE
 
 
-def test_a_page_that_is_killed_stops_the_cars():
+@pytest.fixture(scope="module")
+def served():
+    """A page in a process of its own, with cars that are not its own."""
     pytest.importorskip("motioncapture")
     pytest.importorskip("serial")
     with ServedRoom("red", "blue") as room:
-        room.run()
-        others = descendants(room.process.pid)
-        assert others
-        room.process.kill()
-        seconds, metres = room.stops()
-        assert seconds < LATEST
-        assert metres < FURTHEST
-        until(lambda: not any(map(is_there, others)), SOON)
-        assert room.states() <= {"stopped", "lost"}
+        yield room
+
+
+def test_a_page_that_is_stopped_has_the_cars_held_until_they_are_armed_again(served):
+    served.run()
+    os.kill(served.process.pid, signal.SIGSTOP)
+    try:
+        until(lambda: served.plant.fastest() < 0.05, SOON)
+        until(lambda: served.states() == {"stopped"}, SOON)  # the loop told them
+    finally:
+        os.kill(served.process.pid, signal.SIGCONT)
+    until(lambda: served.browser.can("Arm …"), SOON)
+    assert served.states() == {"stopped"}
+    assert served.plant.fastest() < 0.05
+
+
+def test_a_page_that_is_killed_stops_the_cars(served):
+    served.run()
+    others = descendants(served.process.pid)
+    assert others
+    served.process.kill()
+    seconds, metres = served.stops()
+    assert seconds < LATEST
+    assert metres < FURTHEST
+    until(lambda: not any(map(is_there, others)), SOON)
+    assert served.states() <= {"stopped", "lost"}

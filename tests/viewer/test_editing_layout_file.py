@@ -37,10 +37,12 @@ def test_a_layout_with_the_name_of_a_built_in_one_gets_another():
 def test_drawings_are_read_with_solid_edges_around_them():
     feature = {"type": "Feature", "properties": {}, "geometry": SQUARE}
     world = layout_of("rooms.GeoJSON", json.dumps(feature).encode())
-    assert (world.name, world.edges, len(world.obstacles)) == ("rooms", ("solid", "solid"), 1)
-    assert world.obstacles[0].footprint().bounds == (1.0, 1.0, 3.0, 3.0)
-    text = b"# a room\nPOLYGON ((1 1, 3 1, 3 3, 1 3, 1 1))\n"
-    assert layout_of("rooms.wkt", text).obstacles[0].footprint().area == pytest.approx(4.0)
+    assert (world.name, world.edges, len(world.obstacles)) == ("rooms", ("solid", "solid"), 0)
+    assert (world.low, world.size) == ((1.0, 1.0), (2.0, 2.0))
+    text = b"# a room\nPOLYGON ((1 1, 3 1, 3 3, 1 3, 1 1))\nwall: POLYGON ((1 1, 2 1, 1 2, 1 1))\n"
+    room = layout_of("rooms.wkt", text)
+    assert (room.low, room.size) == ((1.0, 1.0), (2.0, 2.0))
+    assert room.obstacles[0].footprint().area == pytest.approx(0.5)
 
 
 def discs(count: int) -> bytes:
@@ -97,7 +99,7 @@ def test_too_many_corners_are_refused():
     ring = np.column_stack([np.cos(angles), np.sin(angles)]).tolist()
     ring.append(ring[0])
     drawing = {"type": "Polygon", "coordinates": [ring]}
-    with pytest.raises(Refusal, match="corners, at most 50000"):
+    with pytest.raises(Refusal, match="more than 50000 corners"):
         layout_of("a.geojson", json.dumps(drawing).encode())
 
 

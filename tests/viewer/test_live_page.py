@@ -104,7 +104,9 @@ class Browser:
 
     def arm(self) -> None:
         self.turn(self.page.state.arm, True)
-        self.turn(until(lambda: self.own("Arm")), True)
+        arm = until(lambda: self.own("Arm"))
+        self.turn(self.own("Code"), self.page.room.code.digits)
+        self.turn(arm, True)
         until(lambda: self.page.room.look.arm == "armed")
 
     def leave(self) -> None:

@@ -21,7 +21,6 @@ from app.live.squashing_driver import model_for
 from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.hand import Hand
-from app.viewer.live.keys import everywhere
 from app.viewer.live.panels.log import COLUMNS, as_csv, listed
 from app.viewer.live.panels.monitors import cars, numbers
 from app.viewer.live.panels.plots import WINDOW, LivePlots, colours
@@ -46,7 +45,8 @@ def server():
 @pytest.mark.parametrize(
     ("state", "look", "kind", "words"),
     [
-        (replace(OPEN, status="opening"), None, "opening", "compiled"),
+        (replace(OPEN, status="opening"), None, "opening", "Waiting"),
+        (replace(OPEN, status="opening", compiling="compiling x"), None, "opening", "Compiling x"),
         (replace(OPEN, status="opening", latched=True), None, "emergency", "begins stopped"),
         (replace(OPEN, status="failed", trouble="no frame within 5 s"), None, "failed", "no frame"),
         (OPEN, None, "opening", "Waiting"),
@@ -185,9 +185,3 @@ def test_the_room_says_its_limits_and_what_the_injected_car_does():
     assert "red" in limited(lab)
     plan = lab.injected.model_copy(update={"path": "hand"})
     assert "drag" in injected(plan)
-
-
-def test_the_stop_keys_are_heard_by_a_handler_that_is_an_attribute():
-    assert 'onerror="' in everywhere()
-    assert everywhere().count('"') == 6
-    assert "</" not in everywhere()

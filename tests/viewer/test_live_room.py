@@ -125,10 +125,10 @@ def test_of_several_choices_while_it_opens_only_the_last_is_opened(enter, desks)
 def test_a_room_that_is_about_to_be_closed_cannot_be_armed(enter, desks):
     waits = threading.Event()
 
-    def slow(lab):
+    def slow(lab, tell):
         if desks.made:
             assert waits.wait(10)
-        return driver(lab)
+        return driver(lab, tell)
 
     room = enter(driver=slow)
     room.choose(source=EMULATED)
@@ -169,10 +169,10 @@ def test_what_cannot_be_opened_is_told_and_reopened(enter, desks):
 
 
 def test_a_driver_that_cannot_be_made_does_not_end_the_room(enter, capsys):
-    def broken(lab):
+    def broken(lab, tell):
         if lab.rule == "squashing":
             raise ZeroDivisionError("by zero")
-        return driver(lab)
+        return driver(lab, tell)
 
     room = enter(ready=False, driver=broken)
     until(lambda: room.state.status == "failed")

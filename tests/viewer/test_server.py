@@ -13,6 +13,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from app.viewer.server import UNWANTED, close_server, listening, open_server
+from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
 
@@ -29,8 +30,10 @@ def address(server: viser.ViserServer) -> str:
 
 
 def join(server: viser.ViserServer, origin: str | None = None):
-    """A browser without a screen."""
-    return connect(address(server), origin=origin, subprotocols=[f"viser-v{viser.__version__}"])
+    """A browser without a screen, which introduces itself."""
+    client = connect(address(server), origin=origin, subprotocols=[f"viser-v{viser.__version__}"])
+    say(client, **CAMERA)
+    return client
 
 
 def say(client: Any, **message: Any) -> None:

@@ -201,6 +201,7 @@ def test_commands_from_many_threads_are_all_carried_out(simulate):
             answers.append(simulation.set("eta", (number + k) % 6))
             answers.append(simulation.place(number, np.zeros(2), np.array([0.0, 1.0])))
             answers.append((simulation.toggle, simulation.reset, simulation.step)[k % 3]())
+            answers[-1].exception(10)
 
     threads = [threading.Thread(target=shout, args=(number,)) for number in range(8)]
     for thread in threads:

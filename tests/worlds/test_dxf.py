@@ -13,6 +13,7 @@ from worlds.readers import read_geometry
 from worlds.refusal import Refusal
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
+SOLID = {"obstacle": ["*"]}
 
 
 @pytest.fixture
@@ -22,19 +23,25 @@ def drawing(tmp_path):
         document = ezdxf.new(units=units.M)
         space = document.modelspace()
 
-        def read(self, **options):
+        def read(self, roles=SOLID, **options):
             self.document.saveas(self.path)
-            return read_geometry(self.path, **options)
+            return read_geometry(self.path, roles, **options)
 
-        def refused(self, **options):
+        def refused(self, roles=SOLID, **options):
             with pytest.raises(Refusal) as refusal:
-                self.read(**options)
+                self.read(roles, **options)
             line = str(refusal.value)
             assert "plan.dxf" in line
             assert "\n" not in line
             return line
 
     return Drawing()
+
+
+def refusal_of(drawing, **options):
+    with pytest.raises(Refusal) as refusal:
+        drawing.read(**options)
+    return refusal.value
 
 
 def area(drawing, **options):
@@ -49,7 +56,7 @@ def test_closed_polylines_and_circles_on_their_layers(drawing):
     assert square == Polygon(name="WALLS", points=tuple(SQUARE))
     assert pillar == Disc(name="PILLARS", centre=(9, 2), radius=1.5)
     assert old.points == square.points
-    (only,) = drawing.read(obstacles=["pillars"]).obstacles
+    (only,) = drawing.read({"obstacle": ["pillars"], "ignore": ["OLD", "w*"]}).obstacles
     assert only == pillar
 
 
@@ -63,19 +70,21 @@ def test_a_polyline_that_ends_where_it_begins_is_closed(drawing):
 )
 def test_lengths_are_metres(drawing, unit, metres):
     drawing.document.units = unit
-    drawing.space.add_circle((2, 3), 1.0)
+    drawing.space.add_circle((2 / metres, 3 / metres), 1.5 / metres)
     (disc,) = drawing.read().obstacles
-    assert disc.radius == pytest.approx(metres)
-    assert disc.centre == pytest.approx((2 * metres, 3 * metres))
-    (other,) = drawing.read(scale=5.0).obstacles
-    assert other.radius == 5.0
+    assert (disc.centre, disc.radius) == ((2.0, 3.0), 1.5)
+    (other,) = drawing.read(scale=5.0 * metres).obstacles
+    assert other.radius == 7.5
 
 
 def test_a_drawing_without_a_unit_needs_a_scale(drawing):
     drawing.document.units = 0
     drawing.space.add_circle((2, 3), 1.0)
-    assert "does not say its unit ($INSUNITS)" in drawing.refused()
+    assert "does not say its unit ($INSUNITS): give --unit" in drawing.refused()
     assert drawing.read(scale=0.5).obstacles[0].radius == 0.5
+    assert drawing.read(unit="ft").obstacles[0].radius == 0.3048
+    assert "unknown unit 'feet'" in str(refusal_of(drawing, unit="feet"))
+    assert "say the same thing" in str(refusal_of(drawing, unit="ft", scale=1.0))
 
 
 def test_bulges_are_arcs_within_the_stated_tolerance(drawing):
@@ -161,17 +170,18 @@ def test_layers_that_are_not_wanted_are_not_judged(drawing):
     drawing.space.add_lwpolyline(
         [(-9, -9), (9, -9), (9, 9), (-9, 9)], close=True, dxfattribs={"layer": "Floor"}
     )
-    made = drawing.read(obstacles=["WALLS"], walkable="floor")
+    roles = {"obstacle": ["WALLS"], "walkable": ["floor"]}
+    made = drawing.read(roles | {"ignore": ["AXES"]})
     assert [one.name for one in made.obstacles] == ["WALLS"]
     assert made.walkable.area == 18.0**2
-    assert "unknown layer 'WALL': did you mean 'WALLS'?" in drawing.refused(obstacles=["WALL"])
+    assert "unknown layer 'WAL': did you mean 'WALLS'?" in drawing.refused({"obstacle": ["WAL"]})
 
 
 def test_texts_are_left_out_with_a_note(drawing):
     drawing.space.add_text("Hall", dxfattribs={"layer": "NAMES"})
     drawing.space.add_text("Door", dxfattribs={"layer": "NAMES"})
     drawing.space.add_circle((0, 0), 1)
-    assert drawing.read().notes == ("2 TEXT on layer 'NAMES' left out",)
+    assert drawing.read().changes == ("2 TEXT on layer 'NAMES' left out",)
 
 
 @pytest.mark.parametrize(
@@ -182,8 +192,10 @@ def test_texts_are_left_out_with_a_note(drawing):
         (lambda s: s.add_lwpolyline([(0, 0), (2, 2)], close=True), ["has 2 points"]),
         (lambda s: s.add_lwpolyline([(0, 0), (2, 2), (4, 4)], close=True), ["has no area"]),
         (lambda s: s.add_circle((1, 2), 0), ["CIRCLE", "radius = 0 at (1, 2)"]),
-        (lambda s: s.add_line((1, 2), (1, 2)), ["LINE", "has no length"]),
-        (lambda s: s.add_spline([(0, 0), (1, 1), (2, 0)]), ["SPLINE", "this kind is not read"]),
+        (lambda s: s.add_spline([(0, 0), (1, 1), (2, 0)]), ["SPLINE", "no straight lines draw"]),
+        (lambda s: s.add_helix(1, 1, 1), ["HELIX", "this kind is not read"]),
+        (lambda s: s.add_3dface([(0, 0, 0), (1, 0, 0), (1, 0, 2), (0, 0, 2)]),
+         ["3DFACE", "does not lie flat"]),
         (lambda s: s.add_circle((1, 2), 1, dxfattribs={"extrusion": (1, 0, 0)}),
          ["tilted plane", "(1, 0, 0)"]),
         (lambda s: s.add_blockref("LOST", (1, 2)), ["INSERT handle", "this kind is not read"]),
@@ -214,4 +226,4 @@ def test_a_damaged_entity_is_named(drawing):
     drawing.document.saveas(drawing.path)
     drawing.path.write_text(drawing.path.read_text().replace("3.25", "0.0"))
     with pytest.raises(Refusal, match=r"ELLIPSE handle \w+: it is damaged: .*null vector"):
-        read_geometry(drawing.path)
+        read_geometry(drawing.path, SOLID)

@@ -47,9 +47,12 @@ def wkt(tmp_path):
     return write
 
 
-def refused(path, **options):
+SOLID = {"obstacle": ["*"]}
+
+
+def refused(path, roles=SOLID, **options):
     with pytest.raises(Refusal) as refusal:
-        read_geometry(path, **options)
+        read_geometry(path, roles, **options)
     line = str(refusal.value)
     assert "\n" not in line
     assert path.name in line
@@ -65,7 +68,7 @@ def test_geojson_features_are_obstacles_with_names_and_heights(geojson):
         feature({"type": "MultiPolygon", "coordinates": [[SQUARE], [[[5, 5], [6, 5], [6, 6],
                                                                     [5, 5]]]]}, name="two"),
     )  # fmt: skip
-    kiosk, tree, wall, one, other = read_geometry(path, scale=2.0).obstacles
+    kiosk, tree, wall, one, other = read_geometry(path, SOLID, scale=2.0).obstacles
     assert kiosk == Polygon(
         name="kiosk",
         points=((0, 0), (8, 0), (8, 8), (0, 8)),
@@ -81,7 +84,14 @@ def test_geojson_features_are_obstacles_with_names_and_heights(geojson):
 def test_a_bare_geometry_and_a_collection_are_read(tmp_path):
     path = tmp_path / "plan.json"
     path.write_text(json.dumps({"type": "GeometryCollection", "geometries": [polygon(SQUARE)]}))
-    assert [one.footprint().area for one in read_geometry(path).obstacles] == [16.0]
+    assert read_geometry(path).walkable.area == 16.0
+    assert [one.footprint().area for one in read_geometry(path, SOLID).obstacles] == [16.0]
+
+
+def refused_role(path):
+    with pytest.raises(Refusal) as refusal:
+        read_geometry(path, {"solid": ["trees"]})
+    return str(refusal.value)
 
 
 def test_layers_choose_what_is_solid_and_what_is_walkable(geojson):
@@ -90,14 +100,17 @@ def test_layers_choose_what_is_solid_and_what_is_walkable(geojson):
         feature({"type": "Point", "coordinates": [2, 2]}, radius=1, layer="trees"),
         feature({"type": "Point", "coordinates": [1, 1]}, kind="notes"),
     )
-    taken = read_geometry(path, obstacles=["Trees"])
+    taken = read_geometry(path, {"obstacle": ["Trees"], "ignore": ["notes"]})
     assert [one.name for one in taken.obstacles] == ["trees"]
     assert taken.walkable.equals(shapely.box(0, 0, 4, 4))
-    assert read_geometry(path, obstacles=["walkable"], walkable="trees").walkable.area < math.pi
-    line = refused(path, obstacles=["tree"])
+    turned = {"obstacle": ["walkable"], "walkable": ["trees"], "ignore": ["*"]}
+    assert read_geometry(path, turned).walkable.area < math.pi
+    line = refused(path, {"obstacle": ["tree"]})
     assert "unknown layer 'tree': did you mean 'trees'?" in line
-    assert "unknown layer 'walk'" in refused(path, walkable="walk")
-    assert "cannot be walkable and solid" in refused(path, obstacles=["walkable"])
+    assert "unknown layer 'walk'" in refused(path, {"walkable": ["walk"]})
+    both = {"obstacle": ["walkable"], "walkable": ["walk*", "Walkable"]}
+    assert "layer 'walkable' cannot be obstacle and walkable" in refused(path, both)
+    assert "unknown role 'solid'" in refused_role(path)
     assert "a Point at (1, 1) bounds no area" in refused(path)
 
 
@@ -162,7 +175,7 @@ def test_wkt_has_a_geometry_a_line(wkt):
         "MULTIPOLYGON (((6 0, 7 0, 7 1, 6 0)), ((8 0, 9 0, 9 1, 8 0)))",
         "GEOMETRYCOLLECTION (POLYGON ((0 8, 1 8, 1 9, 0 8)))",
     )
-    made = read_geometry(path).obstacles
+    made = read_geometry(path, SOLID).obstacles
     assert [one.name for one in made] == ["kiosk", "obstacle", "obstacle", "obstacle"]
     assert [one.footprint().area for one in made] == [15.5, 0.5, 0.5, 0.5]
 
@@ -170,7 +183,7 @@ def test_wkt_has_a_geometry_a_line(wkt):
 def test_lines_are_walls_with_a_thickness(wkt):
     path = wkt("LINESTRING (0 0, 10 0)", "bend: LINESTRING (0 5, 10 5, 10 9)",
                "loop: LINESTRING (20 0, 24 0, 24 4, 20 4, 20 0)")  # fmt: skip
-    straight, bend, loop = read_geometry(path, thickness=0.5).obstacles
+    straight, bend, loop = read_geometry(path, SOLID, thickness=0.5).obstacles
     assert straight == Wall(name="obstacle", start=(0, 0), end=(10, 0), thickness=0.5)
     assert bend.footprint().area == pytest.approx(0.5 * 14.0)
     assert loop.footprint().area == pytest.approx(4.5**2 - 3.5**2)
@@ -207,7 +220,10 @@ COORDINATES = st.tuples(st.floats(-50, 50), st.floats(-50, 50))
 @given(points=st.lists(COORDINATES, min_size=3, max_size=7))
 @settings(max_examples=150, deadline=None,
           suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
-def test_a_polygon_is_read_to_the_bit_or_refused(geojson, wkt, points):
+def test_a_polygon_is_read_to_fourteen_digits_or_refused(geojson, wkt, points):
+    largest = max(abs(x) for point in points for x in point)
+    digits = 14 - math.ceil(math.log10(largest)) if largest > 0.0 else 14
+    points = [(round(x, digits), round(y, digits)) for x, y in points]
     ring = [*points, points[0]]
     drawn = shapely.Polygon(ring)
     # Points so near each other that rounding leaves no area between them count as one.
@@ -215,10 +231,10 @@ def test_a_polygon_is_read_to_the_bit_or_refused(geojson, wkt, points):
     text = "POLYGON ((" + ", ".join(f"{x!r} {y!r}" for x, y in ring) + "))"
     for path in (geojson(feature(polygon([list(p) for p in ring]))), wkt(text)):
         if solid:
-            (made,) = read_geometry(path).obstacles
+            (made,) = read_geometry(path, SOLID, unit="m").obstacles
             assert made.points == tuple(points)
         else:
-            refused(path)
+            refused(path, unit="m")
 
 
 @pytest.mark.parametrize("bulge", [0.1, 1.0, -1.0, -0.4, 3.0])
@@ -248,10 +264,10 @@ def test_walkable_makes_the_rest_of_its_bounds_solid(geojson):
 
 def test_without_walkable_there_is_room_around(geojson):
     shifted = [[x + 100.0, y - 50.0] for x, y in SQUARE]
-    taken = read_geometry(geojson(feature(polygon(shifted))))
+    taken = read_geometry(geojson(feature(polygon(shifted))), SOLID)
     made = world_around(taken, "open", margin=3.0)
     assert (made.low, made.size, made.edges) == ((97.0, -53.0), (10.0, 10.0), ("open", "open"))
-    assert world_around(taken).size == pytest.approx((4.8, 4.8))
+    assert world_around(taken).size == (4.8, 4.8)
     moved = world_around(taken, ("wrap", "solid"), margin=3.0, to_origin=True)
     assert moved.low == (0.0, 0.0)
     assert moved.obstacles[0].footprint().bounds == (3.0, 3.0, 7.0, 7.0)
@@ -264,7 +280,7 @@ def test_what_no_box_can_be_made_of_is_refused(geojson):
         world_around(taken, ("wrap", "solid"))
     with pytest.raises(Refusal, match="margin = 2 m cannot be given with a walkable area"):
         world_around(taken, margin=2.0)
-    solid = read_geometry(geojson(feature(polygon(SQUARE))))
+    solid = read_geometry(geojson(feature(polygon(SQUARE))), SOLID)
     with pytest.raises(Refusal, match="margin = -1 m is not a length >= 0"):
         world_around(solid, margin=-1.0)
     with pytest.raises(Refusal, match=r"unknown edge .sold.: did you mean .solid.\?"):

@@ -16,7 +16,7 @@ from worlds.generators.forest import FOREST
 from worlds.generators.kind import Kind, Parameters
 from worlds.generators.maze import MAZE
 from worlds.layout import box, chosen_edges
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, shortened, unknown
 from worlds.world import World
 
 GENERATORS = {kind.name: kind for kind in (DISCS, BLOCKS, FOREST, CORRIDORS, MAZE)}
@@ -74,7 +74,7 @@ def checked(kind: Kind, values: dict[str, Any], origin: str) -> Parameters:
         name = str(error.errors()[0]["loc"][0])
         where = f" ({origin})" if origin else ""
         raise Refusal(
-            f"{name} = {values[name]!r} is not allowed: {allowed(fields[name])}{where}"
+            f"{name} = {shortened(values[name])} is not allowed: {allowed(fields[name])}{where}"
         ) from None
 
 

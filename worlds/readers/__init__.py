@@ -1,6 +1,8 @@
 """Readers of drawings: GeoJSON, WKT and DXF files as obstacles and walkable areas."""
 
-from worlds.readers.read import Geometry, read_geometry
-from worlds.readers.surround import world_around
+from worlds.readers.read import Geometry, geometry_of, open_drawing, read_geometry
+from worlds.readers.roles import cast
+from worlds.readers.surround import world_and_notes, world_around
 
-__all__ = ["Geometry", "read_geometry", "world_around"]
+__all__ = ["Geometry", "cast", "geometry_of", "open_drawing", "read_geometry", "world_and_notes",
+           "world_around"]  # fmt: skip

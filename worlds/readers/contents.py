@@ -2,53 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import stat
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from worlds.readers.shapes import Shape
 from worlds.refusal import Refusal
 
-OBSTACLE = "obstacle"
+UNNAMED = "unnamed"
 """The layer of what names none."""
-WALKABLE = "walkable"
-"""The layer of a walkable area, unless another is named."""
+LARGEST = 64_000_000
+"""Bytes of a file at most."""
+MOST_ITEMS = 100_000
+"""Most things that a file draws, those of a block counted as often as it is inserted."""
+MOST_CORNERS = 50_000
+"""Corners of all that is taken of a file at most."""
+DEEPEST = 50
+"""Most collections, or blocks, one in another."""
 
 
 @dataclass(frozen=True)
 class Item:
-    """Something drawn: its layer, and how to read it.
+    """Something drawn: its layer, what it is called in its file, and how to read it.
 
     `read` gives its shapes, in the units of the file, and raises Refusal with file and place for
     what cannot be used. It is called only for items on the layers that are wanted.
     """
 
     layer: str
+    kind: str
     read: Callable[[], list[Shape]]
 
 
 @dataclass(frozen=True)
 class Contents:
-    """All items of a file; `unit` is metres per unit of the file, None if it does not say.
+    """All items of a file; `unit` is metres per unit of the file, None if it does not say."""
 
-    `layers` are all there are, also those without items. `notes` say what was left out, one line
-    each.
-    """
-
+    path: Path
     items: tuple[Item, ...]
     layers: tuple[str, ...]
+    """All there are, also those without items."""
     unit: float | None
-    notes: tuple[str, ...] = ()
+    hidden: Mapping[str, str] = field(default_factory=dict)
+    """Layers that the drawing does not show, and why: "frozen" or "off"."""
+    left_out: Mapping[tuple[str, str], int] = field(default_factory=dict)
+    """How many of a kind on a layer bound no area and are no line either."""
 
 
 def text_of(path: Path) -> str:
     """The text of a file. Raises Refusal."""
+    demand_file(path)
     try:
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise Refusal(f"{str(path)!r} is not a text file") from None
+
+
+def demand_file(path: Path) -> None:
+    """Refuse what is no file, or too large to read. Raises Refusal."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise Refusal(f"{str(path)!r} cannot be read: {reason}") from None
+    if not stat.S_ISREG(found.st_mode):
+        raise Refusal(f"{str(path)!r} cannot be read: it is not a file")
+    if found.st_size > LARGEST:
+        raise Refusal(f"{path} has {found.st_size} bytes: a drawing has {LARGEST} at most")
 
 
 def layers_of(items: list[Item]) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
-"""DXF: closed polylines, circles, ellipses, hatches and solids of the model space.
+"""DXF: closed polylines, circles, ellipses, hatches, solids and faces of the model space.
 
-Blocks (INSERT) are opened. Open lines and arcs are walls when a thickness is asked for, and are
-refused without. Texts, dimensions and points are left out, with a note. Read by ezdxf.
+Blocks (INSERT) are opened. Open lines and arcs may be joined or made walls; splines are drawn by
+chords if asked. Texts, dimensions, images and points are left out, and counted. Read by ezdxf.
 
 Source: Autodesk, DXF reference, release 2018.
 """
@@ -16,24 +16,27 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from worlds.readers.contents import Contents, Item
-from worlds.readers.outlines import STEP, along, nested
-from worlds.readers.shapes import Point, Shape, area, at, circle, line
+from worlds.readers.contents import DEEPEST, MOST_ITEMS, Contents, Item, demand_file
+from worlds.readers.outlines import MOST_OUTLINES, STEP, along, nested
+from worlds.readers.shapes import Curve, Point, Shape, Stray, area, at, circle, line
 from worlds.refusal import Refusal
 
-DRAWN = ("LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "HATCH", "SOLID", "TRACE", "LINE", "ARC")
+DRAWN = ("LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "HATCH", "SOLID", "TRACE", "3DFACE",
+         "LINE", "ARC", "SPLINE")  # fmt: skip
 LEFT_OUT = ("TEXT", "MTEXT", "ATTRIB", "ATTDEF", "DIMENSION", "ARC_DIMENSION", "LEADER",
-            "MULTILEADER", "MLEADER", "TOLERANCE", "VIEWPORT", "POINT", "IMAGE")  # fmt: skip
-"""What bounds no area and is no line either."""
+            "LARGE_RADIAL_DIMENSION", "MULTILEADER", "MLEADER", "TOLERANCE", "VIEWPORT", "POINT",
+            "IMAGE", "PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY", "WIPEOUT", "OLEFRAME",
+            "OLE2FRAME", "ACAD_TABLE", "LIGHT", "SUN", "XLINE", "RAY", "SHAPE")  # fmt: skip
+"""What bounds no area and is no line of a plan either."""
 METRES = {
     **{1: 0.0254, 2: 0.3048, 3: 1609.344, 4: 0.001, 5: 0.01, 6: 1.0, 7: 1000.0, 8: 2.54e-8},
     **{9: 2.54e-5, 10: 0.9144, 13: 1e-6, 14: 0.1, 15: 10.0, 16: 100.0, 21: 1200.0 / 3937.0},
 }
 """Metres per unit, by the code of $INSUNITS: inch, foot, mile, mm, cm, m, km, and so on."""
-MOST = 100_000
-"""Most entities, those of blocks counted as often as they are inserted."""
 CHORDS = 32
 """Chords of each Bezier curve of a hatch's boundary, which is at most a quarter of a turn."""
+FLAT = 1e-9
+"""Most difference in height within a face that lies flat, units of the file."""
 BLOCKS_LAYER = "0"
 """What a block has on this layer stands on the layer of the INSERT."""
 
@@ -42,30 +45,54 @@ def read_dxf(path: Path) -> Contents:
     """The entities of a DXF file. Raises Refusal."""
     import ezdxf
 
+    demand_file(path)
     items: list[Item] = []
-    skipped = Counter[tuple[str, str]]()
+    left_out = Counter[tuple[str, str]]()
     with naming_damage(f"{path} is not DXF, or damaged"):
         try:
             document = ezdxf.readfile(path)
         except OSError as error:
             reason = error.strerror or "it is not DXF"
             raise Refusal(f"{str(path)!r} cannot be read: {reason}") from None
-        for entity, layer, where in entities(document.modelspace()):
+        for entity, layer, where in entities(document.modelspace(), Budget(path)):
             kind = entity.dxftype()
-            if len(items) >= MOST:
-                raise Refusal(f"{path} draws more than {MOST} entities, too many to read")
             if kind in LEFT_OUT:
-                skipped[kind, layer] += 1
+                left_out[kind, layer] += 1
             else:
                 origin = f"{path}, layer {layer!r}, {kind} {where}"
-                items.append(Item(layer, partial(shapes, entity, origin)))
-        layers = [one.dxf.name for one in document.layers] + [item.layer for item in items]
+                items.append(Item(layer, kind, partial(shapes, entity, origin)))
+        hidden = {
+            one.dxf.name: "frozen" if one.is_frozen() else "off"
+            for one in document.layers
+            if one.is_frozen() or one.is_off()
+        }
+        layers = [
+            *(one.dxf.name for one in document.layers),
+            *(item.layer for item in items),
+            *(layer for _, layer in left_out),
+        ]
         unit = METRES.get(document.units)
-    notes = [f"{n} {kind} on layer {layer!r} left out" for (kind, layer), n in skipped.items()]
-    return Contents(tuple(items), tuple(dict.fromkeys(layers)), unit, tuple(notes))
+    return Contents(path, tuple(items), tuple(dict.fromkeys(layers)), unit, hidden, left_out)
 
 
-STUMBLES = (ArithmeticError, AttributeError, LookupError, StopIteration, TypeError, ValueError)
+class Budget:
+    """How many entities may still be looked at: blocks within blocks multiply."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.left = path, MOST_ITEMS
+
+    def spend(self, depth: int) -> None:
+        """Count an entity. Raises Refusal when there are too many, or it lies too deep."""
+        self.left -= 1
+        if self.left < 0:
+            raise Refusal(f"{self.path} draws more than {MOST_ITEMS} entities, those of blocks "
+                          "counted as often as they are inserted: too many to read")  # fmt: skip
+        if depth > DEEPEST:
+            raise Refusal(f"{self.path}: its blocks are nested more than {DEEPEST} deep")
+
+
+STUMBLES = (ArithmeticError, AttributeError, LookupError, RecursionError, StopIteration, TypeError,
+            ValueError)  # fmt: skip
 """What ezdxf raises, beside its own errors, over a file that is damaged."""
 
 
@@ -83,14 +110,15 @@ def naming_damage(what: str) -> Iterator[None]:
 
 
 def entities(
-    drawn: Any, within: str = "", layer: str = "", blocks: tuple[str, ...] = ()
+    drawn: Any, budget: Budget, within: str = "", layer: str = "", blocks: tuple[str, ...] = ()
 ) -> Iterator[tuple[Any, str, str]]:
-    """Each entity with its layer and where it is; blocks are opened, to any depth.
+    """Each entity with its layer and where it is; blocks are opened.
 
-    A block that is missing, in another file, within itself or inserted more than MOST times stays
-    an INSERT, which is not read.
+    A block that is missing, in another file, within itself or inserted too often at once stays an
+    INSERT, which is not read. Raises Refusal when the budget is spent.
     """
     for entity in drawn:
+        budget.spend(len(blocks))
         own = entity.dxf.layer if entity.dxf.is_supported("layer") else BLOCKS_LAYER
         own = layer if layer and own == BLOCKS_LAYER else own
         where = within or f"handle {entity.dxf.handle}"
@@ -98,7 +126,9 @@ def entities(
             name = entity.dxf.name
             block = within or f"in block {name!r}, inserted by {where}"
             for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                yield from entities(single.virtual_entities(), block, own, (*blocks, name))
+                budget.spend(len(blocks))
+                inner = single.virtual_entities()
+                yield from entities(inner, budget, block, own, (*blocks, name))
         else:
             yield entity, own, where
 
@@ -107,7 +137,7 @@ def opens(insert: Any, blocks: tuple[str, ...]) -> bool:
     """Whether the block of an INSERT is in this file and not one of those around it."""
     block = insert.block()
     here = block is not None and not block.block.is_xref
-    return here and insert.dxf.name not in blocks and insert.mcount <= MOST
+    return here and insert.dxf.name not in blocks and insert.mcount <= MOST_ITEMS
 
 
 def shapes(entity: Any, origin: str) -> list[Shape]:
@@ -124,15 +154,32 @@ def drawn(entity: Any, origin: str) -> list[Shape]:
     kind, name = entity.dxftype(), ""  # the reader names it for its layer
     if kind == "HATCH":
         return [area(name, rings, origin) for rings in hatch_rings(entity, origin)]
-    if kind in ("SOLID", "TRACE"):
-        return [area(name, [[(p.x, p.y) for p in entity.wcs_vertices(close=True)]], origin)]
+    if kind in ("SOLID", "TRACE", "3DFACE"):
+        corners = list(entity.wcs_vertices(close=True))
+        if max(p.z for p in corners) - min(p.z for p in corners) > FLAT:
+            raise Refusal(f"{origin}: it does not lie flat, so it is no area of the plan")
+        return [area(name, [[(p.x, p.y) for p in corners]], origin)]
+    if kind == "SPLINE":
+        return [Curve(name, origin, (None, None), partial(chord_ends, entity))]
     if kind == "CIRCLE":
         centre = entity.ocs().to_wcs(entity.dxf.center)
         return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin)]
     points, closed = curve(entity, kind, origin)
+    if points and len(set(points)) == 1:
+        return [Stray(name, origin, (None, None), points[0])]
     if closed or (len(points) > 3 and points[0] == points[-1]):
         return [area(name, [points], origin)]
     return [line(name, points, origin)]
+
+
+def chord_ends(spline: Any, tolerance: float) -> Iterator[Point]:
+    """Points of a spline, between which chords stay within a tolerance (units of the file) of it.
+
+    Raises Refusal.
+    """
+    with naming_damage(f"SPLINE handle {spline.dxf.handle}: it is damaged"):
+        for point in spline.flattening(tolerance):
+            yield (point.x, point.y)
 
 
 def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
@@ -183,6 +230,8 @@ def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
     from ezdxf import path as paths
 
     rings = []
+    if len(hatch.paths) > MOST_OUTLINES:
+        raise Refusal(f"{origin}: it has more than {MOST_OUTLINES} boundaries, too many to read")
     for boundary in hatch.paths:
         if hasattr(boundary, "vertices"):
             ocs = hatch.ocs()
@@ -205,6 +254,7 @@ def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
 
 def demand_flat(entity: Any, origin: str) -> None:
     """Refuse what does not lie in a plane parallel to the floor. Raises Refusal."""
-    extrusion = entity.dxf.get("extrusion")
+    tilts = entity.dxf.is_supported("extrusion")
+    extrusion = entity.dxf.get("extrusion") if tilts else None
     if extrusion is not None and (abs(extrusion.x) > 1e-9 or abs(extrusion.y) > 1e-9):
         raise Refusal(f"{origin}: it lies in a tilted plane, extruded along {at(tuple(extrusion))}")

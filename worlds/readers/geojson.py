@@ -13,8 +13,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from worlds.readers.contents import OBSTACLE, Contents, Item, layers_of, text_of
-from worlds.readers.shapes import Point, Shape, Span, area, at, circle, line
+from worlds.readers.contents import DEEPEST, MOST_ITEMS, UNNAMED, Contents, Item, layers_of, text_of
+from worlds.readers.shapes import (
+    Place,
+    Point,
+    Shape,
+    Span,
+    area,
+    at,
+    circle,
+    demand_finite,
+    line,
+)
 from worlds.refusal import Refusal, unknown
 
 GEOMETRIES = ("Polygon", "MultiPolygon", "LineString", "MultiLineString", "Point", "MultiPoint",
@@ -35,8 +45,11 @@ def read_geojson(path: Path) -> Contents:
     if not isinstance(given, dict):
         raise Refusal(f"{path} is not GeoJSON: it holds no object with a type")
     demand_lengths(given, path)
-    items = [item(feature, k, path) for k, feature in enumerate(features(given, path), start=1)]
-    return Contents(tuple(items), layers_of(items), None)
+    found = features(given, path)
+    if len(found) > MOST_ITEMS:
+        raise Refusal(f"{path} holds more than {MOST_ITEMS} features, too many to read")
+    items = [item(feature, k, path) for k, feature in enumerate(found, start=1)]
+    return Contents(path, tuple(items), layers_of(items), None)
 
 
 def features(given: dict[str, Any], path: Path) -> list[dict[str, Any]]:
@@ -62,13 +75,20 @@ def item(feature: dict[str, Any], number: int, path: Path) -> Item:
     if not isinstance(properties, dict):
         raise Refusal(f"{path}, feature {number}: 'properties' is not an object")
     name = str(first(properties.get("name"), properties.get("id"), feature.get("id"), ""))
-    layer = str(first(properties.get("kind"), properties.get("layer"), OBSTACLE))
+    layer = str(first(properties.get("kind"), properties.get("layer"), UNNAMED))
     origin = f"{path}, feature {number}" + (f" {name!r}" if name else "")
-    return Item(layer, partial(shapes, feature.get("geometry"), properties, name, origin))
+    geometry = feature.get("geometry")
+    kind = geometry.get("type") if isinstance(geometry, dict) else None
+    kind = kind if kind in GEOMETRIES else "feature"
+    return Item(layer, kind, partial(shapes, geometry, properties, name, origin))
 
 
-def shapes(geometry: Any, properties: dict[str, Any], name: str, origin: str) -> list[Shape]:
-    """The shapes of a geometry. Raises Refusal."""
+def shapes(
+    geometry: Any, properties: dict[str, Any], name: str, origin: str, depth: int = 0
+) -> list[Shape]:
+    """The shapes of a geometry, `depth` collections deep. Raises Refusal."""
+    if depth > DEEPEST:
+        raise Refusal(f"{origin}: it is nested too deep")
     if not isinstance(geometry, dict):
         raise Refusal(f"{origin}: it has no geometry")
     kind, given = geometry.get("type"), geometry.get("coordinates")
@@ -79,7 +99,9 @@ def shapes(geometry: Any, properties: dict[str, Any], name: str, origin: str) ->
         parts = geometry.get("geometries")
         if not isinstance(parts, list):
             raise Refusal(f"{origin}: 'geometries' is not a list")
-        return [shape for part in parts for shape in shapes(part, properties, name, origin)]
+        return [
+            shape for part in parts for shape in shapes(part, properties, name, origin, depth + 1)
+        ]
     several = given if kind.startswith("Multi") else [given]
     if not isinstance(several, list) or not several:
         raise Refusal(f"{origin}: its {kind} has no coordinates")
@@ -102,7 +124,9 @@ def one(
     (centre,) = points([given], origin)
     radius = number(properties, "radius", origin)
     if radius is None:
-        raise Refusal(f"{origin}: a Point at {at(centre)} bounds no area: give it a radius")
+        demand_finite([centre], origin)
+        need = f"a Point at {at(centre)} bounds no area: give it a radius"
+        return Place(name, origin, span, centre, need)
     return circle(name, centre, radius, origin, span)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import shapely
 
@@ -13,6 +12,8 @@ from worlds.readers.shapes import Point
 STEP = 2.0 * math.pi / 128
 """Longest turn of a chord, rad, as the curves of obstacles have it: it leaves its arc by at most
 0.0003 of the radius."""
+MOST_OUTLINES = 2000
+"""Walkable areas of a file, and outlines of a hatch, at most: each is held against each."""
 STRAIGHT = 1e-9
 """Bulges up to this are none: the arc leaves its chord by less than a billionth of its length."""
 
@@ -59,18 +60,20 @@ def arc(start: Point, end: Point, bulge: float) -> list[Point]:
 def nested(rings: Sequence[list[Point]]) -> list[list[list[Point]]]:
     """Rings by the even-odd rule: each outline with the holes that lie directly in it."""
     areas = [shapely.Polygon(ring) for ring in rings]
-    around = [
-        {j for j, other in enumerate(areas) if j != k and inside(areas[k], other)}
-        for k in range(len(areas))
-    ]
+    around: list[set[int]] = [set() for _ in areas]
+    for inner, outer in within(areas):
+        around[inner].add(outer)
     found = []
-    for k, outer in enumerate(around):
-        if len(outer) % 2 == 0:
-            holes = [j for j, o in enumerate(around) if k in o and len(o) == len(outer) + 1]
+    for k, beyond in enumerate(around):
+        if len(beyond) % 2 == 0:
+            holes = [j for j, o in enumerate(around) if k in o and len(o) == len(beyond) + 1]
             found.append([rings[k], *(rings[j] for j in holes)])
     return found
 
 
-def inside(one: Any, other: Any) -> bool:
-    """Whether a ring lies in a larger one."""
-    return other.area > one.area and other.covers(one)
+def within(areas: Sequence[shapely.Geometry]) -> list[tuple[int, int]]:
+    """Pairs of areas of which the first lies in the second, a larger one, by their indices."""
+    inner, outer = shapely.STRtree(areas).query(areas, predicate="covered_by")
+    size = shapely.area(areas)
+    smaller = size[inner] < size[outer]
+    return list(zip(inner[smaller].tolist(), outer[smaller].tolist(), strict=True))

@@ -1,124 +1,320 @@
-"""Reading a drawing: which layers are solid, which one is walkable, how long a unit is."""
+"""Reading a drawing: what each layer is, how long a unit is, and what comes of it in metres."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import shapely
 
 from worlds.obstacles import Obstacle
-from worlds.readers.contents import WALKABLE, Contents
+from worlds.readers.contents import MOST_CORNERS, UNNAMED, Contents
 from worlds.readers.dxf import read_dxf
 from worlds.readers.geojson import read_geojson
-from worlds.readers.shapes import Line, Shape
+from worlds.readers.join import chords, joined
+from worlds.readers.outlines import MOST_OUTLINES, within
+from worlds.readers.roles import GOAL, IGNORE, OBSTACLE, PATH, START, WALKABLE, Row, cast, unclear
+from worlds.readers.shapes import (
+    Curve,
+    Line,
+    Measure,
+    Place,
+    Shape,
+    Solid,
+    Stray,
+    at,
+    bounds_of,
+)
+from worlds.readers.units import doubt, metres_per_unit
 from worlds.readers.wkt import read_wkt
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, refusal_of
 
-READERS = {".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf}
+READERS: dict[str, Callable[[Path], Contents]] = {
+    ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf
+}  # fmt: skip
 """By the ending of the file's name."""
+FEW = 3
+"""Most open lines of a layer that are told one by one."""
+DIGITS = 14
+"""Digits of the largest coordinate that are kept: behind them a double holds rounding errors."""
+Made = dict[str, list[tuple[str, Solid]]]
+"""Shapes with their layers, by role."""
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """What was taken of a drawing, in metres.
+    """What was taken of a drawing, in metres, rounded to `digits` decimals.
 
     `walkable` is where agents may be, a shapely polygon or several, or None if the drawing does not
-    say. `notes` say what was left out, one line each.
+    say. `starts`, `goals` and `paths` are what a mission may be made of, with their layers.
+    `changes` say what was joined, drawn by chords or left out, one line each.
     """
 
     file: str
     obstacles: tuple[Obstacle, ...]
     walkable: shapely.Geometry | None
-    notes: tuple[str, ...]
+    layers: tuple[Row, ...]
+    changes: tuple[str, ...]
+    starts: tuple[tuple[str, Solid], ...]
+    goals: tuple[tuple[str, Solid], ...]
+    paths: tuple[tuple[str, Solid], ...]
+    digits: int
 
 
 def read_geometry(
     path: str | Path,
+    roles: Mapping[str, Sequence[str]] | None = None,
+    *,
     scale: float | None = None,
-    obstacles: Sequence[str] | None = None,
-    walkable: str | None = None,
+    unit: str | None = None,
     thickness: float | None = None,
+    join: float | None = None,
+    drop_lines: bool = False,
 ) -> Geometry:
-    """The obstacles and the walkable area of a GeoJSON, WKT or DXF file.
+    """What a GeoJSON, WKT or DXF file says about a world.
 
-    `scale` is metres per unit of the file: 1 for GeoJSON and WKT, and what $INSUNITS says for DXF,
-    unless given. `obstacles` are the layers taken as solid, all but the walkable one unless given.
-    `walkable` is the layer of the walkable area, "walkable" if there is one of that name.
-    `thickness` (m) makes walls of open lines, which are refused without. Raises Refusal with file
-    and place for what cannot be used; nothing is repaired.
+    `roles` are layers by what they are: "walkable", "obstacle", "start", "goal", "path", "ignore";
+    layers that are not named are guessed from their names, see `worlds.readers.roles`. For the
+    rest see `geometry_of`. Raises Refusal with file and place for all that cannot be used.
     """
+    contents = open_drawing(path)
+    rows = cast(contents, roles or {})
+    return geometry_of(contents, rows, scale, unit, thickness, join, drop_lines)
+
+
+def open_drawing(path: str | Path) -> Contents:
+    """What a file holds, on its layers. Raises Refusal."""
     path = Path(path)
     ending = path.suffix.lower()
     if ending not in READERS:
         raise Refusal(f"{str(path)!r} is not a drawing that is read: {', '.join(READERS)} are")
-    if thickness is not None and not (thickness > 0.0 and math.isfinite(thickness)):
-        raise Refusal(f"thickness = {thickness:g} m is not a length > 0")
-    contents = READERS[ending](path)
-    scale = scale_of(contents, scale, ending, path)
-    free = layer_named(walkable or WALKABLE, contents, path, demanded=walkable is not None)
-    if obstacles is None:
-        solid = [layer for layer in contents.layers if layer != free]
-    else:
-        solid = [layer_named(name, contents, path) or "" for name in obstacles]
-        if free in solid:
-            raise Refusal(f"layer {free!r} cannot be walkable and solid ({path})")
-    made = [
-        named(shape, item.layer).obstacle(scale, thickness)
-        for item in contents.items
-        if item.layer in solid
-        for shape in item.read()
-    ]
-    ground = [
-        area_of(shape, scale)
-        for item in contents.items
-        if item.layer == free
-        for shape in item.read()
-    ]
-    if not made and not ground:
-        layers = ", ".join(obstacles or contents.layers)
-        raise Refusal(f"{path}: there is nothing on its layers ({layers})")
-    if walkable is not None and not ground:
-        raise Refusal(f"{path}: there is nothing on the walkable layer {free!r}")
+    return READERS[ending](path)
+
+
+def geometry_of(
+    contents: Contents,
+    rows: Sequence[Row],
+    scale: float | None = None,
+    unit: str | None = None,
+    thickness: float | None = None,
+    join: float | None = None,
+    drop_lines: bool = False,
+) -> Geometry:
+    """What the layers of a drawing say, each in its role, in metres.
+
+    `scale` is metres per unit of the file, or `unit` its name ("mm"): 1 for GeoJSON and WKT, and
+    what $INSUNITS says for DXF, unless given; a plan that would be smaller than a room or larger
+    than a building is then questioned. `thickness` (m) makes walls of open lines. `join` (m) joins
+    lines that meet end to end within it, and draws splines by chords within it. `drop_lines` leaves
+    out the lines that are still open then and have no thickness. Raises Refusal with file and place
+    for all that cannot be used; nothing is repaired without being asked.
+    """
+    for name, value in (("thickness", thickness), ("join", join)):
+        if value is not None and not (value > 0.0 and math.isfinite(value)):
+            raise Refusal(f"{name} = {value:g} m is not a length > 0")
+    problems = unclear(contents, rows)
+    try:
+        metres = metres_per_unit(contents, scale, unit)
+    except Refusal as refusal:
+        problems.append(str(refusal))
+        metres = 1.0
+    taken = Taking(contents, rows, metres, join)
+    if drop_lines:
+        taken.drop_lines(thickness)
+    problems += taken.problems
+    plan = [shape for role in (WALKABLE, OBSTACLE) for _, shape in taken.made[role]]
+    if problems:
+        raise refusal_of([*problems, *taken.unusable(thickness)])
+    if not plan:
+        layers = ", ".join(row.layer for row in rows if row.role != IGNORE)
+        raise Refusal(f"{contents.path}: there is nothing on its layers ({layers or 'none'})")
+    asked = next((row.layer for row in rows if row.role == WALKABLE), None)
+    if asked is not None and not taken.made[WALKABLE]:
+        raise Refusal(f"{contents.path}: there is nothing on the walkable layer {asked!r}")
+    bounds = bounds_of([p for shape in plan for p in corners_of(shape.bounds())])
+    question = doubt(contents, bounds, metres) if scale is None and unit is None else None
+    problems = taken.unusable(thickness) + ([question] if question else [])
+    if problems:
+        raise refusal_of(problems)
+    return in_metres(contents, rows, taken, metres, thickness)
+
+
+class Taking:
+    """The shapes of the layers that have a role, in units of the file; lines joined if asked.
+
+    `problems` is everything that cannot be used so far, `changes` what has been done to it.
+    """
+
+    def __init__(
+        self, contents: Contents, rows: Sequence[Row], metres: float, join: float | None
+    ) -> None:
+        self.path, self.metres, self.join = contents.path, metres, join
+        self.problems: list[str] = []
+        self.changes: list[str] = [
+            f"{count} {kind} on layer {layer!r} left out"
+            for (kind, layer), count in contents.left_out.items()
+        ]
+        self.made: Made = {role: [] for role in (WALKABLE, OBSTACLE, START, GOAL, PATH)}
+        role_of = {row.layer: row.role for row in rows if row.role not in (None, IGNORE)}
+        lines: dict[str, list[Line]] = {}
+        corners = 0
+        for item in contents.items:
+            role = role_of.get(item.layer)
+            if role is None:
+                continue
+            try:
+                read = [self.plain(shape) for shape in item.read()]
+            except Refusal as refusal:
+                self.problems.append(str(refusal))
+                continue
+            for shape in read:
+                if shape is None:
+                    continue
+                corners += len(shape.corners())
+                if corners > MOST_CORNERS:
+                    raise Refusal(f"{self.path}: what it draws has more than {MOST_CORNERS} "
+                                  "corners, too many to read")  # fmt: skip
+                if join is not None and isinstance(shape, Line) and shape.thickness is None:
+                    lines.setdefault(item.layer, []).append(shape)
+                else:
+                    self.made[role].append((item.layer, shape))
+        for layer, held in lines.items():
+            self.joined(layer, role_of[layer] or IGNORE, held)
+
+    def plain(self, shape: Shape) -> Solid | None:
+        """A shape of straight lines and circles, or None for a stray point. Raises Refusal."""
+        if isinstance(shape, Stray):
+            self.changed(f"{shape.origin}: left out, a single point at {at(shape.place)}")
+            return None
+        if not isinstance(shape, Curve):
+            return shape
+        if self.join is None:
+            raise Refusal(
+                f"{shape.origin}: no straight lines draw a curve of this kind: give the distance "
+                "within which chords may draw it (--join 0.01, in m)"
+            )
+        made, change = chords(shape, self.join / self.metres, self.join)
+        self.changed(change)
+        return made
+
+    def joined(self, layer: str, role: str, lines: list[Line]) -> None:
+        """Take the lines of a layer, joined."""
+        assert self.join is not None
+        try:
+            made = joined(lines, self.join / self.metres, self.metres)
+        except Refusal as refusal:
+            self.problems.append(str(refusal))
+            return
+        for change in made.changes:
+            self.changed(change)
+        self.made[role] += [(layer, shape) for shape in made.shapes]
+
+    def changed(self, change: str) -> None:
+        """Note what has been done, without the name of the file."""
+        self.changes.append(change.removeprefix(f"{self.path}, "))
+
+    def drop_lines(self, thickness: float | None) -> None:
+        """Leave out the open lines of the plan that no thickness makes walls."""
+        for role, thick in ((WALKABLE, None), (OBSTACLE, thickness)):
+            kept = []
+            for layer, shape in self.made[role]:
+                if isinstance(shape, Line) and shape.thickness is None and thick is None:
+                    self.changed(f"{shape.origin}: left out, {shape.open_words()}")
+                else:
+                    kept.append((layer, shape))
+            self.made[role] = kept
+
+    def unusable(self, thickness: float | None) -> list[str]:
+        """What of the plan bounds no area, one line each; many lines of a layer in one."""
+        found = []
+        lines: dict[tuple[str, str], list[Line]] = {}
+        for role, thick in ((WALKABLE, None), (OBSTACLE, thickness)):
+            for layer, shape in self.made[role]:
+                if isinstance(shape, Place):
+                    found.append(f"{shape.origin}: {shape.need}")
+                elif isinstance(shape, Line) and (
+                    role == WALKABLE or (thick is None and shape.thickness is None)
+                ):
+                    lines.setdefault((role, layer), []).append(shape)
+        for (role, layer), held in lines.items():
+            ask = "join lines whose ends meet (--join), or --drop-lines"
+            ask = f"close it, {ask}" if role == WALKABLE else f"close it, give a thickness, {ask}"
+            what = [f"{one.origin}: {one.open_words()}" for one in held]
+            if role == WALKABLE:
+                what = [f"{one}, and a walkable area is a polygon" for one in what]
+            if len(held) > FEW:
+                found.append(f"{self.path}, layer {layer!r}: {len(held)} open lines bound no area, "
+                             f"the first {what[0].rpartition(', layer ')[2]}: {ask}")  # fmt: skip
+            else:
+                found += [f"{one}: {ask}" for one in what]
+        return found + nested_areas([shape for _, shape in self.made[WALKABLE]])
+
+
+def in_metres(
+    contents: Contents, rows: Sequence[Row], taken: Taking, metres: float, thickness: float | None
+) -> Geometry:
+    """What was taken, in metres and rounded. Raises Refusal."""
+    largest = max(
+        abs(x) * metres
+        for held in taken.made.values()
+        for _, shape in held
+        for point in corners_of(shape.bounds())
+        for x in point
+    )
+    digits = DIGITS - math.ceil(math.log10(largest)) if largest > 0.0 else DIGITS
+    by = Measure(metres, digits)
+    found: Made = {}
+    problems = []
+    for role, held in taken.made.items():
+        found[role] = []
+        for layer, shape in held:
+            try:
+                found[role].append((layer, shape.measured(by)))
+            except Refusal as refusal:
+                problems.append(f"{refusal} (in m, rounded to {digits} decimals)")
+    if problems:
+        raise refusal_of(problems)
+    ground = [shape.obstacle(None, digits).footprint() for _, shape in found[WALKABLE]]
     return Geometry(
-        path.name, tuple(made), shapely.union_all(ground) if ground else None, contents.notes
+        file=contents.path.name,
+        obstacles=tuple(
+            named(shape, layer).obstacle(thickness, digits) for layer, shape in found[OBSTACLE]
+        ),
+        walkable=shapely.union_all(ground) if ground else None,
+        layers=tuple(rows),
+        changes=tuple(taken.changes),
+        starts=tuple(found[START]),
+        goals=tuple(found[GOAL]),
+        paths=tuple(found[PATH]),
+        digits=digits,
     )
 
 
-def scale_of(contents: Contents, asked: float | None, ending: str, path: Path) -> float:
-    """Metres per unit of the file. Raises Refusal."""
-    if asked is not None:
-        if not (asked > 0.0 and math.isfinite(asked)):
-            raise Refusal(f"scale = {asked:g} is not allowed: metres per unit of the file, > 0")
-        return asked
-    if ending != ".dxf":
-        return 1.0
-    if contents.unit is None:
-        raise Refusal(f"{path} does not say its unit ($INSUNITS): give a scale, metres per unit")
-    return contents.unit
+def nested_areas(shapes: Sequence[Solid]) -> list[str]:
+    """Walkable areas that lie inside others, and would be lost in them, one line each."""
+    areas = [s for s in shapes if not isinstance(s, Line | Place)]
+    if len(areas) < 2:
+        return []
+    if len(areas) > MOST_OUTLINES:
+        return [f"{areas[0].origin.partition(', ')[0]}: {len(areas)} walkable areas are too many, "
+                f"at most {MOST_OUTLINES}"]  # fmt: skip
+    outlines = [shape.obstacle(None, 0).footprint() for shape in areas]
+    return [
+        f"{areas[one].origin}: its outline at {at(outlines[one].exterior.coords[0])} lies inside "
+        f"another walkable one ({areas[other].origin.rpartition(', ')[2]}): a hole or an obstacle "
+        "there is drawn as such, or on a layer of obstacles"
+        for one, other in dict(within(outlines)).items()
+    ]
 
 
-def layer_named(name: str, contents: Contents, path: Path, demanded: bool = True) -> str | None:
-    """The layer of a name, in upper or lower case; None or Refusal if there is none."""
-    if name in contents.layers:
-        return name
-    found = [layer for layer in contents.layers if layer.casefold() == name.casefold()]
-    if found or not demanded:
-        return found[0] if found else None
-    raise unknown("layer", name, contents.layers, str(path))
+def corners_of(bounds: tuple[float, float, float, float]) -> list[tuple[float, float]]:
+    """The lower and the upper corner."""
+    return [bounds[:2], bounds[2:]]
 
 
-def named(shape: Shape, layer: str) -> Shape:
+def named(shape: Solid, layer: str) -> Solid:
     """The shape with its layer for a name if it has none."""
-    from dataclasses import replace
-
-    return shape if shape.name else replace(shape, name=layer)
-
-
-def area_of(shape: Shape, scale: float) -> shapely.Geometry:
-    """The walkable area of a shape. Raises Refusal for a line."""
-    if isinstance(shape, Line):
-        raise Refusal(f"{shape.origin}: a walkable area is a polygon, and this is a line")
-    return shape.obstacle(scale, None).footprint()
+    own = OBSTACLE if layer == UNNAMED else layer
+    return shape if shape.name else replace(shape, name=own)

@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import shapely
 
+from worlds.counting import counted
 from worlds.obstacles import Obstacle, obstacle
 from worlds.refusal import Refusal
 
 Point = tuple[float, float]
+Bounds = tuple[float, float, float, float]
+"""Least x and y, largest x and y."""
 Span = tuple[float | None, float | None]
 """From which height to which a shape stands; None is the floor or the ceiling."""
 
@@ -43,14 +46,33 @@ class Drawn:
     origin: str
     span: Span
 
-    def made(self, scale: float, values: dict[str, Any]) -> Obstacle:
+    def made(self, values: dict[str, Any]) -> Obstacle:
         """The obstacle with these values, in metres. Raises Refusal."""
         heights = {
-            key: z * scale
-            for key, z in zip(("bottom", "top"), self.span, strict=True)
-            if z is not None
+            key: z for key, z in zip(("bottom", "top"), self.span, strict=True) if z is not None
         }
         return obstacle({"name": self.name, **values, **heights}, self.origin)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How lengths of the file become metres: times `scale`, rounded to `digits` decimals."""
+
+    scale: float
+    digits: int
+
+    def length(self, given: float) -> float:
+        """A length in metres."""
+        return round(given * self.scale, self.digits)
+
+    def point(self, given: Point) -> Point:
+        """A point in metres."""
+        return (self.length(given[0]), self.length(given[1]))
+
+    def span(self, given: Span) -> Span:
+        """Heights in metres."""
+        low, high = (None if z is None else self.length(z) for z in given)
+        return (low, high)
 
 
 @dataclass(frozen=True)
@@ -59,10 +81,24 @@ class Area(Drawn):
 
     rings: tuple[tuple[Point, ...], ...]
 
-    def obstacle(self, scale: float, thickness: float | None) -> Obstacle:  # noqa: ARG002
-        """The solid, in metres. Raises Refusal."""
-        points, *holes = (tuple(times(point, scale) for point in ring) for ring in self.rings)
-        return self.made(scale, {"shape": "polygon", "points": points, "holes": tuple(holes)})
+    def corners(self) -> Sequence[Point]:
+        """All its points."""
+        return [point for ring in self.rings for point in ring]
+
+    def bounds(self) -> Bounds:
+        """Its lower and upper corner."""
+        return bounds_of(self.rings[0])
+
+    def measured(self, by: Measure) -> Area:
+        """The same in metres. Raises Refusal if rounding has left nothing of it."""
+        rings = [[by.point(point) for point in ring] for ring in self.rings]
+        closed = [[*ring, ring[0]] for ring in rings]
+        return area(self.name, closed, self.origin, by.span(self.span))
+
+    def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
+        """The solid. Raises Refusal."""
+        points, *holes = self.rings
+        return self.made({"shape": "polygon", "points": points, "holes": tuple(holes)})
 
 
 @dataclass(frozen=True)
@@ -72,10 +108,23 @@ class Circle(Drawn):
     centre: Point
     radius: float
 
-    def obstacle(self, scale: float, thickness: float | None) -> Obstacle:  # noqa: ARG002
-        """The solid, in metres. Raises Refusal."""
-        centre = times(self.centre, scale)
-        return self.made(scale, {"shape": "disc", "centre": centre, "radius": self.radius * scale})
+    def corners(self) -> Sequence[Point]:
+        """The corners of its bounds."""
+        (x, y), r = self.centre, self.radius
+        return [(x - r, y - r), (x + r, y + r)]
+
+    def bounds(self) -> Bounds:
+        """Its lower and upper corner."""
+        return bounds_of(self.corners())
+
+    def measured(self, by: Measure) -> Circle:
+        """The same in metres. Raises Refusal if rounding has left nothing of it."""
+        centre, radius = by.point(self.centre), by.length(self.radius)
+        return circle(self.name, centre, radius, self.origin, by.span(self.span))
+
+    def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
+        """The solid. Raises Refusal."""
+        return self.made({"shape": "disc", "centre": self.centre, "radius": self.radius})
 
 
 @dataclass(frozen=True)
@@ -84,35 +133,87 @@ class Line(Drawn):
 
     points: tuple[Point, ...]
     thickness: float | None
-    """Its own, in units of the file; else the one that is asked for, in metres."""
+    """Its own; else the one that is asked for."""
 
-    def obstacle(self, scale: float, thickness: float | None) -> Obstacle:
-        """The wall along it, in metres; mitred at its corners, flat at its ends. Raises Refusal."""
-        thick = thickness if self.thickness is None else self.thickness * scale
+    def corners(self) -> Sequence[Point]:
+        """All its points."""
+        return self.points
+
+    def bounds(self) -> Bounds:
+        """Its lower and upper corner."""
+        return bounds_of(self.points)
+
+    def measured(self, by: Measure) -> Line:
+        """The same in metres. Raises Refusal if rounding has left nothing of it."""
+        thick = None if self.thickness is None else by.length(self.thickness)
+        points = [by.point(point) for point in self.points]
+        return line(self.name, points, self.origin, thick, by.span(self.span))
+
+    def obstacle(self, thickness: float | None, digits: int) -> Obstacle:
+        """The wall along it, mitred at its corners, flat at its ends. Raises Refusal."""
+        thick = thickness if self.thickness is None else self.thickness
         if thick is None:
-            raise Refusal(
-                f"{self.origin}: an open line from {at(self.points[0])} to {at(self.points[-1])} "
-                "bounds no area: close it, or give a thickness"
-            )
-        points = [times(point, scale) for point in self.points]
-        if len(points) == 2:
-            start, end = points
-            return self.made(
-                scale, {"shape": "wall", "start": start, "end": end, "thickness": thick}
-            )
-        drawn = shapely.LineString(points).buffer(
+            raise Refusal(f"{self.origin}: {self.open_words()}: close it, give a thickness, "
+                          "join lines whose ends meet (--join), or --drop-lines")  # fmt: skip
+        if len(self.points) == 2:
+            start, end = self.points
+            return self.made({"shape": "wall", "start": start, "end": end, "thickness": thick})
+        drawn = shapely.LineString(self.points).buffer(
             thick / 2.0, cap_style="flat", join_style="mitre", mitre_limit=5.0
         )
         if not isinstance(drawn, shapely.Polygon) or drawn.is_empty:
             raise Refusal(f"{self.origin}: no wall {thick:g} m thick can be drawn along the line")
         outer, *holes = (
-            tuple((x, y) for x, y in ring.coords[:-1])
+            tuple((round(x, digits), round(y, digits)) for x, y in ring.coords[:-1])
             for ring in (drawn.exterior, *drawn.interiors)
         )
-        return self.made(scale, {"shape": "polygon", "points": outer, "holes": tuple(holes)})
+        return self.made({"shape": "polygon", "points": outer, "holes": tuple(holes)})
+
+    def open_words(self) -> str:
+        """That it is open, and from where to where."""
+        return f"an open line from {at(self.points[0])} to {at(self.points[-1])} bounds no area"
 
 
-Shape = Area | Circle | Line
+@dataclass(frozen=True)
+class Place(Drawn):
+    """A point, which is no obstacle, but may be a goal; `need` says what it lacks."""
+
+    place: Point
+    need: str
+
+    def corners(self) -> Sequence[Point]:
+        """Itself."""
+        return [self.place]
+
+    def bounds(self) -> Bounds:
+        """Itself, twice."""
+        return bounds_of([self.place])
+
+    def measured(self, by: Measure) -> Place:
+        """The same in metres."""
+        return Place(self.name, self.origin, by.span(self.span), by.point(self.place), self.need)
+
+    def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
+        """Nothing. Raises Refusal."""
+        raise Refusal(f"{self.origin}: {self.need}")
+
+
+@dataclass(frozen=True)
+class Curve(Drawn):
+    """A curve that no chords draw exactly; `drawn` gives its points, within a tolerance."""
+
+    drawn: Callable[[float], Iterator[Point]]
+
+
+@dataclass(frozen=True)
+class Stray(Drawn):
+    """Something all of whose points are one: it bounds nothing, and is left out with a word."""
+
+    place: Point
+
+
+Solid = Area | Circle | Line | Place
+Shape = Solid | Curve | Stray
 
 
 def area(
@@ -125,9 +226,9 @@ def area(
             ends = f"begins at {at(ring[0])} and ends at {at(ring[-1])}" if ring else "has no point"
             raise Refusal(f"{origin}: the outline is not closed: it {ends}")
         if len(set(map(tuple, ring))) < 3:
+            points = counted(len(set(map(tuple, ring))), "point")
             raise Refusal(
-                f"{origin}: the outline at {at(ring[0])} has {len(set(map(tuple, ring)))} points: "
-                "at least 3 bound an area"
+                f"{origin}: the outline at {at(ring[0])} has {points}: at least 3 bound an area"
             )
         if shapely.MultiPoint(ring).convex_hull.area == 0.0:
             raise Refusal(f"{origin}: the outline at {at(ring[0])} has no area")
@@ -192,6 +293,7 @@ def at(point: Sequence[float]) -> str:
     return "(" + ", ".join(f"{one:.9g}" for one in point) + ")"
 
 
-def times(point: Point, scale: float) -> Point:
-    """A point in metres."""
-    return (point[0] * scale, point[1] * scale)
+def bounds_of(points: Sequence[Point]) -> Bounds:
+    """The bounds of one point or more."""
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    return (min(xs), min(ys), max(xs), max(ys))

@@ -1,57 +1,135 @@
-"""WKT: one geometry a line, `name: POLYGON ((...))`; a line that begins with # is a comment.
+"""WKT: a geometry a line, `name: POLYGON ((...))`; a line that begins with # is a comment.
 
-The name is the layer and the name of the obstacle; without one the layer is `obstacle`.
+The name is the layer and the name of the obstacle; without one the layer is `unnamed`. A geometry
+may go on over several lines, until its last parenthesis is closed. A collection of five collections
+is what JuPedSim's dxf2wkt writes: walkable area, exits, distributions, waypoints and journeys.
 
-Source: OGC 06-103r4, section 7 (well-known text); read by GEOS.
+Source: OGC 06-103r4, section 7 (well-known text), read by GEOS; JuPedSim, scripts/dxf2wkt.py.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import partial
-from itertools import accumulate
+from itertools import accumulate, islice
 from pathlib import Path
 
 import numpy as np
 import shapely
 
-from worlds.readers.contents import OBSTACLE, Contents, Item, layers_of, text_of
-from worlds.readers.shapes import Point, Shape, area, at, demand_valid, line
+from worlds.readers.contents import (
+    DEEPEST,
+    MOST_CORNERS,
+    MOST_ITEMS,
+    UNNAMED,
+    Contents,
+    Item,
+    layers_of,
+    text_of,
+)
+from worlds.readers.shapes import (
+    Place,
+    Point,
+    Shape,
+    area,
+    at,
+    demand_finite,
+    demand_valid,
+    line,
+)
 from worlds.refusal import Refusal
 
-NAMED = re.compile(r"\s*(?:(?P<name>[^:()]+?)\s*:)?\s*(?P<wkt>\S.*?)\s*")
-DEEPEST = 50
-"""Most parentheses one in another."""
 RING = re.compile(r"\(([^()]*)\)")
+LINE = re.compile(r"LINESTRING\s*\([^()]*\)", re.IGNORECASE)
+JUPEDSIM = ("jps-walkablearea", "jps-exits", "jps-distributions", "jps-waypoints", "jps-journeys")
+"""The layers of the five collections that dxf2wkt writes, in its order."""
 
 
 def read_wkt(path: Path) -> Contents:
     """The geometries of a WKT file. Raises Refusal."""
-    items = []
-    for number, text in enumerate(text_of(path).splitlines(), start=1):
-        if not text.strip() or text.lstrip().startswith("#"):
-            continue
-        found = NAMED.fullmatch(text)
-        if not found:
+    items: list[Item] = []
+    geometries = list(islice(whole_geometries(text_of(path)), MOST_ITEMS + 1))
+    if len(geometries) > MOST_ITEMS:
+        raise Refusal(f"{path} holds more than {MOST_ITEMS} geometries, too many to read")
+    for number, text in geometries:
+        head, colon, rest = text.partition(":")
+        has_name = bool(colon) and "(" not in head and ")" not in head
+        name, given = (head.strip(), rest.strip()) if has_name else ("", text.strip())
+        if has_name and not given:
             raise Refusal(f"{path}, line {number}: a name, but no geometry")
-        name = found["name"] or ""
         origin = f"{path}, line {number}" + (f" {name!r}" if name else "")
-        items.append(Item(name or OBSTACLE, partial(shapes, found["wkt"], name, origin)))
-    return Contents(tuple(items), layers_of(items), None)
+        items += items_of(given, name, origin)
+    return Contents(path, tuple(items), layers_of(items), None)
 
 
-def shapes(text: str, name: str, origin: str) -> list[Shape]:
-    """The shapes of one geometry. Raises Refusal."""
-    demand_closed(text, origin)
+def whole_geometries(text: str) -> Iterator[tuple[int, str]]:
+    """Each geometry with the number of its first line; comments and empty lines are left out."""
+    begun, pieces, depth = 0, list[str](), 0
+    for number, one in enumerate(text.splitlines(), start=1):
+        if not one.strip() or (one.lstrip().startswith("#") and not pieces):
+            continue
+        begun = begun if pieces else number
+        pieces.append(one)
+        depth += one.count("(") - one.count(")")
+        if depth <= 0:
+            yield begun, " ".join(pieces)
+            pieces, depth = [], 0
+    if pieces:
+        yield begun, " ".join(pieces)
+
+
+def items_of(text: str, name: str, origin: str) -> list[Item]:
+    """The items of one geometry: one, or those of JuPedSim's collections."""
+    try:
+        made = geometry(text, origin)
+    except Refusal as refusal:
+        return [Item(name or UNNAMED, kind_of(text), partial(refused, str(refusal)))]
+    members = list(shapely.get_parts(made))
+    if (
+        not name
+        and made.geom_type == "GeometryCollection"
+        and len(members) == len(JUPEDSIM)
+        and all(one.geom_type == "GeometryCollection" for one in members)
+    ):
+        return [
+            Item(layer, part.geom_type.upper(), partial(shapes, part, "", origin))
+            for layer, collection in zip(JUPEDSIM, members, strict=True)
+            for part in shapely.get_parts(collection)
+        ]
+    return [Item(name or UNNAMED, made.geom_type.upper(), partial(shapes, made, name, origin))]
+
+
+def refused(words: str) -> list[Shape]:
+    """Nothing. Raises Refusal."""
+    raise Refusal(words)
+
+
+def kind_of(text: str) -> str:
+    """The kind that a text claims to be."""
+    found = re.match(r"[A-Za-z]+", text)
+    return found[0].upper() if found else "geometry"
+
+
+def geometry(text: str, origin: str) -> shapely.Geometry:
+    """The geometry of a text. Raises Refusal."""
     steps = ({"(": 1, ")": -1}.get(letter, 0) for letter in text)
     if max(accumulate(steps), default=0) > DEEPEST:
         raise Refusal(f"{origin}: it is nested too deep")
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are refused below
-            made = shapely.from_wkt(text)
+            return shapely.from_wkt(text)
     except (shapely.errors.GEOSException, NotImplementedError) as error:
-        reason = str(error).removeprefix("ParseException: ").rstrip(".")
-        raise Refusal(f"{origin}: {short(text)!r} is not WKT: {reason}") from None
+        if "closed" in str(error):
+            demand_closed(text, origin)
+        reason = " ".join(str(error).removeprefix("ParseException: ").rstrip(".").split())
+        raise Refusal(f"{origin}: {short(text)!r} is not WKT: {short(reason, 100)}") from None
+
+
+def shapes(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
+    """The shapes of one geometry. Raises Refusal."""
+    if shapely.get_num_coordinates(made) > MOST_CORNERS:
+        raise Refusal(f"{origin}: it has more than {MOST_CORNERS} corners, too many to read")
     if made.is_empty:
         raise Refusal(f"{origin}: {made.geom_type.upper()} EMPTY has nothing in it")
     return [shape for part in parts(made, origin) for shape in one(part, name, origin)]
@@ -71,7 +149,9 @@ def parts(made: shapely.Geometry, origin: str) -> list[shapely.Geometry]:
 
 
 def one(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
-    """A simple geometry as a shape. Raises Refusal for one that bounds no area."""
+    """A simple geometry as a shape, none for an empty one. Raises Refusal."""
+    if made.is_empty:
+        return []
     if shapely.has_z(made) and (shapely.get_coordinates(made, include_z=True)[:, 2] != 0.0).any():
         raise Refusal(f"{origin}: its points have heights; a geometry in the plane is needed")
     if made.geom_type == "Polygon":
@@ -79,10 +159,10 @@ def one(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
         return [area(name, rings, origin)]
     if made.geom_type in ("LineString", "LinearRing"):
         return [line(name, pairs(made), origin)]
-    raise Refusal(
-        f"{origin}: a {made.geom_type.upper()} at {at(pairs(made)[0])} bounds no area: "
-        "a POLYGON or MULTIPOLYGON is needed"
-    )
+    (place,) = pairs(made)
+    demand_finite([place], origin)
+    need = f"a {made.geom_type.upper()} at {at(place)} bounds no area: a POLYGON is needed"
+    return [Place(name, origin, (None, None), place, need)]
 
 
 def pairs(made: shapely.Geometry) -> list[Point]:
@@ -92,9 +172,7 @@ def pairs(made: shapely.Geometry) -> list[Point]:
 
 def demand_closed(text: str, origin: str) -> None:
     """Refuse rings of a polygon whose ends differ, naming them. Raises Refusal."""
-    if "POLYGON" not in text.upper():
-        return
-    for ring in RING.findall(text):
+    for ring in RING.findall(LINE.sub("", text)):
         ends = [tuple(point.split()[:2]) for point in ring.split(",")]
         if len(ends) > 1 and ends[0] != ends[-1] and all(len(end) == 2 for end in ends):
             begin, end = (f"({', '.join(ends[k])})" for k in (0, -1))

@@ -24,7 +24,8 @@ from app.experiments.pictures.success import draw_success
 from app.experiments.pictures.sweeps import draw_sweeps
 from app.experiments.pictures.trajectories import draw_trajectories
 from app.experiments.verdict import Verdict, main_ones
-from worlds.refusal import Refusal
+from app.figure import write_figure
+from app.results import PICTURES
 
 OF_NUMBERS = {"models": draw_models, "sweeps": draw_sweeps, "pairs": draw_pairs}
 """Pictures of one measure."""
@@ -93,12 +94,7 @@ def draw(
         else:
             OF_RUNS[experiment.picture](figure, experiment, seed)
         figure.suptitle(f"{experiment.title}\n{experiment.source}", x=0.01, ha="left")
-        files = {kind: folder / f"{experiment.name}.{kind}" for kind in ("png", "svg")}
-        try:
-            figure.savefig(files["png"], dpi=160)
-            figure.savefig(files["svg"], metadata={"Date": None})
-        except OSError as error:
-            raise Refusal(
-                f"picture in {str(folder)!r} cannot be written: {error.strerror}"
-            ) from None
+        files = {kind: folder / f"{experiment.name}.{kind}" for kind in PICTURES}
+        for path in files.values():
+            write_figure(figure, path)
     return files

@@ -13,7 +13,7 @@ MOST_EVERY = 100_000
 class DryLink(CarLink):
     """Checks what is sent as every link does, keeps the last of it, and sends nothing.
 
-    `every` > 0 prints every so-manieth frame, beginning with the first.
+    `every` > 0 prints one frame in that many, beginning with the first.
     """
 
     def __init__(self, name: str = "dry", every: int = 0):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import runpy
 from collections.abc import Callable
-from importlib.metadata import entry_points
 from pathlib import Path
 
+from agents.plug_ins import plug_ins
 from app.live.kinds import FILE, SIMULATED, kind_of
 from app.live.links.chain import open_chain
 from app.live.links.dry import open_dry
@@ -32,9 +32,15 @@ BUILT_IN: dict[str, Opener] = {
 
 
 def collect() -> dict[str, Opener]:
-    """All kinds of link: the built-in ones, then those of other packages."""
-    found = {entry.name: entry.load() for entry in entry_points(group="flockscope.links")}
-    return BUILT_IN | found
+    """All kinds of link: the built-in ones, then those of other packages, which replace none."""
+    return BUILT_IN | plug_ins("flockscope.links", brought, BUILT_IN)
+
+
+def brought(name: str, thing: object) -> tuple[str, Opener]:
+    """The link that an entry point brings. Raises TypeError if it opens nothing."""
+    if not callable(thing):
+        raise TypeError(f"a function is needed, not {type(thing).__name__}")
+    return name, thing
 
 
 LINKS = collect()

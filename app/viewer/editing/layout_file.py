@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-import tomllib
 from pathlib import Path
 
 from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
 from worlds.readers import read_geometry, world_around
 from worlds.refusal import Refusal, unknown
+from worlds.toml import toml
 from worlds.world import World, layout_names, world_from_layout
 
 LARGEST = 5_000_000
@@ -20,6 +20,9 @@ MOST_CORNERS = 50_000
 """Corners of all obstacles together at most."""
 MOST_POINTS = 100_000
 """Boundary points along all outlines at most."""
+MOST_WORDS = 350
+"""Letters of a drawing's refusal that are shown."""
+ELSEWHERE = "options are those of 'flockscope world import', whose layout can be opened here"
 DRAWINGS = (".geojson", ".json", ".wkt", ".dxf")
 ENDINGS = (".toml", *DRAWINGS)
 
@@ -60,9 +63,10 @@ def plain_name(name: str) -> str:
 def from_toml(name: str, content: bytes) -> World:
     """The world of a layout in TOML. Raises Refusal."""
     try:
-        layout = tomllib.loads(content.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
         raise Refusal(f"{name} is not TOML: {error}") from None
+    layout = toml(text, name)
     obstacles = layout.get("obstacle", [])
     if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
         raise too_many(name, len(obstacles))
@@ -83,7 +87,10 @@ def from_drawing(name: str, content: bytes) -> World:
                 raise too_many(name, len(geometry.obstacles))
             return world_around(geometry)
         except Refusal as refusal:
-            raise Refusal(str(refusal).replace(str(path), name)) from None
+            words = str(refusal).replace(str(path), name)
+            # No options can be given here: where the words ask for one, they say where they can.
+            hint = f" ({ELSEWHERE})" if "--" in words else ""
+            raise Refusal(words[:MOST_WORDS] + hint) from None
 
 
 def too_many(name: str, count: int) -> Refusal:

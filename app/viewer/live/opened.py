@@ -25,10 +25,21 @@ BROWSER = "browser"
 GONE = "the last browser is gone"
 
 
+class Log(Protocol):
+    """Events as `app.live.events.Events` has them, by their number since the first."""
+
+    def __len__(self) -> int: ...
+    def __getitem__(self, which: slice, /) -> list[Event]: ...
+
+
 class Counter(Protocol):
     """What a room uses of a `app.live.desk.Desk`."""
 
-    events: list[Event]
+    @property
+    def events(self) -> Log:
+        """What has happened."""
+        ...
+
     trouble: str
 
     @property
@@ -91,8 +102,9 @@ class Opened:
     def poll(self) -> list[Event]:
         """Look at the loop; the events that are new."""
         self.newest = self.desk.look()
-        events = self.desk.events[self.known :]
-        self.known += len(events)
+        known = len(self.desk.events)
+        events = self.desk.events[self.known : known]
+        self.known = known
         for event in events:
             self.hear(event)
         self.tuning.give_up()

@@ -11,10 +11,11 @@ import viser
 
 from app.live.choices import links, rules, sources
 from app.live.lab import Lab
+from app.viewer.addresses import here
 from app.viewer.drawing import PANELS, Drawing
 from app.viewer.frame import Frame
 from app.viewer.live.hand import Hand
-from app.viewer.live.keys import KEYS, everywhere
+from app.viewer.live.keys import KEYS, STOP_KEY
 from app.viewer.live.panels.log import LogPanel
 from app.viewer.live.panels.monitors import LiveMonitors
 from app.viewer.live.panels.plots import LivePlots
@@ -24,10 +25,12 @@ from app.viewer.live.panels.state import StatePanel
 from app.viewer.live.panels.view import LiveView
 from app.viewer.live.room import Room
 from app.viewer.notices import Notices
+from app.viewer.origin import Allowed
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.scene import Look, Scene
-from app.viewer.server import close_server, open_server
-from app.viewer.shell import address, dock, dress, settle
+from app.viewer.server import close_server, open_server, stops
+from app.viewer.serving.front import Front
+from app.viewer.shell import dock, dress, settle
 
 BANNER = 0.1
 """Time between two looks at how the room stands, s."""
@@ -50,8 +53,10 @@ class LivePage:
         source: str | None = None,
         recording: Path | None = None,
         opening: Opening = Room,
+        allow: tuple[Allowed, ...] = (),
     ):
-        self.server = open_server(host, port)
+        self.front = Front(scripts=(STOP_KEY,), allow=allow)
+        self.server = open_server(host, port, self.front)
         self.host = host
         self.lab = lab
         try:
@@ -59,6 +64,7 @@ class LivePage:
         except BaseException:
             close_server(self.server)
             raise
+        stops(self.server, self.room.emergency)
         self.notices = Notices(self.server, self.room.notices)
         self.scene = Scene(self.server)
         self.hand = Hand(self.server.scene, lab.area, self.room.place)
@@ -71,9 +77,14 @@ class LivePage:
         self.drawing.start()
 
     @property
+    def port(self) -> int:
+        """The port that it serves on."""
+        return self.server.get_port()
+
+    @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        return address(self.server, self.host)
+        return here(self.host, self.port)
 
     def close(self) -> None:
         """Stop the cars first, then drawing and serving."""
@@ -85,7 +96,6 @@ class LivePage:
         """Build the panels."""
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
-        gui.add_html(everywhere())
         self.state = StatePanel(gui, self.room)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):

@@ -17,11 +17,12 @@ from app.live.arm import Request
 from app.live.desk import Desk
 from app.live.driven import open_driven
 from app.live.ends import Opener
-from app.live.events import Event
+from app.live.events import Event, Events
 from app.live.lab import Lab
 from app.live.look import Look
 from app.live.squashing_driver import FlockDriver
 from app.viewer.frame import Frame
+from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.asking import CLOSED, Asking
 from app.viewer.live.course import Course
 from app.viewer.live.folders import new_folder
@@ -33,6 +34,8 @@ from worlds.refusal import Refusal
 
 LOOK_EVERY = 1 / 50
 """Seconds between two looks at the loop."""
+OFF = "no browser arms until the next start"
+"""What is said after too many wrong codes."""
 FAREWELL = 2.0
 """Seconds that closing waits for an opening; its desk closes by itself when it is ready."""
 
@@ -59,7 +62,7 @@ class Room(Asking):
         recording: Path | None = None,
         opener: Opener = open_driven,
         desk: Callable[[Lab, Opener, Path | None], Counter] = Desk,
-        driver: Callable[[Lab], Driving] = FlockDriver,
+        driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
     ):
         super().__init__(lab, source)
         self.folder = recording
@@ -70,8 +73,10 @@ class Room(Asking):
         self.look: Look | None = None
         """The newest of the desk that is open."""
         self.course = Course(lab.injected)
-        self.events: list[Event] = []
-        """All events of all openings, the oldest first."""
+        self.events = Events()
+        """Those of all openings."""
+        self.code = ArmingCode()
+        """What a browser needs to arm, for as long as this room is served."""
         self.parting = threading.Lock()
         """Held while a desk is closed, never while one is opened."""
         self.traced = ""
@@ -94,6 +99,20 @@ class Room(Asking):
             if opened is not None:
                 opened.desk.close()
                 opened.tuning.end(CLOSED)
+
+    def arm_by_code(self, entered: str, cause: str) -> Verdict:
+        """Arm for a browser, if it gives the code; every code that is tried becomes an event."""
+        verdict = self.code.tried(entered)
+        if verdict == "right":
+            self.say("code", "the right code", cause)
+            self.ask("arm", cause)
+        elif verdict == "wrong":
+            left = f"{self.code.left} more and no browser arms" if self.code.left else OFF
+            self.say("code", f"a wrong code: {left}", cause)
+            if self.code.off:
+                self.notices.put(f"a wrong code to arm ({cause}): {left}")
+                self.change(browsers_arm=False)
+        return verdict
 
     # The room's own thread.
 
@@ -130,6 +149,7 @@ class Room(Asking):
             model=None,
             values={},
             recording="",
+            compiling="",
             run=self.state.run + 1,
         )
         self.say("room", f"opening {choice.source}, {choice.rule}", choice.cause)
@@ -142,7 +162,8 @@ class Room(Asking):
     def open(self, choice: Choice) -> None:
         """Open a choice, unless it is overtaken by another or by the end. Raises Refusal."""
         lab = self.fitting(choice)
-        driver = self.make_driver(lab)  # here it compiles, so that the loop need not
+        driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
+        self.change(compiling="")
         setting = Setting.of(self.state.run, lab, driver.model)
         values = driver.parameters.model_dump()
         self.change(model=driver.model, values=values)
@@ -156,6 +177,11 @@ class Room(Asking):
         self.take_over(Opened(setting, desk, values, self.notices.put))
         self.change(status="open", recording="" if folder is None else str(folder))
         self.say("room", "open", choice.cause)
+
+    def compiles(self, words: str) -> None:
+        """Say that a rule is being compiled."""
+        self.change(compiling=words)
+        self.say("compile", words)
 
     @property
     def overtaken(self) -> bool:
@@ -198,7 +224,7 @@ class Room(Asking):
 
     def note(self, event: Event) -> None:
         """Take an event down; an emergency stop lasts beyond this opening until it is reset."""
-        self.events.append(event)
+        self.events.add(event)
         if event.kind == "emergency":
             self.latch = event.cause or event.kind
             self.change(latched=True)
@@ -230,7 +256,7 @@ class Room(Asking):
 
     def say(self, kind: str, words: str, cause: str = "") -> None:
         """Put an event of the room's own among the others."""
-        self.events.append(Event(0, time.monotonic(), kind, words, cause=cause))
+        self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 
     def trace(self, error: Exception) -> None:
         """Show in the terminal what should not have happened, but not again and again."""

@@ -35,9 +35,13 @@ class RoomState:
     """The cars that go by the rule; None until they are known."""
     values: dict[str, Any] = field(default_factory=dict)
     """The parameters of the model, name -> value, as the control loop has them."""
+    compiling: str = ""
+    """Says so while the rule is being compiled, which it is the first time that it is used."""
     recording: str = ""
     """The folder of this opening's recording; empty: none is made."""
     run: int = 0
     """Counts the openings."""
+    browsers_arm: bool = True
+    """Whether browsers may arm: not after too many wrong codes."""
     latched: bool = False
     """Whether an emergency stop was asked for and no reset has followed, in whichever opening."""

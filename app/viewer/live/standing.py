@@ -7,8 +7,10 @@ from typing import Literal
 
 from app.live.links.link import RUN
 from app.live.look import Look
+from app.viewer.live.arming_code import TRIES
 from app.viewer.live.room_state import RoomState
 
+NO_BROWSER = f"no browser arms after {TRIES} wrong codes; the key a in the terminal does"
 MOST = 4
 """Reasons that are told one by one."""
 Kind = Literal["opening", "failed", "safe", "running", "held up", "emergency"]
@@ -36,22 +38,25 @@ def standing(state: RoomState, look: Look | None) -> Standing:
     if state.status == "opening":
         if state.latched:
             return Standing("emergency", "EMERGENCY STOP", "Opening; it begins stopped.")
-        return Standing("opening", "Opening …", "A rule is compiled the first time it is used.")
+        words = state.compiling or "Waiting for the control loop."
+        return Standing("opening", "Opening …", words[:1].upper() + words[1:])
     if state.status != "open":
         title = "Closed" if state.status == "closed" else "Not open"
         return Standing("failed", title, state.trouble or "The cars stop themselves.")
     if look is None:
         return Standing("opening", "Opening …", "Waiting for the control loop.")
-    return looked_at(look)
+    return looked_at(look, state.browsers_arm)
 
 
-def looked_at(look: Look) -> Standing:
+def looked_at(look: Look, browsers_arm: bool = True) -> Standing:
     """How an open room stands."""
     reasons = [reason.words for reason in look.reasons]
     wrong = [f"{what}: {words}" for what, words in look.troubles.items()]
     if look.arm == "emergency":
         return Standing("emergency", "EMERGENCY STOP", "All cars are told to stop.", shown(wrong))
     if look.arm == "safe":
+        reasons = [] if browsers_arm else [NO_BROWSER]
+        reasons += [reason.words for reason in look.reasons]
         words = "Cannot be armed:" if reasons else "No car is driven. Ready to be armed."
         found = shown(reasons) if reasons else ()
         return Standing("safe", "SAFE", words, found or shown(wrong))

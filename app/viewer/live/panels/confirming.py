@@ -1,14 +1,28 @@
-"""Asks once more before the cars drive."""
+"""Asks once more before the cars drive, and for the code that the terminal shows."""
 
 from __future__ import annotations
 
 import html
+from dataclasses import dataclass
 
 import viser
 from viser._gui_handles import GuiModalHandle
 
 from app.viewer.live.room import Room
 from app.viewer.panels.style import block
+from app.viewer.values import show
+
+ASKED = "The terminal that runs <i>flockscope live lab</i> shows the code."
+NO_CODE = "A code is six digits."
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question in one browser."""
+
+    modal: GuiModalHandle
+    code: viser.GuiTextHandle
+    said: viser.GuiHtmlHandle
 
 
 class Confirming:
@@ -16,38 +30,54 @@ class Confirming:
 
     def __init__(self, room: Room):
         self.room = room
-        self.open: dict[int, GuiModalHandle] = {}
+        self.open: dict[int, Question] = {}
         """By browser."""
 
     def ask(self, client: viser.ClientHandle) -> None:
-        """Ask, unless it is being asked. Cancel comes first: it has the focus."""
+        """Ask, unless it is being asked."""
         number = client.client_id
         if number in self.open:
             return
-        modal = self.open[number] = client.gui.add_modal("Arm?")
+        modal = client.gui.add_modal("Arm?")
         with modal:
             client.gui.add_html(block(question(list(self.room.lab.cars))))
+            code = client.gui.add_text("Code", "", hint="Six digits, as the terminal shows them")
+            said = client.gui.add_html(block(line(ASKED)))
             cancel = client.gui.add_button("Cancel", color="gray")
             arm = client.gui.add_button(
                 "Arm", icon=viser.Icon.STEERING_WHEEL, color="green", hint="The cars drive at once"
             )
+        self.open[number] = Question(modal, code, said)
 
         async def cancelled(_event: viser.GuiEvent) -> None:
             self.close(number)
 
         async def armed(_event: viser.GuiEvent) -> None:
-            if self.close(number):
-                self.room.ask("arm", f"browser {number}")
+            self.answered(number)
 
         cancel.on_click(cancelled)
         arm.on_click(armed)
 
-    def close(self, number: int) -> bool:
-        """Take the question away from a browser; whether it was there."""
-        modal = self.open.pop(number, None)
-        if modal is not None:
-            modal.close()
-        return modal is not None
+    def answered(self, number: int) -> None:
+        """A browser says yes: arm if its code is right, else say so and ask again."""
+        question = self.open.get(number)
+        if question is None:
+            return
+        verdict = self.room.arm_by_code(question.code.value, f"browser {number}")
+        show(question.code, "")
+        if verdict in ("right", "off"):
+            self.close(number)
+        elif verdict == "no code":
+            question.said.content = block(line(f"{NO_CODE} {ASKED}"))
+        else:
+            words = f"<b>Wrong code.</b> {tries(self.room.code.left)} for all browsers together."
+            question.said.content = block(line(words))
+
+    def close(self, number: int) -> None:
+        """Take the question away from a browser."""
+        question = self.open.pop(number, None)
+        if question is not None:
+            question.modal.close()
 
     def withdraw(self) -> None:
         """Take it away everywhere: the cars cannot be armed now."""
@@ -62,3 +92,17 @@ def question(cars: list[str]) -> str:
         f'<div class="fs-question"><b>{count} will drive</b> ({html.escape(", ".join(cars))}). '
         "Is the area clear?<br>Space or Esc stops them, in every browser.</div>"
     )
+
+
+def line(words: str) -> str:
+    """What is said below the field, as HTML."""
+    return f'<div class="fs-quiet">{words}</div>'
+
+
+def tries(count: int) -> str:
+    """How many are left, in words.
+
+    >>> tries(1)
+    '1 try is left'
+    """
+    return "1 try is left" if count == 1 else f"{count} tries are left"

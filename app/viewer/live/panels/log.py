@@ -1,4 +1,4 @@
-"""What happened: the last events, newest on top, and all of them as a file."""
+"""What happened: the last events, newest on top, and all that are kept as a file."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ COLOURS = {
     "disarm": GREY,
     "reset": GREY,
     "room": GREY,
+    "compile": GREY,
+    "part": GREY,
+    "end": GREY,
     "tune": BLUE,
     "accompany": BLUE,
 }
@@ -55,7 +58,7 @@ class LogPanel:
         events = self.room.events
         if len(events) != self.shown:
             self.shown = len(events)
-            self.list.content = block(listed(events[-LATEST:]))
+            self.list.content = block(listed(events[-LATEST:]) + left_out(events.dropped))
 
 
 def listed(events: Sequence[Event]) -> str:
@@ -63,6 +66,13 @@ def listed(events: Sequence[Event]) -> str:
     if not events:
         return '<div class="fs-quiet">Nothing has happened yet.</div>'
     return f'<div class="fs-log">{"".join(map(entry, reversed(events)))}</div>'
+
+
+def left_out(dropped: int) -> str:
+    """Says that the oldest events are no longer kept, as HTML; empty if all are."""
+    if not dropped:
+        return ""
+    return f'<div class="fs-quiet">The first {dropped} events are only in the recording.</div>'
 
 
 def entry(event: Event) -> str:

@@ -41,7 +41,7 @@ class StatePanel:
             "Arm …",
             icon=viser.Icon.STEERING_WHEEL,
             color="green",
-            hint="Asks once more, then the cars drive",
+            hint="Asks once more and for the code in the terminal, then the cars drive",
             visible=False,
         )
         self.disarm = gui.add_button(
@@ -96,7 +96,7 @@ class StatePanel:
         self.disarm.visible = now.kind in ("running", "held up")
         self.reset.visible = now.kind == "emergency" and state.status == "open"
         self.again.visible = now.kind == "failed" and state.status == "failed"
-        if now.kind != "safe":
+        if now.kind != "safe" or not state.browsers_arm:
             self.confirming.withdraw()
 
 

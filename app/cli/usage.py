@@ -1,0 +1,119 @@
+"""Commands as Typer makes them, but strict, and with one line for what was typed wrong."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NoReturn
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from app.cli.refusals import REFUSED, one_line, told
+from worlds.refusal import Refusal, needed, shortened, suggestion
+
+USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
+"""What Typer raises for a wrong command line; Typer itself has no name for it."""
+
+
+class OneCommand(TyperCommand):
+    """A command that refuses an option that is given twice, unless it may be repeated."""
+
+    def make_parser(self, ctx: Any) -> Any:
+        """The parser, which looks for options given twice."""
+        parser = super().make_parser(ctx)
+        parse = parser.parse_args
+
+        def parse_once(args: list[str]) -> Any:
+            values, rest, order = parse(args)
+            for option in order:
+                single = not (option.multiple or getattr(option, "is_flag", False))
+                if option.param_type_name == "option" and single and order.count(option) > 1:
+                    raise Twice(f"{option.opts[0]} is given {order.count(option)} times", ctx)
+            return values, rest, order
+
+        parser.parse_args = parse_once  # type: ignore[method-assign]
+        return parser
+
+
+class Twice(USAGE_ERROR):  # type: ignore[valid-type,misc]
+    """An option that stands twice on the command line."""
+
+
+class Group(TyperGroup):
+    """Commands by name; what is typed wrong is told in one line."""
+
+    def main(self, *args: Any, **more: Any) -> NoReturn:
+        """Run, and leave with the exit code."""
+        try:
+            code = super().main(*args, **{**more, "standalone_mode": False})
+        except USAGE_ERROR as error:
+            tell(error)
+            code = REFUSED
+        except Refusal as refusal:  # of an option, before there is a command
+            typer.echo(f"flockscope: {one_line(str(refusal))}", err=True)
+            code = REFUSED
+        except typer.Abort:
+            code = 1
+        sys.exit(code if isinstance(code, int) else 0)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that is called. Raises what `main` tells for one that there is not."""
+        known = self.list_commands(ctx)
+        if args[0] not in known and not args[0].startswith("-"):
+            hint = suggestion(args[0], known)
+            raise USAGE_ERROR(
+                f"unknown command {shortened(args[0])}{hint} (known: {', '.join(known)})", ctx
+            )
+        return super().resolve_command(ctx, args)
+
+
+def grouped(summary: str, functions: Mapping[str, Callable[..., Any]]) -> typer.Typer:
+    """A command that has commands of its own."""
+    group = typer.Typer(cls=Group, help=summary, no_args_is_help=True, add_completion=False)
+    for name, function in functions.items():
+        group.command(name, cls=OneCommand)(told(function))
+    return group
+
+
+def tell(error: Any) -> None:
+    """Tell what was typed wrong on stderr."""
+    if type(error).__name__ == "NoArgsIsHelpError":
+        error.show()
+        return
+    line = one_line(in_words(error))
+    asked = f" ({error.ctx.command_path} --help)" if error.ctx is not None else ""
+    typer.echo(f"flockscope: {line}{asked}", err=True)
+
+
+def in_words(error: Any) -> str:
+    """What was typed wrong: the option, its value, what is allowed."""
+    if hasattr(error, "possibilities"):
+        known = [name for one in error.ctx.command.get_params(error.ctx) for name in one.opts]
+        hint = suggestion(error.option_name, [name for name in known if name.startswith("-")])
+        return f"unknown option {shortened(error.option_name)}{hint}"
+    if hasattr(error, "param_type"):
+        return f"{named(error.param)} is missing"
+    if getattr(error, "param", None) is not None:
+        return wrong_value(error)
+    if hasattr(error, "option_name"):
+        takes = "needs a value" if "requires" in error.message else "takes no value"
+        return f"{error.option_name} {takes}"
+    extra = re.fullmatch(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", error.message)
+    return f"unexpected argument {shortened(extra[1])}" if extra else error.message
+
+
+def wrong_value(error: Any) -> str:
+    """The value of an option or argument that it cannot have."""
+    cause = error.__cause__
+    if not hasattr(cause, "errors"):
+        return f"{named(error.param)}: {error.message}"
+    fault = cause.errors()[0]
+    return f"{named(error.param)} {shortened(fault['input'])} is not allowed: {needed(fault)}"
+
+
+def named(param: Any) -> str:
+    """An option as it is typed, an argument as the help has it."""
+    options: Sequence[str] = param.opts
+    return options[0] if options[0].startswith("-") else str(param.name).upper()

@@ -1,0 +1,44 @@
+"""A folder of results: pictures and numbers that belong together, checked before they are made."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from worlds.refusal import Refusal
+from worlds.writing import demand_writable
+
+PICTURES = ("png", "svg")
+"""Endings of every picture that a command draws into a folder."""
+
+
+def picture_files(name: str, pictures: bool = True) -> tuple[str, ...]:
+    """The files that a picture of that name comes to, none if there are no pictures."""
+    return tuple(f"{name}.{kind}" for kind in PICTURES) if pictures else ()
+
+
+def demand_folder(option: str, folder: Path, files: Iterable[str], overwrite: bool) -> None:
+    """Refuse a folder that cannot be made or written to, or has one of these files already.
+
+    It is made when the first file is written. Raises Refusal.
+    """
+    named = f"{option} {str(folder)!r}"
+    try:
+        there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "it is no name that a folder can have"
+        raise Refusal(f"{named} cannot be written: {reason}") from None
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        raise Refusal(f"{named} cannot be written: {str(there)!r} is no folder to write to")
+    if folder.is_dir():
+        for file in files:
+            demand_writable("result", folder / file, overwrite)
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder. Raises Refusal."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Refusal(f"{str(folder)!r} cannot be made: {error.strerror or error}") from None

@@ -1,0 +1,105 @@
+"""What waits to be carried out by a simulation: bounded, and merged where it comes to the same."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Any
+
+from worlds.refusal import Refusal
+
+MOST = 64
+"""Commands that may wait."""
+MOST_TICKS = 10
+"""Ticks that may wait to be stepped, unless one command asks for more."""
+STEP = "step"
+
+
+@dataclass
+class Waiting:
+    """A command that waits; those that are merged have one answer."""
+
+    work: Callable[..., Any]
+    key: str = ""
+    """Commands of one key that follow each other are one, the last; empty: each for itself."""
+    runs: bool | None = None
+    """Whether the flock runs after it; None: as before."""
+    ticks: int = 0
+    """Of a step: how many."""
+    answer: Future = field(default_factory=Future)
+
+    def __call__(self) -> Any:
+        return self.work(self.ticks) if self.key == STEP else self.work()
+
+
+class CommandQueue:
+    """First come, first served, but for a pause, which comes before all; any thread may use it."""
+
+    def __init__(self) -> None:
+        self.waiting: deque[Waiting] = deque()
+        self.changed = threading.Condition()
+
+    def put(self, work: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
+        """Have something done. Raises Refusal if too much waits already."""
+        with self.changed:
+            last = self.waiting[-1] if self.waiting else None
+            if key and last is not None and last.key == key:
+                last.work, last.runs = work, runs
+                return last.answer
+            return self.add(Waiting(work, key, runs))
+
+    def step(self, work: Callable[[int], Any], ticks: int) -> Future:
+        """Have ticks run: with those that wait already at most `MOST_TICKS`.
+
+        Raises Refusal if too much waits already.
+        """
+        with self.changed:
+            last = self.waiting[-1] if self.waiting else None
+            if last is not None and last.key == STEP:
+                last.ticks = max(last.ticks, min(last.ticks + ticks, MOST_TICKS), ticks)
+                return last.answer
+            return self.add(Waiting(work, STEP, False, ticks))
+
+    def pause(self, work: Callable[[], Any]) -> Future:
+        """Have the flock stand still before anything else is done; steps that wait are left out."""
+        with self.changed:
+            steps = [one for one in self.waiting if one.key == STEP]
+            self.waiting = deque(one for one in self.waiting if one.key != STEP)
+            for one in steps:
+                one.answer.set_result(None)
+            first = self.waiting[0] if self.waiting else None
+            if first is not None and first.key == "pause":
+                return first.answer
+            pausing = Waiting(work, "pause", False)
+            self.waiting.appendleft(pausing)
+            self.changed.notify()
+            return pausing.answer
+
+    def add(self, one: Waiting) -> Future:
+        """Let a command wait. Raises Refusal if too many do."""
+        if len(self.waiting) >= MOST:
+            raise Refusal(f"too much at once: {MOST} commands wait already")
+        self.waiting.append(one)
+        self.changed.notify()
+        return one.answer
+
+    def wake(self) -> None:
+        """Let whoever waits for a command go on without one."""
+        with self.changed:
+            self.waiting.appendleft(Waiting(lambda: None))
+            self.changed.notify()
+
+    def get(self, timeout: float | None) -> Waiting | None:
+        """The next command, as soon as there is one; None if there is none in `timeout` s."""
+        with self.changed:
+            self.changed.wait_for(lambda: self.waiting, timeout)
+            return self.waiting.popleft() if self.waiting else None
+
+    def will_run(self, runs: bool) -> bool:
+        """Whether the flock runs once all is done that waits, if now it does or not."""
+        with self.changed:
+            told = [one.runs for one in self.waiting if one.runs is not None]
+        return told[-1] if told else runs

@@ -1,0 +1,1 @@
+"""What comes in from browsers: connections, messages and the emergency stop's own way."""

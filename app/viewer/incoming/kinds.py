@@ -1,0 +1,124 @@
+"""The kinds of messages that a laboratory hears: how often, how long, and of what shape."""
+
+from __future__ import annotations
+
+import math
+import types
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields
+from functools import cache
+from typing import Any, Union, get_args, get_origin
+
+import msgspec
+from viser import _messages as messages
+from viser.infra._messages import get_type_hints_cached
+
+LONGEST = 16 * 1024
+"""Bytes of a message that brings no file."""
+LARGEST = 6 * 1024 * 1024
+"""Bytes of any message; viser's page sends files in parts of half a mebibyte."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of message."""
+
+    rate: float
+    """How many a second; viser's page sends at most 50 of any, a key held down repeats 30 times."""
+    most: float
+    """How many at once."""
+    longest: int = LONGEST
+    """Bytes."""
+
+
+CAMERA = "ViewerCameraMessage"
+"""What introduces a browser: viser acts on nothing of one that never sent it."""
+KINDS = {
+    CAMERA: Kind(80.0, 160.0),
+    "GuiUpdateMessage": Kind(80.0, 300.0),
+    "GuiButtonHoldMessage": Kind(10.0, 20.0),
+    "CommandTriggerMessage": Kind(40.0, 60.0),
+    "SceneNodeClickMessage": Kind(50.0, 60.0),
+    "SceneNodeDragMessage": Kind(80.0, 160.0),
+    "ScenePointerMessage": Kind(50.0, 60.0),
+    "TransformControlsUpdateMessage": Kind(80.0, 160.0),
+    "TransformControlsDragStartMessage": Kind(10.0, 20.0),
+    "TransformControlsDragEndMessage": Kind(10.0, 20.0),
+    "FileTransferStartUpload": Kind(2.0, 8.0),
+    "FileTransferPart": Kind(20.0, 40.0, LARGEST),
+}
+"""Of these a laboratory hears, and of no others."""
+KNOWN = frozenset(messages.Message._subclass_from_type_string())
+"""All kinds that viser knows."""
+
+
+class Unusable(ValueError):
+    """A message that nobody can use; says why without a word of its content."""
+
+
+class Envelope(msgspec.Struct):
+    """What every message has."""
+
+    type: str
+
+
+envelope = msgspec.msgpack.Decoder(Envelope)
+
+
+def kind_of(data: bytes) -> str:
+    """The kind of a message, of all else of which nothing is decoded. Raises Unusable."""
+    try:
+        return envelope.decode(data).type
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        raise Unusable("it is no message at all") from None
+
+
+def demand_shape(kind: str, data: bytes) -> None:
+    """Look that viser will find what it expects in a message. Raises Unusable."""
+    if len(data) > KINDS[kind].longest:
+        raise Unusable(f"its {len(data)} bytes are too many for its kind, {kind}")
+    try:
+        found = shape(kind).decode(data)
+        sound = all(map(finite, msgspec.structs.astuple(found)))
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        sound = False
+    if not sound:
+        raise Unusable(f"it has not the shape of its kind, {kind}")
+
+
+@cache
+def shape(kind: str) -> msgspec.msgpack.Decoder:
+    """What decodes a kind as strictly as viser has declared it."""
+    declared: Any = messages.Message._subclass_from_type_string()[kind]
+    hints = get_type_hints_cached(declared)
+    made: list[Any] = [("type", str)]
+    for one in fields(declared):
+        if one.name in hints and one.init:
+            optional = () if one.default is MISSING else (one.default,)
+            made.append((one.name, relaxed(hints[one.name]), *optional))
+    made.sort(key=len)
+    return msgspec.msgpack.Decoder(
+        msgspec.defstruct(kind, made, forbid_unknown_fields=True, gc=False)
+    )
+
+
+def relaxed(hint: Any) -> Any:
+    """A type as a page sends it: JavaScript does not tell 900 from 900.0."""
+    if hint is int:
+        return int | float
+    if get_origin(hint) in (Union, types.UnionType):
+        return Union[tuple(relaxed(one) for one in get_args(hint))]  # noqa: UP007
+    return hint
+
+
+def finite(value: Any) -> bool:
+    """Whether all numbers of a field are; what a control is given is looked at by the control.
+
+    >>> finite((1.0, (2.0, float("nan")))), finite({"value": float("inf")})
+    (False, True)
+    """
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, tuple | list):
+        return all(map(finite, value))
+    return isinstance(value, Mapping) or not isinstance(value, int) or abs(value) < 2**53

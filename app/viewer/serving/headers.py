@@ -1,0 +1,57 @@
+"""The headers that every answer carries, whatever it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from websockets.datastructures import Headers
+
+FIXED = {
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+"""No frame may show it, no type is guessed, nobody is told the address, no other page keeps a hold
+of its window or reads its files, and a page is never older than its server."""
+
+
+def policy(hashes: Iterable[str], lines: Iterable[str]) -> str:
+    """The Content-Security-Policy of a page whose scripts have these hashes and which may open
+    websockets to these places.
+
+    Scripts run by their hash alone: none that is loaded from anywhere, none that a message brings,
+    no handler in HTML, no `eval`. viser's client needs the rest: WebAssembly that unpacks messages,
+    a worker that it makes of itself (`blob:`), styles in HTML, and pictures, fonts and light out of
+    its own page (`data:`). One script of its is refused at every start: the one that sorts Gaussian
+    splats, which are not drawn here, makes functions of strings (EvalError in the console).
+    """
+    rules = {
+        "default-src": "'none'",
+        "script-src": " ".join((*hashes, "'wasm-unsafe-eval'")),
+        "worker-src": "blob:",
+        "connect-src": " ".join(("'self'", "data:", *lines)),
+        "style-src": "'unsafe-inline'",
+        "img-src": "data: blob:",
+        "font-src": "data:",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+        "frame-ancestors": "'none'",
+    }
+    return "; ".join(f"{name} {value}" for name, value in rules.items())
+
+
+POLICY = "Content-Security-Policy"
+CLOSED = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+"""The policy of every answer that is not a page."""
+
+
+def secure(headers: Headers) -> None:
+    """Give an answer its headers; a policy of its own stays."""
+    for name, value in FIXED.items():
+        headers.pop(name, None)
+        headers[name] = value
+    if POLICY not in headers:
+        headers[POLICY] = CLOSED

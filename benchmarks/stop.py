@@ -1,0 +1,157 @@
+"""How soon an emergency stop is in the control loop, in quiet and while three browsers flood.
+
+The page of the example laboratory with slow emulated cars, armed; a program of its own presses.
+Time is that from pressing to the tick of the loop that stops the cars, by the machine's clock.
+
+uv run python benchmarks/stop.py [--quick]
+"""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from app.live.example import FILE  # noqa: E402
+from app.live.lab import lab_from_toml  # noqa: E402
+from app.viewer.live.page import LivePage  # noqa: E402
+
+REPEATS, QUICK = 20, 3
+FLOODERS = (
+    ("--slider", "β", "--camera"),
+    ("--key", "Colour by the next quantity"),
+    ("--key", "EMERGENCY STOP: this key too"),
+)
+"""What each of them says as fast as it can; the last one presses the stop's own key."""
+BEGINS, SETTLE = 900.0, 60.0
+PRESS = """
+import sys, time
+from http.client import HTTPConnection
+sys.path.insert(0, {root!r})
+from tests.live.stand_in import StandIn
+port = {port}
+browser = StandIn(port) if {by_message} else None
+while browser is not None and not browser.found("EMERGENCY STOP"):
+    time.sleep(0.02)
+print("ready", flush=True)
+for _ in sys.stdin:
+    began = time.monotonic()
+    if browser is not None:
+        uuid = browser.found("EMERGENCY STOP")
+        browser.say(type="GuiUpdateMessage", uuid=uuid, updates={{"value": True}})
+    else:
+        line = HTTPConnection("localhost", port, timeout=30)
+        line.request("POST", "/emergency", headers={{"X-Flockscope": "stop"}})
+        assert line.getresponse().status == 204
+    print(began, flush=True)
+"""
+
+
+def patient() -> str:
+    """The example with slow cars, which stay armed though a machine is busy with floods."""
+    text = FILE.read_text().replace("speed = 1.0", "speed = 0.5")
+    limits = "[limits]\nstale = 0.25\nlong_gap = 10.0\nfrozen = 1.2\nunattended = 30.0\n"
+    return f"{text.replace('fence = 0.5', 'fence = 0.7')}\n{limits}"
+
+
+def program(stack: ExitStack, *arguments: str) -> subprocess.Popen[str]:
+    """A program that runs until the end."""
+    process = subprocess.Popen(
+        [sys.executable, *arguments],
+        cwd=ROOT,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    stack.callback(process.wait)
+    stack.callback(process.kill)
+    return process
+
+
+def until(happens, within: float) -> None:
+    """Wait until something happens."""
+    ends = time.monotonic() + within
+    while not happens():
+        if time.monotonic() > ends:
+            raise TimeoutError("it did not come about")
+        time.sleep(0.005)
+
+
+def arm(page: LivePage) -> None:
+    """Arm, from whatever state; cars that are held are armed again."""
+
+    def armed() -> bool:
+        look = page.room.look
+        if look.arm == "emergency":
+            page.room.ask("reset", "benchmark")
+        elif look.arm == "safe" and not look.reasons:
+            page.room.ask("arm", "benchmark")
+        time.sleep(0.05)
+        return page.room.look.arm == "armed"
+
+    until(armed, SETTLE)
+
+
+def press(page: LivePage, presser: subprocess.Popen[str]) -> float:
+    """Seconds from pressing to the loop's stop."""
+    arm(page)
+    time.sleep(0.3)
+    if page.room.look.arm != "armed":
+        return press(page, presser)
+    known = len(page.room.events)
+    print("press", file=presser.stdin, flush=True)
+    began = float(presser.stdout.readline())
+
+    def stopped():
+        return [one for one in page.room.events[known:] if one.kind == "emergency"]
+
+    until(stopped, SETTLE)
+    return stopped()[0].time - began
+
+
+def measured(page: LivePage, repeats: int, by_message: bool, flooded: bool) -> list[float]:
+    """The times of so many stops."""
+    port = page.server.get_port()
+    with ExitStack() as stack:
+        text = PRESS.format(root=str(ROOT), port=port, by_message=by_message)
+        presser = program(stack, "-c", text)
+        assert presser.stdout.readline() == "ready\n"
+        floods = []
+        for wanted in FLOODERS[: 3 if flooded else 0]:
+            seconds = str(30.0 + 3.0 * repeats)
+            asked = ("-m", "tests.attacks.flooder", str(port), seconds, *wanted)
+            floods.append(program(stack, *asked))
+        for flood in floods:
+            assert flood.stdout.readline() == "floods\n"
+        return [press(page, presser) for _ in range(repeats)]
+
+
+def main(quick: bool) -> None:
+    """Measure and print."""
+    repeats = QUICK if quick else REPEATS
+    lab = lab_from_toml(patient(), "the benchmark")
+    page = LivePage(lab, port=0, source="emulated cars")
+    try:
+        until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
+        until(lambda: not page.room.look.reasons, BEGINS)
+        of = f"   of {repeats} stops"
+        print(f"{'':24}{'':12}{'median, s':>12}{'worst, s':>12}{of}", flush=True)
+        for way, by_message in (("own way", False), ("as viser's message", True)):
+            for state, flooded in (("in quiet", False), ("flooded", True)):
+                took = measured(page, repeats, by_message, flooded)
+                print(
+                    f"{way:24}{state:12}{statistics.median(took):12.3f}{max(took):12.3f}",
+                    flush=True,
+                )
+    finally:
+        page.close()
+
+
+if __name__ == "__main__":
+    main("--quick" in sys.argv[1:])

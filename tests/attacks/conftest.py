@@ -1,0 +1,24 @@
+"""Servers to attack, each bound to this machine alone."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.viewer.server import close_server, open_server
+
+
+@pytest.fixture
+def server():
+    opened = open_server(port=0)
+    yield opened
+    close_server(opened)
+
+
+@pytest.fixture
+def count():
+    """Prints what an attack came to, for whoever reads the tests' output."""
+
+    def tell(**counts):
+        print("attack:", ", ".join(f"{name} {number}" for name, number in counts.items()))
+
+    return tell

@@ -1,0 +1,52 @@
+"""Plug-ins: one that cannot be used is named, left out and warned of in one line."""
+
+import subprocess
+
+import pytest
+
+from cli.calling import PROGRAM
+
+RULE = """
+import dataclasses
+from agents.rules.vicsek import VEM
+"""
+MODULES = {
+    "broken": ("import nothing_of_that_name", "NAME", "cannot be loaded (ModuleNotFoundError"),
+    "raising": ("raise SystemExit(3)", "NAME", "cannot be loaded (SystemExit: 3)"),
+    "no_rule": ("NAME = 3", "NAME", "a Rule or a Model is needed, not int"),
+    "thief": (RULE + "NAME = dataclasses.replace(VEM, title='Mine')", "NAME",
+              "has the name 'vem', which is built in"),
+    "right": (RULE + "NAME = dataclasses.replace(VEM, name='mine', title='My rule')", "NAME", ""),
+}  # fmt: skip
+
+
+@pytest.fixture
+def environment(tmp_path, monkeypatch):
+    """A package with one entry point for each module."""
+    entries = "".join(f"{name} = {name}_rule:{what}\n" for name, (_, what, _) in MODULES.items())
+    info = tmp_path / "plugged-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: plugged\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(f"[flockscope.rules]\n{entries}")
+    for name, (code, _, _) in MODULES.items():
+        (tmp_path / f"{name}_rule.py").write_text(code)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+
+
+@pytest.mark.usefixtures("environment")
+def test_a_plug_in_that_cannot_be_used_is_left_out_with_a_line():
+    made = subprocess.run(
+        [*PROGRAM, "list", "models", "--json"], capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    lines = made.stderr.rstrip("\n").split("\n")
+    wrong = {name: words for name, (_, _, words) in MODULES.items() if words}
+    assert len(lines) == len(wrong)
+    for name, words in wrong.items():
+        (line,) = [one for one in lines if f"plug-in '{name}' ({name}_rule:NAME" in one]
+        assert line.startswith("flockscope: ")
+        assert words in line
+        assert line.endswith("it is left out")
+    assert '"My rule"' in made.stdout
+    assert '"Mine"' not in made.stdout
+    assert '"Vicsek model"' in made.stdout

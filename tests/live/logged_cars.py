@@ -1,0 +1,231 @@
+"""Cars that keep a log of their own, driven in circles from a desk in another process.
+
+The cars are emulated firmware on a datagram port; where they are is sent, without noise, to
+another port that the loop reads.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from app.live.emulated_cars import Datagrams, EmulatedCars
+from app.live.emulated_plant import EmulatedPlant
+from app.live.firmware import Firmware
+from app.live.lab import lab_from_toml
+from app.live.links.link import RUN
+
+ROOT = Path(__file__).parents[2]
+BEGINS = 90.0
+"""Seconds until the cars drive, on a machine that is very busy."""
+PATIENCE = 60.0
+STANDS = 0.05
+"""m/s below which a car stands."""
+ROOM = """title = "a room with a log"
+source = "mock:{poses}"
+link = "{link}"
+rule = "none"
+
+[area]
+low = [-3.05, -3.355]
+high = [3.05, 3.355]
+
+[cars.red]
+address = 1
+
+[cars.blue]
+address = 2
+"""
+
+
+class Heard(NamedTuple):
+    """A frame as the cars took it."""
+
+    time: float
+    """`time.monotonic()`, s."""
+    seq: int
+    mode: int
+    commands: dict[int, tuple[float, float]]
+
+
+class LoggedFirmware(Firmware):
+    """Firmware that writes down every frame that it hears, and when what a car does changes."""
+
+    def __init__(self, addresses):
+        super().__init__(addresses)
+        self.heard: list[Heard] = []
+        self.changes: dict[int, list[tuple[float, str]]] = {one: [] for one in addresses}
+        """Time and state, by address."""
+        decode = self.decoder.feed
+
+        def feed(data):
+            found = decode(data)
+            now = time.monotonic()
+            self.heard += [Heard(now, one.seq, one.mode, dict(one.commands)) for one in found]
+            return found
+
+        self.decoder.feed = feed
+
+    def drive(self, now):
+        for address, state in self.states(now).items():
+            changes = self.changes[address]
+            if not changes or changes[-1][1] != state:
+                changes.append((now, state))
+        return super().drive(now)
+
+
+DESK = """
+import sys, time
+sys.path[:0] = {path!r}
+from pathlib import Path
+from live import told_poses as ends
+from app.live.arm import Request
+from app.live.desk import Desk
+from app.live.lab import read_lab
+
+if __name__ == "__main__":
+    desk = Desk(read_lab({file!r}), ends.{opener}, Path({folder!r}))
+    print(desk.process.pid, flush=True)
+    asked, drove = 0.0, None
+    while not desk.trouble:
+        look, now = desk.look(), time.monotonic()
+        if look is not None and look.mode == {run}:
+            drove = drove or now
+        settled = {once} and drove is not None and now - drove > 1.5
+        if look is not None and look.arm == "safe" and not look.reasons and not settled:
+            if now - asked > 0.5:
+                desk.ask(Request("arm", "test"))
+                asked = now
+        time.sleep(0.02)
+    print(desk.trouble, flush=True)
+"""
+"""Arms, again if a busy machine had the cars held at once; with `once`, who is held later stays so.
+"""
+
+
+class LoggedRoom:
+    """Used with `with`; `process` is the desk's, `loop` the id of the loop's. The cars drive.
+
+    `opener` is one of `live.told_poses`.
+    """
+
+    def __init__(self, folder, opener="circling", once=True):
+        self.folder = folder
+        self.recording = folder / "run"
+        self.opener = opener
+        self.once = once
+        self.firmware = LoggedFirmware((1, 2))
+        self.over = threading.Event()
+
+    def __enter__(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        air = Datagrams()
+        text = ROOM.format(poses=self.port, link=air.link)
+        self.plant = EmulatedPlant(lab_from_toml(text, "room"))
+        self.cars = EmulatedCars(self.firmware, self.plant, air)
+        self.cars.__enter__()
+        self.tracking = threading.Thread(target=self.track, daemon=True)
+        self.tracking.start()
+        try:
+            self.operate(text)
+            self.until(self.drive, BEGINS)
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+        self.over.set()
+        self.tracking.join()
+        self.cars.close()
+
+    def track(self):
+        """Tell where the cars are, a hundred times a second."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            while not self.over.wait(0.01):
+                poses = {n: (p.x, p.y, p.yaw) for n, p in self.plant.poses().items()}
+                told = json.dumps([time.monotonic(), poses]).encode()
+                with suppress(OSError):
+                    out.sendto(told, ("127.0.0.1", self.port))
+
+    def operate(self, text):
+        """Open a desk in a process of its own."""
+        file = self.folder / "lab.toml"
+        file.write_text(text, encoding="utf-8")
+        script = self.folder / "desk.py"
+        path = [str(ROOT), str(ROOT / "tests")]
+        folder = str(self.recording)
+        script.write_text(
+            DESK.format(
+                path=path,
+                file=str(file),
+                folder=folder,
+                opener=self.opener,
+                once=self.once,
+                run=RUN,
+            )
+        )
+        self.process = subprocess.Popen(
+            [sys.executable, str(script)],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        assert self.process.stdout is not None
+        self.loop = int(self.process.stdout.readline())
+
+    def until(self, what, within=PATIENCE):
+        """Wait until something is so; fails if it takes too long."""
+        ends = time.monotonic() + within
+        while not what():
+            assert time.monotonic() < ends, f"did not come about; {self.heard[-1:]}"
+            time.sleep(0.005)
+
+    def drive(self):
+        """Whether all cars do, and have for a while been told to."""
+        speeds = [abs(car.speed) for car in self.plant.cars.values()]
+        return min(speeds) > 0.7 and [one.mode for one in self.heard[-100:]] == [RUN] * 100
+
+    @property
+    def heard(self):
+        """What the cars have heard."""
+        return self.firmware.heard
+
+    def silence(self, seconds=0.7):
+        """Wait until the cars hear nothing any more; the modes of all that they have heard."""
+        self.until(lambda: time.monotonic() - self.heard[-1].time > seconds)
+        return [one.mode for one in self.heard]
+
+    def stand(self):
+        """Wait until all cars stand."""
+        self.until(lambda: self.plant.fastest() < STANDS)
+
+    def states(self):
+        """What the firmware of every car does."""
+        return set(self.firmware.states(time.monotonic()).values())
+
+    def closest(self):
+        """The least distance that there has been between the cars, m."""
+        assert math.isfinite(self.plant.least)
+        return self.plant.least
+
+    def close(self):
+        """End the desk's process, whatever state it is in."""
+        if not hasattr(self, "process"):
+            return
+        with suppress(ProcessLookupError):
+            self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()

@@ -1,0 +1,73 @@
+"""The first start of a rule says that it is compiled; later ones say nothing."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cli.calling import call
+
+from agents.motion import Motion
+from app.live.example import example
+from app.live.squashing_driver import FlockDriver
+from app.viewer.live.room_state import RoomState
+from app.viewer.live.standing import standing
+
+ROOT = Path(__file__).parents[2]
+WORDS = "compiling squashing-cars for this machine: about a minute, and only this first time ..."
+
+
+def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
+    FlockDriver(example())
+    told = []
+    FlockDriver(example(), told.append)
+    assert told == []
+    monkeypatch.setattr(Motion, "is_compiled", property(lambda _: False))
+    FlockDriver(example(), told.append)
+    assert told == [WORDS]
+
+
+SAYS = """
+import sys
+from app.live.example import example
+from app.live.squashing_driver import FlockDriver
+
+def tell(words):
+    print(words)
+    sys.exit(0)  # what follows takes a minute
+
+FlockDriver(example(), tell)
+print("compiled already")
+"""
+
+
+def test_without_anything_in_the_cache_it_says_so_before_it_compiles(tmp_path):
+    made = subprocess.run(
+        [sys.executable, "-c", SAYS],
+        env=os.environ | {"FLOCKSCOPE_CACHE": str(tmp_path)},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert made.stdout.splitlines() == [WORDS]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_the_terminal_says_so_on_stderr(monkeypatch, first):
+    if first:
+        monkeypatch.setattr(Motion, "is_compiled", property(lambda _: False))
+    made = call("live", "emulate", "--seconds", 0.2)
+    assert made.exit_code == 0
+    assert (WORDS in made.stderr) == first
+    assert "compiling" not in made.stdout
+
+
+def test_the_page_says_so_while_it_lasts():
+    state = RoomState("emulated cars", "dry run", "squashing")
+    assert standing(state, None).words == "Waiting for the control loop."
+    compiling = RoomState("emulated cars", "dry run", "squashing", compiling=WORDS)
+    assert standing(compiling, None).words == WORDS[:1].upper() + WORDS[1:]

@@ -1,0 +1,27 @@
+"""An agent that is where it cannot be is a notice in the laboratory, once."""
+
+from agents import Flock
+from app.viewer.picture import Wanted
+from app.viewer.run import Run
+from app.viewer.words import Astray, in_words
+from worlds.obstacles import Box
+from worlds.world import World
+
+YARD = World(
+    "yard", (10.0, 10.0), ("solid", "solid"), obstacles=(Box(low=(4.0, 4.0), high=(6.0, 6.0)),)
+)
+
+
+def test_it_is_told_once():
+    flock = Flock("vem", agents=5, world=YARD, rng=1)
+    run = Run(flock, 1, Wanted())
+    run.look(closely=False)
+    assert not any(isinstance(trouble, Astray) for trouble in run.troubles)
+    flock.position[1] = (5.0, 5.5)
+    run.look(closely=False)
+    flock.position[1] = (5.0, 5.6)
+    run.look(closely=False)
+    [trouble] = [trouble for trouble in run.troubles if isinstance(trouble, Astray)]
+    assert in_words(trouble) == (
+        f"agent {flock.ids[1]} where it cannot be: 0.5 inside what is solid at (5, 5.5), tick 0"
+    )

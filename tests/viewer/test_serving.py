@@ -1,0 +1,231 @@
+"""What answers by HTTP: headers on every answer, nothing for other pages, no foreign messages."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from http import HTTPStatus
+
+import pytest
+import viser
+
+from app.viewer.origin import allowed
+from app.viewer.server import close_server, open_server
+from app.viewer.serving.client_page import (
+    ALPHABET,
+    Scripts,
+    client_page,
+    from_base88,
+    unpacked,
+    viser_page,
+)
+from app.viewer.serving.front import Front, words
+from app.viewer.serving.query import MOST, leads_elsewhere
+from tests.viewer.http_client import ask, tell, upgrade
+from worlds.refusal import Refusal
+
+
+@pytest.fixture(scope="module")
+def front():
+    made = Front(scripts=("stop-key.js",))
+    made.route("/tick", lambda request: words(HTTPStatus.OK, f"7 {request.path}"))
+    made.route("/broken", lambda _: 1 // 0)
+    return made
+
+
+@pytest.fixture(scope="module")
+def port(front):
+    server = open_server(port=0, front=front)
+    yield server.get_port()
+    close_server(server)
+
+
+def directives(answer) -> dict[str, list[str]]:
+    rules = (rule.split() for rule in answer.header("Content-Security-Policy").split(";"))
+    return {name: values for name, *values in rules}
+
+
+ANSWERS = [
+    ("/", {}, 200),
+    ("/index.html", {"Accept-Encoding": "gzip, deflate, br"}, 200),
+    ("/?token=1", {}, 200),
+    ("/tick?a=1", {}, 200),
+    ("/broken", {}, 500),
+    ("/nothing", {}, 404),
+    ("/../../etc/passwd", {}, 404),
+    ("/%2e%2e/%2e%2e/etc/passwd", {}, 404),
+    ("//example.org/", {}, 404),
+    ("/?websocket=ws://example.org", {}, 400),
+    ("/nothing?playbackPath=x", {}, 400),
+    ("/", {"Host": "example.org"}, 403),
+    ("/", {"Host": "localhost:8080/; script-src *"}, 403),
+    ("/", {"Host": "localhost@example.org"}, 403),
+    ("/", {"Host": ""}, 403),
+    ("/", {"Origin": "https://example.org"}, 403),
+    ("/tick", {"Origin": "null"}, 403),
+    ("/", {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}, 403),
+    ("/", {"Upgrade": "websocket"}, 426),
+    ("/", {"Upgrade": "websocket", "Connection": "Upgrade"}, 400),
+    ("/", {"Accept-Encoding": "gzip\r\nAccept-Encoding: br"}, 200),
+    ("/", {"Host": "localhost\r\nHost: example.org"}, 400),
+    ("/", {"Origin": "http://localhost\r\nOrigin: http://localhost"}, 400),
+    ("/", {"Upgrade": "websocket\r\nUpgrade: h2c"}, 400),
+]
+
+
+@pytest.mark.parametrize(("path", "headers", "status"), ANSWERS)
+def test_every_answer_has_the_headers(port, path, headers, status):
+    answer = ask(port, path, headers)
+    assert answer.status == status
+    assert answer.header("X-Frame-Options") == "DENY"
+    assert answer.header("X-Content-Type-Options") == "nosniff"
+    assert answer.header("Referrer-Policy") == "no-referrer"
+    assert answer.header("Cross-Origin-Opener-Policy") == "same-origin"
+    assert answer.header("Cross-Origin-Resource-Policy") == "same-origin"
+    rules = directives(answer)
+    assert rules["default-src"] == rules["frame-ancestors"] == rules["base-uri"] == ["'none'"]
+    assert rules["form-action"] == ["'none'"]
+    if status in (400, 403) and "Upgrade" not in headers:
+        assert answer.body.count(b"\n") == 1
+
+
+def test_a_websocket_has_them_too_and_only_our_own_pages_get_one(port):
+    own = upgrade(port, f"http://localhost:{port}")
+    assert own.status == 101
+    assert own.header("X-Frame-Options") == "DENY"
+    for origin in ("https://example.org", "null", f"http://localhost:{port + 1}"):
+        assert upgrade(port, origin).status == 403
+    assert upgrade(port, f"http://localhost:{port}", path="/?websocket=ws://x").status == 400
+
+
+def test_what_is_no_get_or_no_http_is_not_answered_at_all(port):
+    requests = [
+        f"{method} / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
+        for method in ("POST", "PUT", "HEAD", "OPTIONS", "get")
+    ]
+    for request in (*requests, b"nonsense\r\n\r\n", b"GET / HTTP/1.0\r\n\r\n"):
+        assert tell(port, request) is None
+
+
+def test_a_page_opens_websockets_to_its_own_server_alone(port):
+    assert directives(ask(port))["connect-src"] == ["'self'", "data:", f"ws://localhost:{port}"]
+    by_number = ask(port, headers={"Host": f"127.0.0.1:{port}"})
+    assert directives(by_number)["connect-src"][2:] == [f"ws://127.0.0.1:{port}"]
+    assert directives(ask(port, headers={"Host": "[::1]:80"}))["connect-src"] == ["'self'", "data:"]
+
+
+def test_scripts_run_by_their_hash_and_nothing_else_does(port):
+    answer = ask(port)
+    allowed = directives(answer)["script-src"]
+    assert allowed[-1] == "'wasm-unsafe-eval'"
+    own, stop_key, loader = (text for _, text in Scripts.of(answer.text))
+    client = unpacked(Scripts.of(viser_page())[0][0])
+    assert allowed[:-1] == [
+        f"'sha256-{base64.b64encode(hashlib.sha256(text).digest()).decode()}'"
+        for text in (own.encode(), stop_key.encode(), loader.encode(), client)
+    ]
+    assert "replaceState" in own
+    assert "flockscopeStopKey" in stop_key
+    assert b"RunJavascriptMessage" in client
+    assert not re.search(r"<script[^>]+\bsrc=", answer.text)
+
+
+def test_a_page_without_scripts_of_its_own_takes_its_address_alone():
+    assert len(client_page(()).hashes) == 3
+    assert client_page(()) is client_page(())
+
+
+def test_what_other_pages_ask_for_is_refused_but_for_a_link_that_somebody_follows(port):
+    def status(site, mode, target, path="/"):
+        names = ("Sec-Fetch-Site", "Sec-Fetch-Mode", "Sec-Fetch-Dest")
+        return ask(port, path, dict(zip(names, (site, mode, target), strict=True))).status
+
+    assert status("cross-site", "navigate", "document") == 200
+    assert status("none", "navigate", "document") == 200
+    assert status("same-origin", "no-cors", "empty", "/tick") == 200
+    for site in ("cross-site", "same-site"):
+        assert status(site, "navigate", "iframe") == 403
+        assert status(site, "no-cors", "script") == 403
+        assert status(site, "no-cors", "image", "/tick") == 403
+        assert status(site, "cors", "empty", "/tick") == 403
+
+
+@pytest.mark.parametrize(
+    ("query", "named"),
+    [
+        ("websocket=ws://x", "websocket"),
+        ("a=1&websocket", "websocket"),
+        ("websocket=ws://localhost:8080", "websocket"),
+        ("a=1&a=2&WEBSOCKET=ws://x&websocket=", "websocket"),
+        ("%77%65bsocket=ws://x", "websocket"),
+        ("web+socket=1", "websocket"),
+        ("?websocket=x", "websocket"),
+        ("%EF%BB%BFwebsocket=x", "websocket"),
+        ("playbackPath=http://x/y.viser", "playbackpath"),
+        ("%70laybackpath=x", "playbackpath"),
+        ("playback%50ath", "playbackpath"),
+        ("&".join("a=1" for _ in range(MOST + 1)), f"more than {MOST} parameters"),
+        ("darkMode&showStats=1", ""),
+        ("next=websocket", ""),
+        ("", ""),
+        ("&&=&%", ""),
+        ("\udcff=1&%ff=1", ""),
+    ],
+)
+def test_queries_that_name_another_source_of_messages(query, named):
+    assert leads_elsewhere(query) == named
+
+
+def test_viser_reads_its_address_in_the_places_that_are_known_here():
+    """A new place is to be looked at: what it reads may lead elsewhere, see `query.py`."""
+    client = unpacked(Scripts.of(viser_page())[0][0]).decode()
+    assert client.count("URLSearchParams(window.location.search)") == 7
+    assert "=`websocket`;" in client
+    assert "get(`playbackPath`)" in client
+    assert client.count("addEventListener(`message`") == 0
+
+
+def test_base_88_is_that_of_the_loader():
+    loader = Scripts.of(viser_page())[0][1]
+    assert ALPHABET.replace("\\", "\\\\") in loader
+    for text, value in (("", b""), ("!!!!!", bytes(4)), ("!!!!#", b"\0\0\0\1"), ("#$", b"\x5a")):
+        assert from_base88(text) == value
+    with pytest.raises(ValueError, match="base 88"):
+        from_base88("<")
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        "<html></html>",
+        "<head></head>",
+        "<head><script>1</script></head>",
+        "<head><script data-p='!!!!!' data-ss='1' data-cs='1'>1</script></head>",
+        "<head><script data-p='' data-ss='x' data-cs='1'>1</script></head>",
+        "<head><script src='a.js'></script><script>2</script></head>",
+    ],
+)
+def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, page):
+    monkeypatch.setattr("app.viewer.serving.client_page.viser_page", lambda: page)
+    with pytest.raises(Refusal, match=f"the page of viser {viser.__version__}") as refused:
+        client_page.__wrapped__(())
+    assert "\n" not in str(refused.value)
+
+
+def test_an_allowed_name_reaches_the_page_and_its_websocket():
+    front = Front(allow=(allowed("hub.example.org"), allowed("[::1]:7")))
+    server = open_server(port=0, front=front)
+    try:
+        port, inner = server.get_port(), f"localhost:{server.get_port()}"
+        for host in ("hub.example.org", f"hub.example.org:{port}", inner):
+            page = ask(port, headers={"Host": host})
+            assert page.status == 200
+            named = ("ws://hub.example.org", "wss://hub.example.org")
+            lines = ["'self'", "data:", *dict.fromkeys((f"ws://{host}", *named))]
+            assert directives(page)["connect-src"] == lines
+            assert upgrade(port, "https://hub.example.org", host).status == 101
+            assert upgrade(port, "https://example.org", host).status == 403
+        assert ask(port, headers={"Host": "example.org"}).status == 403
+    finally:
+        close_server(server)

@@ -1,0 +1,45 @@
+"""What this machine has of memory, so that what cannot fit is refused before it is begun."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from worlds.refusal import Refusal
+
+LIMITS = (
+    Path("/sys/fs/cgroup/memory.max"),
+    Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+)
+"""Where a container says how much of the machine it has."""
+
+
+def memory() -> float:
+    """Bytes of memory that this machine, or the container, has; infinity where it does not say."""
+    found = [float("inf")]
+    with suppress(AttributeError, OSError, ValueError):
+        found.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
+    for path in LIMITS:
+        with suppress(OSError, ValueError):
+            found.append(float(path.read_text()))
+    return min(one for one in found if one > 0.0)
+
+
+def demand_memory(what: str, needed: float) -> None:
+    """Refuse what needs more bytes than there are; `what` names it. Raises Refusal."""
+    there = memory()
+    if needed > there:
+        raise Refusal(
+            f"{what} is not allowed: about {in_words(needed)} of memory would be needed, this "
+            f"machine has {in_words(there)}"
+        )
+
+
+def in_words(size: float) -> str:
+    """Bytes for people.
+
+    >>> in_words(25.3e9), in_words(2e11)
+    ('25.3 GB', '200 GB')
+    """
+    return f"{size / 1e9:.3g} GB"

@@ -1,0 +1,159 @@
+"""Lines that meet end to end are joined, and curves drawn by chords, each with a word about it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from worlds.readers.shapes import Area, Curve, Line, Point, Solid, area, at, line
+from worlds.refusal import Refusal
+
+MOST_NEAR = 20
+"""Most ends that lie within the tolerance of one another, on average: a wider one joins nothing
+that a person would call one line."""
+MOST_CHORDS = 10_000
+"""Most chords of one curve."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """What lines have become, and what has been done to them, one line each."""
+
+    shapes: tuple[Solid, ...]
+    changes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Two ends that meet: the lines (an end of line k is 2 k or 2 k + 1), and how far apart."""
+
+    ends: tuple[int, int]
+    gap: float
+
+
+def chords(curve: Curve, tolerance: float, metres: float) -> tuple[Area | Line, str]:
+    """A curve drawn by chords within a tolerance (units of the file), and a word about it.
+
+    `metres` is the tolerance in metres, for the word. It is an area if it ends where it begins.
+    Raises Refusal.
+    """
+    points = list(islice(curve.drawn(tolerance), MOST_CHORDS + 2))
+    if len(points) > MOST_CHORDS + 1:
+        raise Refusal(f"{curve.origin}: more than {MOST_CHORDS} chords draw it within {metres:g} m:"
+                      " a wider tolerance is needed")  # fmt: skip
+    change = f"{curve.origin}: drawn by {len(points) - 1} chords, within {metres:g} m"
+    ends_meet = len(points) > 3 and apart(points[0], points[-1]) <= 1e-9 * tolerance
+    if ends_meet:
+        return area(curve.name, [[*points[:-1], points[0]]], curve.origin, curve.span), change
+    return line(curve.name, points, curve.origin, None, curve.span), change
+
+
+def joined(lines: Sequence[Line], tolerance: float, scale: float) -> Joined:
+    """Lines whose ends meet within a tolerance (units of the file), as one; closed, as an area.
+
+    Where more than two ends meet nothing is joined, for who belongs to whom is not clear. At a
+    joint the later line's end moves to the earlier one's. Raises Refusal for a tolerance that is
+    too wide for the drawing, and for what is closed and unsound.
+    """
+    joints, crowded = joints_of(lines, tolerance)
+    partner = {end: joint for joint in joints for end in joint.ends}
+    seen: set[int] = set()
+    shapes: list[Solid] = []
+    changes: list[str] = list(crowded)
+    # Open chains first: from each line with a free end; what is left runs in rings.
+    free = [k for k in range(len(lines)) if 2 * k not in partner or 2 * k + 1 not in partner]
+    for first in [*free, *range(len(lines))]:
+        if first in seen:
+            continue
+        from_its_end = 2 * first in partner and 2 * first + 1 not in partner
+        begin = 2 * first + from_its_end
+        made, told = chain(lines, begin, partner, seen, scale)
+        shapes.append(made)
+        changes += told
+    return Joined(tuple(shapes), tuple(changes))
+
+
+def chain(
+    lines: Sequence[Line], begin: int, partner: dict[int, Joint], seen: set[int], scale: float
+) -> tuple[Solid, list[str]]:
+    """The lines from an end on, as one; and a word for each joint."""
+    first = lines[begin // 2]
+    points: list[Point] = []
+    changes = []
+    end, closed = begin, False
+    while True:
+        number = end // 2
+        seen.add(number)
+        run = lines[number].points if end % 2 == 0 else lines[number].points[::-1]
+        points += run if not points else run[1:]
+        joint = partner.get(end ^ 1)
+        if joint is None:
+            break
+        end = joint.ends[0] if joint.ends[1] == end ^ 1 else joint.ends[1]
+        other = lines[end // 2]
+        what = "its ends" if other is lines[number] else f"with {other.origin.rpartition(', ')[2]}"
+        changes.append(
+            f"{lines[number].origin}: joined {what} at {at(points[-1])}, over a gap of "
+            f"{joint.gap * scale:.3g} m"
+        )
+        if end == begin:
+            closed = True
+            break
+    if not changes:
+        return first, []
+    more = f" and {len(changes) - closed} more" if len(changes) > closed else ""
+    if closed:
+        ring = [*points[:-1], points[0]]
+        return area(first.name, [ring], first.origin + more, first.span), changes
+    return replace(first, points=tuple(points), origin=first.origin + more), changes
+
+
+def joints_of(lines: Sequence[Line], tolerance: float) -> tuple[list[Joint], list[str]]:
+    """Where exactly two ends meet, and a word where more do. Raises Refusal."""
+    if not lines:
+        return [], []
+    ends = np.array([point for one in lines for point in (one.points[0], one.points[-1])])
+    tree = cKDTree(ends)
+    pairs = (tree.count_neighbors(tree, tolerance) - len(ends)) // 2
+    if pairs > MOST_NEAR * len(ends):
+        raise Refusal(f"{lines[0].origin}: the tolerance of --join is too wide: {pairs} pairs of "
+                      f"ends of {len(lines)} lines lie within it")  # fmt: skip
+    near = tree.query_pairs(tolerance, output_type="ndarray")
+    ones = np.ones(len(near))
+    graph = coo_array((ones, (near[:, 0], near[:, 1])), shape=(len(ends), len(ends)))
+    _, label = connected_components(graph, directed=False)
+    groups: dict[int, list[int]] = defaultdict(list)
+    for end, group in enumerate(label):
+        groups[int(group)].append(end)
+    joints, crowded = [], []
+    for members in groups.values():
+        if len(members) == 2 and joinable(lines, members, tolerance):
+            one, other = members
+            joints.append(Joint((one, other), apart(ends[one], ends[other])))
+        elif len(members) > 2:
+            origin = lines[members[0] // 2].origin
+            crowded.append(f"{origin}: {len(members)} ends meet at {at(ends[members[0]])}: "
+                           "not joined, for which belong together is not clear")  # fmt: skip
+    return joints, crowded
+
+
+def joinable(lines: Sequence[Line], members: Sequence[int], tolerance: float) -> bool:
+    """Whether two ends are not those of one line that is shorter than the tolerance itself."""
+    one, other = members
+    if one // 2 != other // 2:
+        return True
+    points = lines[one // 2].points
+    reach = max(apart(points[0], point) for point in points)
+    return len(points) > 2 and reach > tolerance
+
+
+def apart(one: Sequence[float], other: Sequence[float]) -> float:
+    """The distance of two points."""
+    return float(np.hypot(one[0] - other[0], one[1] - other[1]))

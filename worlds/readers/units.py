@@ -1,0 +1,64 @@
+"""How long a unit of a drawing is, and whether that can be so."""
+
+from __future__ import annotations
+
+import math
+
+from worlds.readers.contents import Contents
+from worlds.readers.shapes import Bounds
+from worlds.refusal import Refusal, unknown
+
+UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048,
+         "yd": 0.9144}  # fmt: skip
+"""Metres."""
+SMALLEST, LARGEST = 1.0, 500.0
+"""Longest side of a plan that is not questioned, m: a small room to the ground of a festival."""
+SUGGESTED = ("m", "cm", "mm", "in", "ft")
+
+
+def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -> float:
+    """Metres per unit of the file: as asked, or as the file says; 1 for GeoJSON and WKT.
+
+    Raises Refusal if both are asked for, and for a DXF file that does not say.
+    """
+    if scale is not None and unit is not None:
+        raise Refusal(f"scale = {scale:g} and unit = {unit} say the same thing: give one of them")
+    if scale is not None:
+        if not (scale > 0.0 and math.isfinite(scale)):
+            raise Refusal(f"scale = {scale:g} is not allowed: metres per unit of the file, > 0")
+        return scale
+    if unit is not None:
+        if unit not in UNITS:
+            raise unknown("unit", unit, UNITS)
+        return UNITS[unit]
+    if contents.unit is None and contents.path.suffix.lower() == ".dxf":
+        raise Refusal(
+            f"{contents.path} does not say its unit ($INSUNITS): give --unit, one of "
+            f"{', '.join(UNITS)}, or a scale, metres per unit"
+        )
+    return contents.unit or 1.0
+
+
+def doubt(contents: Contents, bounds: Bounds, scale: float) -> str | None:
+    """What to ask about a plan whose size is none of a room or a building, or None.
+
+    `bounds` are in units of the file. It is asked only where nobody has said the unit.
+    """
+    side = max(bounds[2] - bounds[0], bounds[3] - bounds[1])
+    if SMALLEST <= side * scale <= LARGEST:
+        return None
+    says = "$INSUNITS says" if contents.unit is not None else "a unit is 1 m unless said"
+    here = next((name for name, metres in UNITS.items() if math.isclose(metres, scale)), None)
+    if contents.unit is not None:
+        says = f"{says} {here}" if here else f"{says} {scale:g} m per unit"
+    choices = [
+        f"--unit {name} ({side * UNITS[name]:.4g} m)"
+        for name in SUGGESTED
+        if SMALLEST <= side * UNITS[name] <= LARGEST and UNITS[name] != scale
+    ]
+    keep = f"--unit {here}" if here else f"--scale {scale:g}"
+    other = f", else {' or '.join(choices)}" if choices else ""
+    return (
+        f"{contents.path}: the plan would be {side * scale:.4g} m wide ({says}): give {keep} if "
+        f"that is so{other}"
+    )
