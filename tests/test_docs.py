@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from cli.calling import call
+from pages.blocks import blocks_of
 
 from agents.catalogue import MODELS
 from app.cli.main import COMMANDS
@@ -64,19 +65,13 @@ def test_what_a_page_links_to_is_there(page):
             assert mark in made, link
 
 
-def blocks(page, language):
-    """The blocks of code of a page in one language, "" for commands."""
-    found = re.findall(r"^```(\w*)\n(.*?)^```$", text(page), re.MULTILINE | re.DOTALL)
-    return [code for name, code in found if name == language]
-
-
 def commands(page):
-    """The words of every command that a page shows; what may be left out, without its brackets."""
-    indented = re.findall(r"^    (flockscope .*|uv run flockscope.*)$", text(page), re.MULTILINE)
-    for line in [*"".join(blocks(page, "")).splitlines(), *indented]:
-        words = shlex.split(line.translate(str.maketrans("[]", "  ")), comments=True)
-        if "flockscope" in words:
-            yield words[words.index("flockscope") + 1 :]
+    """The words of every command that a page shows."""
+    for block in blocks_of(page):
+        for line in block.lines if block.is_shell else ():
+            words = line.split("&&")[-1].split()
+            if words[:3] == ["uv", "run", "flockscope"]:
+                yield shlex.split(line.split("&&")[-1])[3:]
 
 
 def after(words, option):
@@ -98,7 +93,7 @@ def test_the_commands_of_a_page_are_there(page):
         head = words[:2] if words[0] in GROUPS else words[:1]
         known = set(re.findall(r"--[\w-]+", call(*head, "--help").stdout))
         assert {word for word in words if word.startswith("--")} <= known, words
-        model = after(words, "run") or after(words, "lab")
+        model = after(words, words[0]) if words[0] in ("run", "lab") else None
         assert model is None or model in MODELS, words
         world = after(words, "--world") or after(words, "show")
         assert world is None or world in layout_names() or world.endswith(".toml"), words

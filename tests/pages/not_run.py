@@ -10,6 +10,7 @@ ELSEWHERE = {
     ("docs/car-link.md", "car_take"): (
         "C for a microcontroller: tests/live/test_car_link_page.py compiles and drives it"
     ),
+    ("docs/laboratory.md", "proxy_pass"): "a proxy's configuration: needs nginx",
     ("docs/new-rule.md", "class Fading"): (
         "a file for agents/rules/: tests/test_new_rule.py puts it into the catalogue"
     ),
@@ -26,6 +27,9 @@ PRINTED = {
     ("docs/worlds.md", "yard.toml is sound"): "",
     ("docs/worlds.md", "flockscope: plan.dxf, layer 'WALLS'"): (
         "a refusal of a drawing that is not there: tests/worlds tests refusals"
+    ),
+    ("docs/live.md", "sent last at"): (
+        "printed of a killed loop: tests/live/test_while_driving.py kills one"
     ),
     ("docs/tracking.md", "unknown option 'port'"): (
         "a refusal: tests/live/test_tracking_page.py holds it against the code"

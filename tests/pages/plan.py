@@ -12,6 +12,10 @@ NOT_RUN = {
     'uv tool install ".[live]"': "asks a package index for what builds the package",
     'pip install ".[live]"': "asks a package index for what builds the package",
     "uv build --wheel": "asks a package index for what builds the package",
+    "git clone --depth 1 https://github.com/PedestrianDynamics/jupedsim": "asks the network",
+    "curl -X POST -H 'X-Flockscope: stop' http://localhost:8080/emergency": (
+        "needs a room that is open: tests/attacks/test_stop_way.py presses it so"
+    ),
 }
 """Commands as they are printed -> why no test runs them."""
 
@@ -30,8 +34,14 @@ class Otherwise:
 
 
 OTHERWISE = (
-    Otherwise("lab --host 0.0.0.0", "--host 127.0.0.1 --port 0", "tests serve this machine only"),
-    Otherwise("lab", "--port 0", "the port may be taken here; a test reads the page, no browser"),
+    Otherwise(
+        "lab --host 0.0.0.0", "--host 127.0.0.1 --port 0 --open", "tests serve this machine only"
+    ),
+    Otherwise(
+        "lab",
+        "--port 0 --open",
+        "the port may be taken here; what is opened is no browser but a test that reads the page",
+    ),
     Otherwise(
         "live lab lab.toml",
         '--source "emulated cars" --port 0',
@@ -46,6 +56,11 @@ OTHERWISE = (
     Otherwise("live run lab.toml --source", "--seconds 1", "would wait for a key: nobody is at it"),
     Otherwise(
         "live run lab.toml", '--source "emulated cars" --seconds 1', "needs the room's hardware"
+    ),
+    Otherwise(
+        "live recover",
+        None,
+        "needs a process that was killed: tests/live/test_end_to_end.py kills it",
     ),
     Otherwise("live emulate --arm", "--seconds 5", "shorter: 20 s are for people to look at"),
     Otherwise("live emulate", "--seconds 1", "would wait for a key: nobody is at it"),
@@ -69,6 +84,10 @@ def commands(line: str) -> list[str]:
     Refused is what only some shells take, or what means something else to them: a comment behind
     a command, brackets around what may be left out, a placeholder.
     """
+    try:
+        shlex.split(line)
+    except ValueError as error:
+        raise NotAsPrintedError(f"{error} in {line!r}") from None
     bare = re.sub(r'"[^"]*"|\'[^\']*\'', "", line)
     odd = sorted(set(re.findall(r"[#\[\]?*<>|;$`(){}!~^]", bare)) | set(re.findall("…", bare)))
     if odd:

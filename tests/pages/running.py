@@ -12,7 +12,7 @@ from cli.calling import call
 
 from app.cli.main import load
 
-LATEST = 120.0
+LATEST = 900.0
 """After so long a command that waits for its browser is told to stop, s."""
 
 
@@ -62,6 +62,7 @@ def visit(words, monkeypatch):
         give_up.join()
     for thread in set(threading.enumerate()) - before:
         thread.join(LATEST)  # one may still compile
+    assert read, f"no page was opened: {result.stdout}{result.stderr}"
     [(status, page)] = read
     assert status == 200
     assert b"<html" in page
