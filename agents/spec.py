@@ -10,6 +10,7 @@ from typing import Any, Literal
 import tomlkit
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from worlds.reading import read_text
 from worlds.refusal import Refusal, needed, shortened, unknown
 from worlds.toml import toml
 
@@ -85,9 +86,4 @@ class Spec(BaseModel):
     @classmethod
     def read(cls, path: str | Path) -> Spec:
         """A spec from a TOML file. Raises Refusal."""
-        try:
-            return cls.from_toml(Path(path).read_text(encoding="utf-8"), str(path))
-        except OSError as error:
-            raise Refusal(f"spec {str(path)!r} cannot be read: {error.strerror}") from None
-        except UnicodeDecodeError:
-            raise Refusal(f"spec {str(path)!r} is not a text file") from None
+        return cls.from_toml(read_text(f"spec {str(path)!r}", path), str(path))

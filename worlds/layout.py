@@ -15,6 +15,7 @@ from worlds.counting import counted
 from worlds.mission import mission
 from worlds.obstacles import obstacle
 from worlds.random_obstacles import random_obstacles
+from worlds.reading import read_text
 from worlds.refusal import Refusal, unknown
 from worlds.toml import toml
 
@@ -63,15 +64,9 @@ def read_layout(name: str) -> dict[str, Any]:
         )
     if name not in layout_names() and not name.endswith(".toml"):
         raise unknown("world", name, layout_names())
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"world file {name!r} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise Refusal(f"world file {name!r} is not TOML: {error}") from None
-    except ValueError:  # a zero byte
-        raise Refusal(f"{name!r} is no name that a file can have") from None
-    return toml(text, f"world file {name!r}")
+    named = f"world file {name!r}"
+    text = path.read_text(encoding="utf-8") if name in layout_names() else read_text(named, name)
+    return toml(text, named)
 
 
 def layout_dim(name: str) -> int | None:

@@ -73,7 +73,8 @@ def demand_writable(
 def place_of(named: str, path: Path) -> Path:
     """Where a path leads, links followed. Raises Refusal."""
     try:
-        os.fsencode(path)
+        if b"\0" in os.fsencode(path):
+            raise ValueError
         return path.resolve() if path.is_symlink() else path
     except (OSError, RuntimeError) as error:
         raise Refusal(f"{named} leads nowhere: {getattr(error, 'strerror', '') or error}") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Callable
 from functools import wraps
@@ -34,6 +35,11 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
             if not isinstance(error, NotANumber):
                 raise
             refuse(error)
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # the reader of stdout has gone
+                raise
+            named = "" if error.filename is None else f"{str(error.filename)!r}: "
+            refuse(f"{named}{error.strerror or error}")
         except MemoryError as error:
             refuse(f"there is not enough memory: {error or 'use fewer agents'}")
         except KeyboardInterrupt:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.cli.settings import assignment
 from app.experiments.lines import place
+from worlds.reading import read_text
 from worlds.refusal import Refusal, shortened, unknown
 from worlds.toml import toml
 
@@ -36,7 +37,7 @@ class Request:
 
     def read_spec(self, path: Path) -> None:
         """Take the values of a spec file, whole or in part. Raises Refusal naming file and line."""
-        text = read_text(path)
+        text = read_text(repr(str(path)), path)
         given = toml(text, str(path))
         for key in given:
             if key not in (*KEYS, "start", *TABLES):
@@ -131,16 +132,6 @@ class Request:
             key = "world"
         origin = self.origins.get(key, "")
         return Refusal(f"{text} ({origin})") if origin and origin not in text else refusal
-
-
-def read_text(path: Path) -> str:
-    """The text of a file. Raises Refusal."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise Refusal(f"{str(path)!r} is not a text file") from None
 
 
 def table(given: dict[str, Any], key: str, path: Path, text: str) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from app.live.loop import RATE
 from app.live.misfit import Misfit
 from app.live.parts import Kept
 from app.live.safety import Safety
+from worlds.reading import read_text
 from worlds.refusal import Refusal, needed, shortened, unknown
 from worlds.toml import toml
 
@@ -188,13 +189,7 @@ TABLES: dict[str, type[Strict]] = {
 
 def read_lab(path: str | Path) -> Lab:
     """The laboratory of a file. Raises Refusal naming the line that is wrong."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise Refusal(f"laboratory {str(path)!r} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise Refusal(f"laboratory {str(path)!r} is not a text file") from None
-    return lab_from_toml(text, str(path))
+    return lab_from_toml(read_text(f"laboratory {str(path)!r}", path), str(path))
 
 
 def lab_from_toml(text: str, origin: str) -> Lab:

@@ -6,6 +6,7 @@ What comes out must be what was sent, to the bit; where it is not, a replay says
 from __future__ import annotations
 
 import json
+import os
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from app.live.arm import Request, Wish
 from app.live.control import Control, Step
 from app.live.driver import Companion, Driver
 from app.live.lab import Lab, lab_from_toml
-from app.live.parts import Part, part_of, parts_of
+from app.live.parts import Part, parts_of
 from app.live.pose import Frame, Pose, Sighting
 from app.live.record import TABLES
 from worlds.refusal import Refusal
@@ -94,7 +95,8 @@ class Replayed:
 def read(folder: str | Path) -> Recorded:
     """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
     folder = Path(folder)
-    parts = tuple(parts_of(folder)) or (part_of(folder, 1),)
+    demand_recording(folder)
+    parts = tuple(parts_of(folder))
     meta = meta_of(parts[0].table("ticks"))
     tables = tuple(name for name in TABLES if meta["format"] > 1 or name != "companions")
     for place, part in enumerate(parts):
@@ -105,6 +107,17 @@ def read(folder: str | Path) -> Recorded:
                 raise Refusal(f"{str(part.table(name))!r} is of another recording")
     lab = lab_from_toml(meta["laboratory"], str(folder))
     return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
+
+
+def demand_recording(folder: Path) -> None:
+    """Refuse what is no folder of a recording. Raises Refusal."""
+    named = f"recording {str(folder)!r}"
+    if not os.path.exists(folder):
+        raise Refusal(f"{named} cannot be read: there is no such folder")
+    if not folder.is_dir():
+        raise Refusal(f"{named} cannot be read: it is no folder; `live run --record` makes one")
+    if not parts_of(folder):
+        raise Refusal(f"{named} cannot be read: the folder has no ticks.parquet, as recordings do")
 
 
 def meta_of(path: Path) -> dict[str, Any]:

@@ -12,7 +12,8 @@ from typing import Any
 from worlds.refusal import Refusal
 
 MOST = 64
-"""Commands that may wait."""
+"""Commands that may wait, and beyond them one of each key: whoever fills the queue cannot keep
+others from setting up."""
 MOST_TICKS = 10
 """Ticks that may wait to be stepped, unless one command asks for more."""
 STEP = "step"
@@ -43,24 +44,21 @@ class CommandQueue:
         self.changed = threading.Condition()
 
     def put(self, work: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
-        """Have something done. Raises Refusal if too much waits already."""
+        """Have something done. Raises Refusal if too much waits already, and it has no key."""
         with self.changed:
-            last = self.waiting[-1] if self.waiting else None
-            if key and last is not None and last.key == key:
-                last.work, last.runs = work, runs
-                return last.answer
+            same = self.same(key)
+            if same is not None:
+                same.work, same.runs = work, runs
+                return same.answer
             return self.add(Waiting(work, key, runs))
 
     def step(self, work: Callable[[int], Any], ticks: int) -> Future:
-        """Have ticks run: with those that wait already at most `MOST_TICKS`.
-
-        Raises Refusal if too much waits already.
-        """
+        """Have ticks run: with those that wait already at most `MOST_TICKS`."""
         with self.changed:
-            last = self.waiting[-1] if self.waiting else None
-            if last is not None and last.key == STEP:
-                last.ticks = max(last.ticks, min(last.ticks + ticks, MOST_TICKS), ticks)
-                return last.answer
+            same = self.same(STEP)
+            if same is not None:
+                same.ticks = max(same.ticks, min(same.ticks + ticks, MOST_TICKS), ticks)
+                return same.answer
             return self.add(Waiting(work, STEP, False, ticks))
 
     def pause(self, work: Callable[[], Any]) -> Future:
@@ -78,9 +76,17 @@ class CommandQueue:
             self.changed.notify()
             return pausing.answer
 
+    def same(self, key: str) -> Waiting | None:
+        """What waits and is one with a new command of this key: the last of all, or where too much
+        waits the last of its key."""
+        if not key or not self.waiting:
+            return None
+        near = self.waiting if len(self.waiting) >= MOST else [self.waiting[-1]]
+        return next((one for one in reversed(near) if one.key == key), None)
+
     def add(self, one: Waiting) -> Future:
-        """Let a command wait. Raises Refusal if too many do."""
-        if len(self.waiting) >= MOST:
+        """Let a command wait, one of each key in any case. Raises Refusal if too many do."""
+        if len(self.waiting) >= MOST and not one.key:
             raise Refusal(f"too much at once: {MOST} commands wait already")
         self.waiting.append(one)
         self.changed.notify()

@@ -10,7 +10,7 @@ from app.viewer.incoming import visitors
 from app.viewer.incoming.kinds import KINDS, LARGEST
 from app.viewer.incoming.messages import ALL, DROPPED, TOO_MUCH
 from app.viewer.incoming.visitors import MOST_OF_ONE, PAGES, PATIENCE, PRICE, Visitors
-from tests.attacks.raw import Raw, alone, quietly, said
+from tests.attacks.raw import PROTOCOL, Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 
@@ -179,6 +179,22 @@ def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(c
     assert waits[: len(taken)] == taken
     assert taken == sorted(taken)
     count(connections=len(waits), refused=len(waits) - len(taken))
+
+
+def test_pages_that_leave_while_they_wait_leave_no_line(server, monkeypatch, capfd):
+    monkeypatch.setattr(visitors, "PAGES", (5.0, 1.0))
+    asks = (
+        f"GET / HTTP/1.1\r\nHost: localhost:{server.get_port()}\r\nUpgrade: websocket\r\n"
+        "Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+        f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: {PROTOCOL}\r\n\r\n"
+    ).encode()
+    waiting = [alone(server.get_port()) for _ in range(5)]
+    for line in waiting:
+        line.sendall(asks)
+        line.close()
+    with Raw(server.get_port()):  # its turn comes after theirs
+        until(server.get_clients, LATE)
+    assert capfd.readouterr().err == ""
 
 
 def test_no_address_has_more_than_so_many_connections_and_others_get_in(server, count, monkeypatch):

@@ -233,3 +233,24 @@ def test_a_file_of_another_kind_named_like_the_store_is_left_as_it_is(here):
     args = ("paper", "liu2021-table1", "--runs", 2, "--out", "out", "--quiet", "--no-pictures")
     assert "is not a store of runs" in refusal(*args)
     assert Path("out/runs.csv").read_text() == mine
+
+
+def test_a_device_is_not_read_without_end(here):
+    """`/dev/zero` has no end: what reads it whole takes all memory of the machine."""
+    for args in (("run", "--spec"), ("live", "run"), ("live", "check"), ("live", "lab")):
+        assert "'/dev/zero' cannot be read: it is a device, not a file" in refusal(
+            *args, "/dev/zero"
+        )
+    (here / "zero.toml").symlink_to("/dev/zero")
+    assert "it is a device" in refusal("run", "vem", "--world", "zero.toml")
+    with open("huge.toml", "wb") as file:
+        file.truncate(65 * 2**20)
+    assert "it has more than 64 MiB" in refusal("run", "--spec", "huge.toml")
+
+
+def test_what_is_no_recording_of_cars_is_refused_in_our_words(here):
+    for name, words in (("nothing", "there is no such folder"), ("room.wkt", "it is no folder"),
+                        ("empty", "the folder has no ticks.parquet")):  # fmt: skip
+        (here / "empty").mkdir(exist_ok=True)
+        line = refusal("live", "replay", name)
+        assert line.startswith(f"flockscope: recording '{name}' cannot be read: {words}")

@@ -138,7 +138,7 @@ def test_a_full_disk_is_one_line_and_keeps_the_frames_that_fitted(tmp_path):
     assert call("run", "hwvem", "--agents", 2000, "--ticks", 1, "--quiet").exit_code == 0
 
     def little_room():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4_000_000, 4_000_000))
 
     made = subprocess.run(
         [*PROGRAM, "run", "hwvem", "--agents", "2000", "--ticks", "60", "--quiet",

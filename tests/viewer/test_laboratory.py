@@ -154,7 +154,7 @@ def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
         updates = chance.choice([{"value": value}] * 5 + [{"visible": False}, {}, [], None])
         if uuid != agents:
             say(browser, type="GuiUpdateMessage", uuid=uuid, updates=updates)
-        time.sleep(0.001)
+        time.sleep(0.02)  # as often as a browser may, which is cut off beyond that
     simulation = laboratory.simulation
     before = simulation.state.run
     simulation.setup(Start("vem-a", agents=30))

@@ -21,7 +21,9 @@ def in_turn(admitted: Callable[[], float | Response], answer: Any) -> Callable[.
         wait = admitted()
         if isinstance(wait, Response):
             return wait
-        await asyncio.sleep(wait)
+        gone, _ = await asyncio.wait([connection.connection_lost_waiter], timeout=wait)
+        if gone:
+            raise asyncio.CancelledError  # there is nobody to be answered
         return None
 
     return answer_in_turn
