@@ -68,7 +68,14 @@ OTHERWISE = (
     Otherwise("flight simulate", None, "takes half a minute; tests/flight/test_commands.py flies"),
     Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
     Otherwise("paper couzin2002-phases", None, "takes an hour; tests/papers has its phases"),
-    Otherwise("paper formation-echelon", None, "takes minutes; tests/experiments reads it"),
+    Otherwise("paper formation-echelon", None, "takes minutes, as do the four below"),
+    Otherwise("paper guarded-alpha", None, "tests/test_guarded.py flies the model"),
+    Otherwise("paper thesis-table5.2", None, "its blocks take ten times as long as table 5.1"),
+    Otherwise("paper thesis-fig5.7", None, "its blocks take ten times as long as figure 5.4"),
+    Otherwise("paper jacobs-fig11", None, "tests/papers/test_jacobs.py repeats some of its rows"),
+    Otherwise("paper liu2021-table1 --runs 20", None, "its first rows are run without it"),
+    Otherwise("paper liu2021-table1", "--runs 2 --agents 100", "all rows take minutes to hours"),
+    Otherwise("paper liu2021-table2", "--runs 2 --agents 5", "all rows take minutes to hours"),
     Otherwise("paper", "--runs 2", "two runs a row: all of them take minutes to hours"),
 )
 """The first that fits counts."""
