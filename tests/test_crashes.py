@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from oracles.solids import box, sphere
 from oracles.zones import touching
@@ -158,6 +158,9 @@ def test_a_wall_the_floor_and_an_obstacle_crash_an_agent(place, heading):
 def test_who_touches_at_the_start_is_who_a_naive_look_finds(seed, n, body):
     rng = np.random.default_rng(seed)
     position = rng.uniform(0.1, 19.9, (n, 3))
+    position = position[np.linalg.norm(position - 10.0, axis=1) > 2.0]
+    n = len(position)
+    assume(n > 0)
     solids = [sphere((10.0, 10.0, 10.0), 2.0), *box((0.0,) * 3, (20.0,) * 3)]
     flock = solitary(at(position), ROOM, body=body)
     flock.run(1)
