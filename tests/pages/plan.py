@@ -22,7 +22,7 @@ NOT_RUN = {
 
 @dataclass(frozen=True)
 class Otherwise:
-    """Commands that begin with `words` are run with `more` after them, or, with None, only parsed.
+    """Commands that begin with `words` are run with the options `more`, or, with None, only parsed.
 
     Parsed means: the command, its options and the kinds of their values are taken by the command
     line as printed, and nothing is done.
@@ -115,6 +115,18 @@ def arguments(command: str) -> list[str]:
     if words[:3] != ["uv", "run", "flockscope"]:
         raise NotAsPrintedError(f"{command!r} is neither run nor named in {__file__} with a reason")
     return words[3:] or ["lab"]
+
+
+def altered(words: list[str], more: str) -> list[str]:
+    """A command with other options, in place of those that it has."""
+    made, rest = list(words), shlex.split(more)
+    for option in [one for one in rest if one.startswith("--")]:
+        for name in (option, option.replace("--", "--no-", 1)):
+            if name in made:
+                at = made.index(name)
+                has_value = at + 1 < len(made) and not made[at + 1].startswith("--")
+                del made[at : at + 1 + has_value]
+    return [*made, *rest]
 
 
 def otherwise(words: list[str]) -> Otherwise | None:
