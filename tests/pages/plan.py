@@ -62,10 +62,19 @@ OTHERWISE = (
         None,
         "needs a process that was killed: tests/live/test_end_to_end.py kills it",
     ),
-    Otherwise("live emulate --arm", "--seconds 5", "shorter: 20 s are for people to look at"),
+    Otherwise(
+        "live emulate --arm --seconds 20 --record",
+        "--seconds 5",
+        "shorter: 20 s are for people to look at",
+    ),
+    Otherwise("live emulate --arm", None, "docs/live.md runs it and records it"),
     Otherwise("live emulate", "--seconds 1", "would wait for a key: nobody is at it"),
+    Otherwise(
+        "flight trim --speed 3.5 --frequency", None, "options by name that README leaves out"
+    ),
     Otherwise("flight sweep", None, "takes a minute; tests/flight/test_commands.py sweeps"),
     Otherwise("flight simulate", None, "takes half a minute; tests/flight/test_commands.py flies"),
+    Otherwise("formation vee --birds", "--draws 20 --no-pictures", "README's draws the picture"),
     Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
     Otherwise("paper couzin2002-phases", None, "takes an hour; tests/papers has its phases"),
     Otherwise("paper formation-echelon", None, "takes minutes, as do the four below"),
@@ -76,7 +85,11 @@ OTHERWISE = (
     Otherwise("paper liu2021-table1 --runs 20", None, "its first rows are run without it"),
     Otherwise("paper liu2021-table1", "--runs 2 --agents 100", "all rows take minutes to hours"),
     Otherwise("paper liu2021-table2", "--runs 2 --agents 5", "all rows take minutes to hours"),
-    Otherwise("paper", "--runs 2", "two runs a row: all of them take minutes to hours"),
+    Otherwise(
+        "paper",
+        "--runs 2 --no-pictures",
+        "two runs a row; pictures are drawn of the two tables above",
+    ),
 )
 """The first that fits counts."""
 

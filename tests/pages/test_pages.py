@@ -111,9 +111,13 @@ def commands_of(page):
                     yield from commands(line)
 
 
+FILES = re.compile(r"--record|(?<!\blab)\.(toml|parquet|geojson|wkt|dxf)\b")
+"""What names files in a command, but for `lab.toml`, which is the same on all pages."""
+
+
 def printed_before(page, command):
-    """Whether an earlier page prints the same command, one that knows no files."""
-    if re.search(r"\.\w|--record", command):
+    """Whether an earlier page prints the same command, one that names no files."""
+    if FILES.search(command):
         return False
     return any(command in commands_of(one) for one in PAGES[: PAGES.index(page)])
 
