@@ -6,9 +6,13 @@ Two browsers at once, without a GPU, would keep each other waiting.
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
 BROWSER = "tests/browser"
+
+settings.register_profile("any machine", deadline=None)
+settings.load_profile("any machine")
 
 
 class ByFile(LoadFileScheduling):

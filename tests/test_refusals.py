@@ -95,7 +95,7 @@ def test_a_rule_that_gives_no_number_is_named():
     [
         ("edges = 'wrap", "is not TOML"),
         ("edges = 'wrapp'", "unknown edge 'wrapp': did you mean 'wrap'?"),
-        ("edges = ['wrap']", "edges = ['wrap'] names 1 axes, the world has 2"),
+        ("edges = ['wrap']", "edges = ['wrap'] names 1 axis, the world has 2"),
         ("distance = 'far'", "unknown distance 'far'"),
         ("walls = 3", "unknown key 'walls'"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import threading
 from contextlib import suppress
 
 import numpy as np
@@ -144,6 +145,37 @@ def test_the_keys_stop_even_while_a_number_is_being_typed(operator, room_page, k
     first.page.keyboard.press(key)
     first.sees("emergency")
     assert room_page.room.state.values["C"] == 0.7
+
+
+@pytest.fixture
+def standing(room_page):
+    """Has viser's thread stand still, when called, until the test is over."""
+    go_on = threading.Event()
+
+    def stand() -> None:
+        stands = threading.Event()
+        loop = room_page.server._event_loop
+        loop.call_soon_threadsafe(lambda: (stands.set(), go_on.wait(60.0)))
+        assert stands.wait(SOON)
+
+    yield stand
+    go_on.set()
+
+
+@pytest.mark.parametrize("way", ["key", "button"])
+def test_key_and_button_stop_the_cars_while_visers_thread_stands_still(
+    operator, room_page, standing, way
+):
+    first, room = operator, room_page.room
+    first.arm()
+    standing()
+    if way == "key":
+        first.page.keyboard.press("Space")
+    else:
+        first.press("EMERGENCY STOP")
+    until(lambda: room.look.arm == "emergency", SOON)
+    causes = [one.cause for one in room.events if one.kind == "emergency"]
+    assert causes[-1] == "browser at 127.0.0.1"
 
 
 def test_the_key_does_not_press_the_button_that_was_pressed_last(operator, room_page):

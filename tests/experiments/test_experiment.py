@@ -51,10 +51,10 @@ def test_narrowing(tmp_path):
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [
-        ("runs = 4", "runs = 0", ["runs", "greater than or equal to 1", "line 5"]),
+        ("runs = 4", "runs = 0", ["runs", "a number >= 1 is needed", "line 5"]),
         ("hold = 5", "hold = 0", ["settings.hold", "line 10"]),
         ("desired = 0.9984", "desired = nan", ["settings.desired", "line 9"]),
-        ("k_con.mean", "k_con.maen", ["rows.published.k_con.maen", "not permitted"]),
+        ("k_con.mean", "k_con.maen", ["rows.published.k_con.maen", "there is no such key"]),
         ("published.k_con", "published.k_kon", ["unknown measure 'k_kon'", "'k_con'"]),
         ('title = "Small"', 'kind = "misson"', ["unknown kind of experiment", "line 2"]),
         ("agents = 12", "agents = 0", ["rows.agents", "line 22"]),

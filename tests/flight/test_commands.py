@@ -54,7 +54,8 @@ def test_sweep_prints_and_draws_the_curve(tmp_path, trims):
 
 
 def test_sweep_names_the_speeds_without_a_flight(tmp_path):
-    args = ("--set", "mass=1.2", "--out", tmp_path, "--no-pictures", "--json", "--quiet")
+    args = ("--set", "mass=1.2", "--out", tmp_path, "--no-pictures", "--json", "--quiet",
+            "--overwrite")  # fmt: skip
     result = call("flight", "sweep", "--speeds", "2,8", *args)
     assert result.exit_code == 0, result.stderr
     made = json.loads(result.stdout)

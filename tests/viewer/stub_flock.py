@@ -50,6 +50,7 @@ class StubFlock:
         self.seed = start.seed
         self.spacing = start.spacing
         self.can_crash = False
+        self.passing = ""
         self.flying = np.ones(n, bool)
         self.crashes = Crashes(*np.empty((3, 0), int), np.empty((0, start.dim)), np.empty(0, int))
         self.reach = 1.0
@@ -76,6 +77,9 @@ class StubFlock:
 
     @property
     def reference(self) -> None:
+        return None
+
+    def stray(self) -> None:
         return None
 
     def observe(self, _name: str) -> float:

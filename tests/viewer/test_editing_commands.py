@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from concurrent.futures import wait
 
 import numpy as np
 import pytest
@@ -215,6 +216,7 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
                     simulation.edit(Editor.redo)
                 case 6:
                     simulation.reset()
+            wait([simulation.look_again()], 30)
 
     threads = [threading.Thread(target=play, args=(number,)) for number in range(4)]
     for thread in threads:

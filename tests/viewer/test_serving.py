@@ -102,10 +102,17 @@ def test_a_websocket_has_them_too_and_only_our_own_pages_get_one(port):
 def test_what_is_no_get_or_no_http_is_not_answered_at_all(port):
     requests = [
         f"{method} / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
-        for method in ("POST", "PUT", "HEAD", "OPTIONS", "get")
+        for method in ("HEAD", "OPTIONS", "get")
     ]
     for request in (*requests, b"nonsense\r\n\r\n", b"GET / HTTP/1.0\r\n\r\n"):
         assert tell(port, request) is None
+
+
+@pytest.mark.parametrize(("method", "status"), [("POST", 404), ("PUT", 405)])
+def test_a_page_without_cars_has_nothing_to_stop(port, method, status):
+    answer = tell(port, f"{method} / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+    assert answer.status == status
+    assert answer.header("X-Frame-Options") == "DENY"
 
 
 def test_a_page_opens_websockets_to_its_own_server_alone(port):

@@ -113,7 +113,7 @@ DISC = {"shape": "disc", "centre": [0, 0], "radius": 1}
             {"shape": "prism", "points": [[0, 0], [1, 0], [0, 1]], "bottom": 2, "top": 1},
             "top = 1 is not above bottom = 2",
         ),
-        ({"shape": "polygon", "points": [[0, 0], [1, 1]]}, "at least 3 items"),
+        ({"shape": "polygon", "points": [[0, 0], [1, 1]]}, "at least 3 are needed"),
         ({"shape": "union", "parts": []}, "obstacle union: parts = [] is not allowed"),
         ({"shape": "union", "parts": [{**DISC, "radius": 0}]}, "union: parts.0.radius = 0"),
         ({"shape": "union", "parts": [{**DISC, "shape": "dot"}]}, "unknown shape 'dot'"),
