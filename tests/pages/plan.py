@@ -22,7 +22,7 @@ NOT_RUN = {
 
 @dataclass(frozen=True)
 class Otherwise:
-    """Commands that begin with `words` are run with `more` after them, or, with None, only parsed.
+    """Commands that begin with `words` are run with the options `more`, or, with None, only parsed.
 
     Parsed means: the command, its options and the kinds of their values are taken by the command
     line as printed, and nothing is done.
@@ -62,10 +62,19 @@ OTHERWISE = (
         None,
         "needs a process that was killed: tests/live/test_end_to_end.py kills it",
     ),
-    Otherwise("live emulate --arm", "--seconds 5", "shorter: 20 s are for people to look at"),
+    Otherwise(
+        "live emulate --arm --seconds 20 --record",
+        "--seconds 5",
+        "shorter: 20 s are for people to look at",
+    ),
+    Otherwise("live emulate --arm", None, "docs/live.md runs it and records it"),
     Otherwise("live emulate", "--seconds 1", "would wait for a key: nobody is at it"),
+    Otherwise(
+        "flight trim --speed 3.5 --frequency", None, "options by name that README leaves out"
+    ),
     Otherwise("flight sweep", None, "takes a minute; tests/flight/test_commands.py sweeps"),
     Otherwise("flight simulate", None, "takes half a minute; tests/flight/test_commands.py flies"),
+    Otherwise("formation vee --birds", "--draws 20 --no-pictures", "README's draws the picture"),
     Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
     Otherwise("paper couzin2002-phases", None, "takes an hour; tests/papers has its phases"),
     Otherwise("paper formation-echelon", None, "takes minutes, as do the four below"),
@@ -76,7 +85,11 @@ OTHERWISE = (
     Otherwise("paper liu2021-table1 --runs 20", None, "its first rows are run without it"),
     Otherwise("paper liu2021-table1", "--runs 2 --agents 100", "all rows take minutes to hours"),
     Otherwise("paper liu2021-table2", "--runs 2 --agents 5", "all rows take minutes to hours"),
-    Otherwise("paper", "--runs 2", "two runs a row: all of them take minutes to hours"),
+    Otherwise(
+        "paper",
+        "--runs 2 --no-pictures",
+        "two runs a row; pictures are drawn of the two tables above",
+    ),
 )
 """The first that fits counts."""
 
@@ -115,6 +128,18 @@ def arguments(command: str) -> list[str]:
     if words[:3] != ["uv", "run", "flockscope"]:
         raise NotAsPrintedError(f"{command!r} is neither run nor named in {__file__} with a reason")
     return words[3:] or ["lab"]
+
+
+def altered(words: list[str], more: str) -> list[str]:
+    """A command with other options, in place of those that it has."""
+    made, rest = list(words), shlex.split(more)
+    for option in [one for one in rest if one.startswith("--")]:
+        for name in (option, option.replace("--", "--no-", 1)):
+            if name in made:
+                at = made.index(name)
+                has_value = at + 1 < len(made) and not made[at + 1].startswith("--")
+                del made[at : at + 1 + has_value]
+    return [*made, *rest]
 
 
 def otherwise(words: list[str]) -> Otherwise | None:

@@ -18,7 +18,15 @@ from app.cli.main import COMMANDS
 from app.live.lab import lab_from_toml
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
-from pages.plan import NOT_RUN, OTHERWISE, NotAsPrintedError, arguments, commands, otherwise
+from pages.plan import (
+    NOT_RUN,
+    OTHERWISE,
+    NotAsPrintedError,
+    altered,
+    arguments,
+    commands,
+    otherwise,
+)
 from pages.running import parse, run, visit
 from worlds.readers import read_geometry
 from worlds.world import world_from_layout
@@ -57,7 +65,7 @@ def draw_bottleneck(path):
     """A drawing with the layers that JuPedSim asks for."""
     drawing = ezdxf.new(units=6)
     for layer, low, high in (
-        ("jps-geometry", (0, 0), (20, 12)),
+        ("jps-walkablearea", (0, 0), (20, 12)),
         ("jps-exits", (18, 5), (19, 7)),
         ("jps-distributions", (1, 1), (6, 11)),
     ):
@@ -103,9 +111,13 @@ def commands_of(page):
                     yield from commands(line)
 
 
+FILES = re.compile(r"--record|(?<!\blab)\.(toml|parquet|geojson|wkt|dxf)\b")
+"""What names files in a command, but for `lab.toml`, which is the same on all pages."""
+
+
 def printed_before(page, command):
-    """Whether an earlier page prints the same command, one that knows no files."""
-    if re.search(r"\.\w|--record", command):
+    """Whether an earlier page prints the same command, one that names no files."""
+    if FILES.search(command):
         return False
     return any(command in commands_of(one) for one in PAGES[: PAGES.index(page)])
 
@@ -121,7 +133,7 @@ def carry_out(block, line, monkeypatch):
         if (instead and instead.more is None) or printed_before(block.page, command):
             parse(words)
             continue
-        words = [*words, *shlex.split(instead.more)] if instead else words
+        words = altered(words, instead.more) if instead else words
         opens = words[0] == "lab" or words[:2] == ["live", "lab"]
         result = (visit if opens else run)(words, monkeypatch)
         assert result.exit_code == 0, f"{block}: {command}\n{result.stdout}{result.stderr}"
@@ -275,3 +287,9 @@ def test_enough_is_found_to_be_worth_it():
     assert sum(len(list(commands_of(page))) for page in PAGES) > 120
     assert isinstance(json.loads(file_from("docs/worlds.md", "hall.geojson")), dict)
     assert all(isinstance(block, Block) for block in BLOCKS)
+
+
+def test_what_is_run_otherwise_has_each_option_once():
+    words = ["lab", "vem", "--port", "9000", "--no-open", "--set", "eta=0.5"]
+    made = altered(words, "--port 0 --open")
+    assert made == ["lab", "vem", "--set", "eta=0.5", "--port", "0", "--open"]
