@@ -76,11 +76,13 @@ OTHERWISE = (
     Otherwise("flight simulate", None, "takes half a minute; tests/flight/test_commands.py flies"),
     Otherwise("formation vee --birds", "--draws 20 --no-pictures", "README's draws the picture"),
     Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
-    Otherwise("paper couzin2002-phases", None, "takes an hour; tests/papers has its phases"),
-    Otherwise("paper formation-echelon", None, "takes minutes, as do the four below"),
-    Otherwise("paper guarded-alpha", None, "tests/test_guarded.py flies the model"),
-    Otherwise("paper thesis-table5.2", None, "its blocks take ten times as long as table 5.1"),
-    Otherwise("paper thesis-fig5.7", None, "its blocks take ten times as long as figure 5.4"),
+    Otherwise("paper couzin2002-phases", None, "84 rows; tests/papers/test_couzin2002.py has some"),
+    Otherwise(
+        "paper formation-echelon", None, "minutes; tests/experiments/test_missions.py reads it"
+    ),
+    Otherwise("paper guarded-alpha", None, "3000 ticks a run; tests/test_guarded.py flies some"),
+    Otherwise("paper thesis-table5.2", None, "as table 5.1, which is run, but longer"),
+    Otherwise("paper thesis-fig5.7", None, "as figure 5.4, which is run, but longer"),
     Otherwise("paper jacobs-fig11", None, "tests/papers/test_jacobs.py repeats some of its rows"),
     Otherwise("paper liu2021-table1 --runs 20", None, "its first rows are run without it"),
     Otherwise("paper liu2021-table1", "--runs 2 --agents 100", "all rows take minutes to hours"),
