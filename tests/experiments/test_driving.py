@@ -189,7 +189,7 @@ def test_a_row_may_have_its_own_errand(tmp_path):
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [
-        ("speed = 1.2", "speed = 0.0", "greater than 0"),
+        ("speed = 1.2", "speed = 0.0", "> 0"),
         ("places = [[1.6, -0.6], [1.1, -0.6]]", "places = []", "places"),
         ("heading = 90.0", "haeding = 90.0", "haeding|heading"),
         ("agents = 2\nmission", "agents = 2\nsize = 9.0\nmission", "no mission"),

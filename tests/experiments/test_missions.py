@@ -96,7 +96,7 @@ def test_the_store_has_a_column_for_each_measure(done):
     with open(folder / "runs.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 4
-    assert list(rows[0])[5:] == [*(one.name for one in Mission.measures), "seconds"]
+    assert list(rows[0])[5:] == [*(one.name for one in Mission.measures), "seconds", "astray"]
     assert {row["model"] for row in rows} == {"vem-a-nav", "hwvem-nav"}
     again = carry_out(experiment, folder)
     assert (again.made, again.taken) == (0, 4)

@@ -7,6 +7,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from agents import Flock
+from worlds.clearance import clearance
 from worlds.mission import Goal, Mission
 from worlds.obstacles import obstacle
 from worlds.world import World
@@ -85,12 +86,12 @@ def goal_scene(seed, agents, dim, hollow, obstacles, goal):
     place[0] = rng.uniform(0.0, SIDE, dim)
     if goal == "moving":
         place[1] = rng.uniform(-2.0, 2.0, dim)
-    return GoalScene(
-        rng.uniform(low, high, (agents, dim)),
-        rng.uniform(-3.0, 3.0, (agents, dim)),
-        standing,
-        None if goal == "none" else place,
-    )
+    velocity = rng.uniform(-3.0, 3.0, (agents, dim))
+    world = GoalScene(np.empty((0, dim)), velocity, standing, None).world
+    position = rng.uniform(low, high, (agents, dim))
+    while (inside := clearance(world, position) <= 0.0).any():
+        position[inside] = rng.uniform(low, high, (int(inside.sum()), dim))
+    return GoalScene(position, velocity, standing, None if goal == "none" else place)
 
 
 def goal_scenes(dims=(2, 3), hollow=False):
