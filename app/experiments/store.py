@@ -74,13 +74,17 @@ class Store:
         """The refusal for a file that cannot be read or written."""
         return Refusal(f"{str(self.path)!r} cannot be kept: {error.strerror or error}")
 
+    def head(self, last: int | None = None) -> bytes:
+        """The first line, with the columns up to `last`."""
+        return (",".join(self.columns[:last]) + "\n").encode()
+
     def demand_ours(self) -> None:
         """Refuse a file of anything else before a byte of it is changed. Raises Refusal."""
         if self.path.exists():
-            head = (",".join(self.columns) + "\n").encode()
+            head, before = self.head(), self.head(last=-1)
             with open(self.path, "rb") as file:
                 begins = file.read(len(head))
-            if begins != head[: len(begins)]:
+            if begins != head[: len(begins)] and not begins.startswith(before):
                 raise Refusal(f"{str(self.path)!r} is not a store of runs: move it away")
 
     def mend(self) -> None:
@@ -95,11 +99,11 @@ class Store:
         """Give a store of before there was the last column an empty one."""
         if not self.path.exists():
             return
-        head = ",".join(self.columns[:-1]).encode() + b"\n"
+        head = self.head(last=-1)
         before = self.path.read_bytes()
         if before.startswith(head):
             made = self.path.with_name(self.path.name + ".tmp")
-            made.write_bytes(b"%s,%s\n" % (head[:-1], self.columns[-1].encode()))
+            made.write_bytes(self.head())
             with open(made, "ab") as file:
                 file.writelines(line + b",\n" for line in before[len(head) :].splitlines())
             os.replace(made, self.path)

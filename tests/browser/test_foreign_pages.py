@@ -46,8 +46,8 @@ def live():
 
 
 @pytest.fixture(params=["lab", "live lab"])
-def target(request, served, live):
-    return served if request.param == "lab" else live
+def target(request, laboratory, live):
+    return laboratory if request.param == "lab" else live
 
 
 @pytest.fixture
