@@ -148,8 +148,11 @@ def test_the_keys_stop_even_while_a_number_is_being_typed(operator, room_page, k
 
 
 @pytest.fixture
-def standing(room_page):
-    """Has viser's thread stand still, when called, until the test is over."""
+def standing(room_page, browser):
+    """Has viser's thread stand still, when called, until the test is over.
+
+    Then comes what the page has sent meanwhile: the stop's other way, which may not meet a reset.
+    """
     go_on = threading.Event()
 
     def stand() -> None:
@@ -160,6 +163,7 @@ def standing(room_page):
 
     yield stand
     go_on.set()
+    browser.page.wait_for_timeout(3000)
 
 
 @pytest.mark.parametrize("way", ["key", "button"])
