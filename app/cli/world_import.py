@@ -138,7 +138,9 @@ def tell(lines: Sequence[str]) -> None:
 
 
 def table(rows: Sequence[Row]) -> list[str]:
-    """The layers of a drawing, what is on them, what each is taken for and why."""
+    """The layers of a drawing, what is on them, what each is taken for and why; if it has any."""
+    if not rows:
+        return []
     cells = [("layer", "entities", "role", "why")]
     cells += [(printable(row.layer), row.entities, row.role or "?", row.why) for row in rows]
     wide = [min(max(len(cell[k]) for cell in cells), WIDEST) for k in range(3)]

@@ -128,7 +128,8 @@ def test_no_value_makes_a_command_crash(name, params, place):
             assert line.startswith("flockscope: "), args
             assert len(line) < 2000, args
             assert "\x1b" not in line, args
-            assert all(one.startswith(("flockscope: ", "written: ")) for one in before), args
+            if name != "world import":  # which tells first what each layer is
+                assert all(one.startswith(("flockscope: ", "written: ")) for one in before), args
     print(f"{name}: {count} calls, {refused} refused")
     assert {path.name for path in place.iterdir()} >= {*FILES, "folder"}
     for name, content in FILES.items():
