@@ -54,8 +54,10 @@ for _ in sys.stdin:
 
 
 def patient() -> str:
-    """The example with slow cars, which stay armed though a machine is busy with floods."""
+    """The example with slow cars that stay armed: no fence is near, and a busy machine may lag."""
     text = FILE.read_text().replace("speed = 1.0", "speed = 0.5")
+    for side in ("[-3.05, -3.355]", "[3.05, 3.355]"):
+        text = text.replace(side, side.replace("3.05", "60.0").replace("3.355", "60.0"))
     limits = "[limits]\nstale = 0.25\nlong_gap = 10.0\nfrozen = 1.2\nunattended = 30.0\n"
     return f"{text.replace('fence = 0.5', 'fence = 0.7')}\n{limits}"
 
