@@ -3,8 +3,6 @@ viser's language, and a recording, all with a script that presses the buttons.""
 
 from __future__ import annotations
 
-import asyncio
-import threading
 from collections import Counter
 from http import HTTPStatus
 from typing import Any
@@ -15,6 +13,8 @@ import websockets.asyncio.server
 import zstandard
 from websockets.datastructures import Headers
 from websockets.http11 import Response
+
+from tests.browser.side_server import SideServer
 
 SCRIPT = """
 window.owned = true; document.title = "owned";
@@ -51,27 +51,14 @@ def recording() -> bytes:
     return len(whole).to_bytes(8, "little") + zstandard.ZstdCompressor().compress(whole)
 
 
-class Attacker:
+class Attacker(SideServer):
     """Serves until left; `page` is the HTML of its page."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.page = ""
         self.counts: Counter[str] = Counter()
         """What was asked of it: pages, recordings, websockets."""
-        self.port = 0
-        self.loop = asyncio.new_event_loop()
-        self.begun = threading.Event()
-        self.thread = threading.Thread(target=lambda: self.loop.run_until_complete(self.serve()))
-
-    def __enter__(self) -> Attacker:
-        self.thread.start()
-        assert self.begun.wait(10)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.loop.call_soon_threadsafe(self.ended.set)
-        self.thread.join()
-        self.loop.close()
 
     @property
     def websocket(self) -> str:
@@ -86,7 +73,6 @@ class Attacker:
         return f"http://127.0.0.1:{self.port}/"
 
     async def serve(self) -> None:
-        self.ended = asyncio.Event()
         async with websockets.asyncio.server.serve(
             self.attack,
             "127.0.0.1",

@@ -3,35 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-import threading
 from contextlib import suppress
+
+from tests.browser.side_server import SideServer
 
 PREFIX = "/user/ada/proxy/8080"
 
 
-class Proxy:
+class Proxy(SideServer):
     """Serves until left. `host`: what it says as `Host`; None passes on what the browser said."""
 
     def __init__(self, inner: int, host: str | None = None):
+        super().__init__()
         self.inner = inner
         self.host = host
-        self.port = 0
-        self.loop = asyncio.new_event_loop()
-        self.begun = threading.Event()
-        self.thread = threading.Thread(target=lambda: self.loop.run_until_complete(self.serve()))
-
-    def __enter__(self) -> Proxy:
-        self.thread.start()
-        assert self.begun.wait(10)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.loop.call_soon_threadsafe(self.ended.set)
-        self.thread.join()
-        self.loop.close()
 
     async def serve(self) -> None:
-        self.ended = asyncio.Event()
         server = await asyncio.start_server(self.passed_on, "127.0.0.1", 0)
         self.port = server.sockets[0].getsockname()[1]
         self.begun.set()
