@@ -10,9 +10,9 @@ import statistics
 import sys
 import time
 
-from app.viewer.picture import Wanted
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import Start
 
 COMMANDS = 40
 

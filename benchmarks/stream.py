@@ -35,8 +35,8 @@ CAMERA = {
 
 def serve(agents: int, speed: float, pipe: Connection) -> None:
     """The laboratory; answers every message of the pipe with the processor times so far, s."""
-    from app.viewer.laboratory import Laboratory
-    from app.viewer.start import Start
+    from app.viewer.lab.laboratory import Laboratory
+    from app.viewer.run.start import Start
 
     start = Start("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=speed)

@@ -16,10 +16,10 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 
 from app.live.example import example
-from app.viewer.laboratory import Laboratory
+from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.scene import STEP_OFF
-from app.viewer.start import Start, at_home
+from app.viewer.run.start import Start, at_home
+from app.viewer.scene.shown.look import STEP_OFF
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"

@@ -14,9 +14,9 @@ from agents.declare import checked
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.settings import assignment
 from app.cli.stopping import Stopping, leave
-from app.viewer.beside import companion, shared_by
-from app.viewer.origin import allowed
-from app.viewer.start import at_home
+from app.viewer.run.beside import companion, shared_by
+from app.viewer.run.start import at_home
+from app.viewer.web.origin import allowed
 from worlds.layout import layout_names
 
 NOISE = 0.3
@@ -68,7 +68,7 @@ def lab(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
-    from app.viewer.laboratory import Laboratory
+    from app.viewer.lab.laboratory import Laboratory
 
     names = tuple(allowed(name) for name in allow_host or ())
     own, others = parameters(find_model(model).name, set or [], beside)

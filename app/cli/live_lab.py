@@ -43,7 +43,7 @@ def lab(
     from app.live.choices import known, sources
     from app.live.example import example
     from app.live.kinds import SIMULATED
-    from app.viewer.origin import allowed
+    from app.viewer.web.origin import allowed
 
     names = tuple(allowed(name) for name in allow_host or ())
     if file is None:

@@ -15,9 +15,9 @@ import pytest
 from app.live.arm import Request
 from app.live.desk import Desk
 from app.live.loop_process import Asked, InOrder
-from app.viewer.incoming.door import UNDECIDED
-from app.viewer.incoming.visitors import MOST_OF_ONE
-from app.viewer.server import stops
+from app.viewer.web.incoming.door import UNDECIDED
+from app.viewer.web.incoming.visitors import MOST_OF_ONE
+from app.viewer.web.server import stops
 from tests.attacks.raw import Raw, alone, quietly, said
 from tests.viewer.waiting import until
 

@@ -13,9 +13,9 @@ from contextlib import contextmanager
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.laboratory import Laboratory
-from app.viewer.panels.setup import NOBODY
-from app.viewer.start import Start, titled
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.setup import NOBODY
+from app.viewer.run.start import Start, titled
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.viewer.scene import palette
+from app.viewer.scene.draw import palette
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 

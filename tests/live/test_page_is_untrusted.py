@@ -21,7 +21,7 @@ from websockets.exceptions import ConnectionClosed
 from agents.declare import declared
 from app.live.choices import links, rules, sources
 from app.live.example import example
-from app.viewer.server import UNWANTED
+from app.viewer.web.server import UNWANTED
 from tests.live.opened_page import opened
 from tests.live.stand_in import CAMERA, StandIn
 from tests.live.waiting import until

@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.crashes import Crashes
 from agents.declare import Parameters, checked, parameter
-from app.viewer.start import Start
+from app.viewer.run.start import Start
 from worlds.refusal import Refusal
 from worlds.world import World
 

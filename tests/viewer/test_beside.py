@@ -15,12 +15,12 @@ import tomlkit
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from app.cli.lab import parameters
-from app.viewer.beside import Pair, companion, named, pace_note, ratio, shared_by
-from app.viewer.panels.compared import compared
-from app.viewer.panels.setup import NOBODY, SetupPanel
-from app.viewer.picture import Wanted
-from app.viewer.start import Start, at_home
-from app.viewer.words import Broken
+from app.viewer.lab.panels.compared import compared
+from app.viewer.lab.panels.setup import NOBODY, SetupPanel
+from app.viewer.run.beside import Pair, companion, named, pace_note, ratio, shared_by
+from app.viewer.run.picture import Wanted
+from app.viewer.run.start import Start, at_home
+from app.viewer.run.words import Broken
 from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from app.viewer.editing import forms
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start, at_home
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import Start, at_home
 from tests.viewer.stub_flock import StubFlock, timed_stub
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from agents.crashes import Crashes
-from app.viewer.scene import Look
-from app.viewer.scene.bird import TIP
-from app.viewer.scene.birds import SCALE
-from app.viewer.scene.crashes import FADES, MOST, CrashMarks
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.wake import Wake
+from app.viewer.scene.draw.bird import TIP
+from app.viewer.scene.marks.flock.birds import SCALE
+from app.viewer.scene.marks.flock.crashes import FADES, MOST, CrashMarks
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.paths.wake import Wake
+from app.viewer.scene.shown.look import Look
 from tests.viewer.sky import Clock, frame, heading, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 

@@ -11,22 +11,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
-from app.viewer.cars import LENGTH, WIDTH, cars
-from app.viewer.frame import Errand
-from app.viewer.picture import Camera
-from app.viewer.scene import Look, palette, tone
-from app.viewer.scene.agents import Agents
-from app.viewer.scene.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
-from app.viewer.scene.colouring import legend
-from app.viewer.scene.crashes import RADIUS_CAR
-from app.viewer.scene.fence import INSIDE, Fence, fence
-from app.viewer.scene.fleet import wheels
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.injected import InjectedCar, along_route
-from app.viewer.scene.labels import name
-from app.viewer.scene.mission import MissionMarks
-from app.viewer.scene.picture import LEAST_CAR
-from app.viewer.scene.stuck import RADIUS, StuckMarks
+from app.viewer.run.picture import Camera
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.draw.picture import LEAST_CAR
+from app.viewer.scene.marks.flock.agents import Agents
+from app.viewer.scene.marks.flock.crashes import RADIUS_CAR
+from app.viewer.scene.marks.flock.fleet import wheels
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.labels import name
+from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
+from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
+from app.viewer.scene.marks.world.injected import InjectedCar, along_route
+from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.shown.cars import LENGTH, WIDTH, cars
+from app.viewer.scene.shown.frame import Errand
+from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand, draw

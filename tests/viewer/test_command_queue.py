@@ -6,9 +6,9 @@ import threading
 
 import pytest
 
-from app.viewer.command_queue import MOST, MOST_TICKS, CommandQueue
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.run.command_queue import MOST, MOST_TICKS, CommandQueue
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.crashes import Crashes
-from app.viewer.panels.crashes import LATEST, counted, listed
+from app.viewer.lab.panels.crashes import LATEST, counted, listed
 
 
 def crashes_at(*ticks: int) -> Crashes:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.crowd import expected_pairs, refuse_too_dense, refuse_too_many_links
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.measuring.crowd import expected_pairs, refuse_too_dense, refuse_too_many_links
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal

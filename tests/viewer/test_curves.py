@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from app.viewer.course import POINTS, Course
-from app.viewer.curves import choices, points, steps, together, usual, worded
-from app.viewer.measured import offered
-from app.viewer.readings import Readings
+from app.viewer.measuring.course import POINTS, Course
+from app.viewer.measuring.curves import choices, points, steps, together, usual, worded
+from app.viewer.measuring.measured import offered
+from app.viewer.measuring.readings import Readings
 
 
 def course_of(ticks, value=float) -> Course:

@@ -10,8 +10,8 @@ import pytest
 
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.clearance import clearance

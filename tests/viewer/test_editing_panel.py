@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from app.viewer.laboratory import Laboratory
-from app.viewer.panels.world_controls import BOX, DISC, POLYGON, SELECT
-from app.viewer.scene.handles import Drag
-from app.viewer.start import Start
-from app.viewer.values import show
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.world_controls import BOX, DISC, POLYGON, SELECT
+from app.viewer.run.start import Start
+from app.viewer.scene.marks.hands.handles import Drag
+from app.viewer.web.values import show
 from tests.viewer.waiting import until
 from worlds.world import World
 

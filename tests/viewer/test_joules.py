@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 from agents.flight.trim import trim
-from app.viewer.joules import Joules, trimmed
-from app.viewer.readings import Readings
-from app.viewer.start import Start
+from app.viewer.measuring.joules import Joules, trimmed
+from app.viewer.measuring.readings import Readings
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 

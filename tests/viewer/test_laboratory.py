@@ -15,11 +15,11 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.viewer.drawing import FASTEST, SLOWEST, period
-from app.viewer.laboratory import Laboratory
+from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.parameters import worded
-from app.viewer.start import Start
+from app.viewer.run.start import Start
+from app.viewer.scene.drawing import FASTEST, SLOWEST, period
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.live.live import Live
-from app.viewer.scene import Look
-from app.viewer.scene.calm import AFRESH, HOLD, Calm
-from app.viewer.scene.live_labels import BESIDE, MOST, LiveLabels, told, words
-from app.viewer.scene.placing import AFRESH as STAY
-from app.viewer.scene.placing import Sides, chosen_sides
+from app.viewer.scene.marks.flock.live_labels import BESIDE, MOST, LiveLabels, told, words
+from app.viewer.scene.marks.flock.placing import AFRESH as STAY
+from app.viewer.scene.marks.flock.placing import Sides, chosen_sides
+from app.viewer.scene.shown.calm import AFRESH, HOLD, Calm
+from app.viewer.scene.shown.live import Live
+from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import frame, known, shown
 from tests.viewer.live_fleet import live, live_frame
 from tests.viewer.test_scene_worlds import Stand, draw

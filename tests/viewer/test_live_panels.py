@@ -28,7 +28,7 @@ from app.viewer.live.panels.room import injected, limited
 from app.viewer.live.panels.state import banner
 from app.viewer.live.room_state import RoomState
 from app.viewer.live.standing import standing
-from app.viewer.server import close_server, open_server
+from app.viewer.web.server import close_server, open_server
 from tests.viewer.stub_desk import car_look, companion, look_at
 
 OPEN = RoomState("emulated cars", "dry run", "squashing", status="open")

@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.live.live import Live
-from app.viewer.scene import COLOURINGS, LIVE_COLOURINGS, Look, Scene, palette, tone
-from app.viewer.scene.agents import Agents
-from app.viewer.scene.area import THICK, CaptureArea, frame_mesh
-from app.viewer.scene.car import hull, outline
-from app.viewer.scene.colouring import legend
-from app.viewer.scene.fence import INSIDE, Fence, fence
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.injected import InjectedCar
-from app.viewer.scene.labels import Labels
-from app.viewer.scene.live_rings import RADIUS, LiveRings
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.car import hull, outline
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.marks.flock.agents import Agents
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.labels import Labels
+from app.viewer.scene.marks.flock.live_rings import RADIUS, LiveRings
+from app.viewer.scene.marks.flock.stuck import StuckMarks
+from app.viewer.scene.marks.world.area import THICK, CaptureArea, frame_mesh
+from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
+from app.viewer.scene.marks.world.injected import InjectedCar
 from app.viewer.scene.parts import Parts
-from app.viewer.scene.stuck import StuckMarks
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.live import Live
+from app.viewer.scene.shown.look import COLOURINGS, LIVE_COLOURINGS, Look
 from tests.viewer.fleet import AREA, frame, node, shown
 from tests.viewer.live_fleet import STATES, live, live_frame, nobody
 from tests.viewer.test_scene_geometry import rotated

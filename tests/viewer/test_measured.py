@@ -9,12 +9,12 @@ import pytest
 
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measured import Scale, offered, scale, told, unit
-from app.viewer.panels.bars import size_bars
-from app.viewer.panels.monitors import energy_numbers
-from app.viewer.readings import Readings
-from app.viewer.start import Start
-from app.viewer.still import Still
+from app.viewer.lab.panels.bars import size_bars
+from app.viewer.lab.panels.monitors import energy_numbers
+from app.viewer.measuring.measured import Scale, offered, scale, told, unit
+from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.still import Still
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 

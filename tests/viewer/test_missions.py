@@ -10,15 +10,15 @@ import pytest
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.neighbours import nearest_neighbour
-from app.viewer.extremes import MOST_AGENTS, Extremes
-from app.viewer.frame import Errand, Frame
-from app.viewer.panels.inspector import signal_facts
-from app.viewer.panels.monitors import errand_title, headed, mission_numbers, numbers
-from app.viewer.picture import Camera, Wanted
-from app.viewer.readings import Readings, arrived
-from app.viewer.run import Run
-from app.viewer.start import Start, at_home, home, lively_speed, titled, world_titles
-from app.viewer.state import State
+from app.viewer.lab.panels.inspector import signal_facts
+from app.viewer.lab.panels.monitors import errand_title, headed, mission_numbers, numbers
+from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
+from app.viewer.measuring.readings import Readings, arrived
+from app.viewer.run.picture import Camera, Wanted
+from app.viewer.run.run import Run
+from app.viewer.run.start import Start, at_home, home, lively_speed, titled, world_titles
+from app.viewer.run.state import State
+from app.viewer.scene.shown.frame import Errand, Frame
 from tests.viewer.waiting import until
 from worlds.clearance import clearance
 from worlds.layout import layout_names

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.viewer.notices import AGAIN, Notices
+from app.viewer.web.notices import AGAIN, Notices
 
 
 @pytest.fixture

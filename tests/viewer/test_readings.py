@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.notation import equation_svg, plain
-from app.viewer.pace import ANSWER, Pace
-from app.viewer.panels.bars import layer_bars
-from app.viewer.ration import Ration
-from app.viewer.readings import Readings
-from app.viewer.start import Start
+from app.viewer.lab.panels.bars import layer_bars
+from app.viewer.measuring.ration import Ration
+from app.viewer.measuring.readings import Readings
+from app.viewer.panels.notation import equation_svg, plain
+from app.viewer.run.pace import ANSWER, Pace
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 
 

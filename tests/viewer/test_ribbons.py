@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.cars import LENGTH, WIDTH
-from app.viewer.frame import Errand
-from app.viewer.scene import TRAILS, Look, palette
-from app.viewer.scene.past import Past
-from app.viewer.scene.picture import Picture
-from app.viewer.scene.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.marks.paths.past import Past
+from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from app.viewer.scene.shown.cars import LENGTH, WIDTH
+from app.viewer.scene.shown.frame import Errand
+from app.viewer.scene.shown.look import TRAILS, Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.frame import Frame
-from app.viewer.scene import RIDE, STEP_OFF, Look
-from app.viewer.scene.camera import View
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.ride import BEHIND, STEEPEST, Ride, straightened
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.viewpoints import Sight, Viewpoints
+from app.viewer.scene.cameras.camera import View
+from app.viewer.scene.cameras.ride import BEHIND, STEEPEST, Ride, straightened
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
 from worlds.world import World
 
 HERE = np.zeros(3)

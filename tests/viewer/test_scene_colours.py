@@ -5,12 +5,13 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from app.viewer.frame import Frame, Inspection
-from app.viewer.scene import COLOURINGS, Look, palette, tone
-from app.viewer.scene.colouring import agent_colours, legend
-from app.viewer.scene.oklch import decoded, encoded, oklch
-from app.viewer.scene.picture import picture
-from app.viewer.scene.stage import Stage
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.colouring import agent_colours, legend
+from app.viewer.scene.draw.oklch import decoded, encoded, oklch
+from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame, Inspection
+from app.viewer.scene.shown.look import COLOURINGS, Look
 from worlds.world import World
 
 

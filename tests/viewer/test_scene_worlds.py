@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.frame import Errand, Frame
-from app.viewer.scene import Look
-from app.viewer.scene.mission import MissionMarks
-from app.viewer.scene.obstacles import Obstacles, drawn_height, the_changed
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.points import BoundaryPoints
-from app.viewer.scene.reasons import Reasons, arrows, remembered
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.viewpoints import extent
-from app.viewer.scene.walls import Walls
+from app.viewer.scene.cameras.viewpoints import extent
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.inspected.reasons import Reasons, arrows, remembered
+from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.marks.world.obstacles import Obstacles, drawn_height, the_changed
+from app.viewer.scene.marks.world.points import BoundaryPoints
+from app.viewer.scene.marks.world.walls import Walls
+from app.viewer.scene.shown.frame import Errand, Frame
+from app.viewer.scene.shown.look import Look
 from tests.viewer.test_solids import is_closed, volume
 from worlds.mission import Goal, Mission, Path, Start
 from worlds.obstacles import Box, Disc, Ring, Sphere

@@ -9,16 +9,17 @@ import pytest
 
 from agents.crashes import Crashes
 from agents.inspection import Inspection, Shell
-from app.viewer.frame import Frame
-from app.viewer.panels.inspector import card
-from app.viewer.scene import Look, palette
-from app.viewer.scene.colouring import MOST_SAVED, agent_colours, legend
-from app.viewer.scene.inspection import InspectionMarks
-from app.viewer.scene.oklch import decoded
-from app.viewer.scene.picture import picture
-from app.viewer.scene.sectors import arc, arcs, cone, dome, sector, spokes
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.zones import ZoneMarks
+from app.viewer.lab.panels.inspector import card
+from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.colouring import MOST_SAVED, agent_colours, legend
+from app.viewer.scene.draw.oklch import decoded
+from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.inspected.inspection import InspectionMarks
+from app.viewer.scene.marks.inspected.sectors import arc, arcs, cone, dome, sector, spokes
+from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
 

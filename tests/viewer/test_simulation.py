@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-from app.viewer.panels.inspector import facts
-from app.viewer.picture import Wanted
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.lab.panels.inspector import facts
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal

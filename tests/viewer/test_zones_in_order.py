@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.flock import Flock
-from app.viewer.beside import Pair, companion
-from app.viewer.picture import Wanted
-from app.viewer.simulation import Simulation
-from app.viewer.start import at_home
-from app.viewer.zones import allowed, in_order, radii, stopped
+from app.viewer.run.beside import Pair, companion
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.start import at_home
+from app.viewer.run.zones import allowed, in_order, radii, stopped
 from worlds.refusal import Refusal
 
 

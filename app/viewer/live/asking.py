@@ -16,7 +16,7 @@ from app.live.lab import Lab
 from app.viewer.live.opened import Opened
 from app.viewer.live.room_state import Choice, RoomState
 from app.viewer.live.wanted import number, parameter_value, whole_number, word
-from app.viewer.words import in_words
+from app.viewer.run.words import in_words
 from worlds.refusal import Refusal
 
 ASKED: dict[str, Wish] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}

@@ -13,9 +13,9 @@ from agents.model import Model
 from app.live.lab import Lab
 from app.live.look import Look
 from app.live.squashing_driver import room as world_of
-from app.viewer.cars import LENGTH, WIDTH, Cars
-from app.viewer.frame import Errand, Frame
-from app.viewer.live.live import LOST, SIMULATED, Live
+from app.viewer.scene.shown.cars import LENGTH, WIDTH, Cars
+from app.viewer.scene.shown.frame import Errand, Frame
+from app.viewer.scene.shown.live import LOST, SIMULATED, Live
 from worlds.world import World
 
 OVER = 0.1

@@ -9,8 +9,8 @@ import numpy as np
 from viser import SceneApi, TransformControlsEvent
 
 from app.live.area import Area
-from app.viewer.frame import Frame
-from app.viewer.scene.stage import Stage
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame
 
 SETTLE = 0.35
 """Seconds after a release before the handle goes to the car again: frames on their way are old."""

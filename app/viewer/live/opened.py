@@ -10,11 +10,11 @@ from typing import Any, Protocol
 from app.live.arm import Request
 from app.live.events import Event
 from app.live.look import Look
-from app.viewer.frame import Frame
 from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.tuning import Tuning
 from app.viewer.live.worth_telling import notice_of
+from app.viewer.scene.shown.frame import Frame
 
 SILENCE = 1.0
 """Seconds without a new look after which the loop is said not to answer."""

@@ -11,9 +11,6 @@ import viser
 
 from app.live.choices import links, rules, sources
 from app.live.lab import Lab
-from app.viewer.addresses import here
-from app.viewer.drawing import PANELS, Drawing
-from app.viewer.frame import Frame
 from app.viewer.live.hand import Hand
 from app.viewer.live.keys import KEYS, STOP_KEY
 from app.viewer.live.panels.log import LogPanel
@@ -24,13 +21,17 @@ from app.viewer.live.panels.rule import RulePanel
 from app.viewer.live.panels.state import StatePanel
 from app.viewer.live.panels.view import LiveView
 from app.viewer.live.room import Room
-from app.viewer.notices import Notices
-from app.viewer.origin import Allowed
 from app.viewer.panels.hotkeys import add_hotkeys
-from app.viewer.scene import Look, Scene
-from app.viewer.server import close_server, open_server, stops
-from app.viewer.serving.front import Front
-from app.viewer.shell import dock, dress, settle
+from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.scene.drawing import PANELS, Drawing
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
+from app.viewer.web.addresses import here
+from app.viewer.web.notices import Notices
+from app.viewer.web.origin import Allowed
+from app.viewer.web.server import close_server, open_server, stops
+from app.viewer.web.serving.front import Front
 
 BANNER = 0.1
 """Time between two looks at how the room stands, s."""

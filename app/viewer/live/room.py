@@ -21,7 +21,6 @@ from app.live.events import Event, Events
 from app.live.lab import Lab
 from app.live.look import Look
 from app.live.squashing_driver import FlockDriver
-from app.viewer.frame import Frame
 from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.asking import CLOSED, Asking
 from app.viewer.live.course import Course
@@ -29,7 +28,8 @@ from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted
 from app.viewer.live.opened import Counter, Opened
 from app.viewer.live.room_state import Choice
-from app.viewer.words import in_words
+from app.viewer.run.words import in_words
+from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
 
 LOOK_EVERY = 1 / 50

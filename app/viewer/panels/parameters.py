@@ -13,12 +13,12 @@ import viser
 from agents.catalogue import MODELS
 from agents.declare import Declared, declared
 from agents.model import Model
-from app.viewer.beside import shared_by
-from app.viewer.commands import Models
-from app.viewer.notation import plain
+from app.viewer.panels.notation import plain
 from app.viewer.panels.style import block
-from app.viewer.simulation import Simulation
-from app.viewer.state import State
+from app.viewer.run.beside import shared_by
+from app.viewer.run.commands import Models
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.state import State
 
 
 class ParametersPanel:

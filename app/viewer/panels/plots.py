@@ -10,13 +10,13 @@ import viser
 from viser import uplot
 
 from agents.model import Model
-from app.viewer.beside import ratio
-from app.viewer.curves import choices, points, together, usual, worded
-from app.viewer.frame import Frame
-from app.viewer.measured import scale, told
+from app.viewer.measuring.curves import choices, points, together, usual, worded
+from app.viewer.measuring.measured import scale, told
+from app.viewer.measuring.readings import Readings
 from app.viewer.panels.style import BLUE, GREEN, block, key
-from app.viewer.readings import Readings
-from app.viewer.values import show
+from app.viewer.run.beside import ratio
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.web.values import show
 
 HEIGHT = 106
 PADDING = (10, 14, 0, 0)

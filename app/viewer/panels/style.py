@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.viewer.scene.static_files import static_folder
+from app.viewer.web.static_files import static_folder
 
 BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#f08c00", "#2b8a3e", "#e03131", "#868e96"
 VIOLET = "#7c3aed"

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from viser import FrameHandle, LabelHandle, SceneApi
 
+from app.viewer.scene.cameras.viewpoints import Sight, places
+from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.picking import picked
-from app.viewer.scene.picture import Changes, Picture
-from app.viewer.scene.viewpoints import Sight, places
 
 ROOT = "/beside"
 GAP = 0.07

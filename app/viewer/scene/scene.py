@@ -7,19 +7,19 @@ from collections.abc import Callable
 import numpy as np
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
-from app.viewer.frame import Frame
 from app.viewer.scene.beside import Beside, meant, sights
-from app.viewer.scene.calm import Calm
-from app.viewer.scene.colouring import legend
-from app.viewer.scene.gizmo import Dragged, Grabbed, LeaderGizmo
-from app.viewer.scene.handles import Handles
-from app.viewer.scene.look import Look
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.draw.picture import Changes, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.hands.gizmo import Dragged, Grabbed, LeaderGizmo
+from app.viewer.scene.marks.hands.handles import Handles
+from app.viewer.scene.marks.world.surroundings import Fog, set_light
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.picking import slack
-from app.viewer.scene.picture import Changes, picture
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.surroundings import Fog, set_light
-from app.viewer.scene.viewpoints import Sight, Viewpoints
+from app.viewer.scene.shown.calm import Calm
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 
 Clicked = Callable[[int | None, np.ndarray, np.ndarray, bool], None]
 

@@ -10,7 +10,7 @@ from viser._gui_handles import GuiModalHandle
 
 from app.viewer.live.room import Room
 from app.viewer.panels.style import block
-from app.viewer.values import show
+from app.viewer.web.values import show
 
 ASKED = "The terminal that runs <i>flockscope live lab</i> shows the code."
 NO_CODE = "A code is six digits."

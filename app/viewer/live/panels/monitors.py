@@ -10,11 +10,11 @@ import viser
 
 from app.live.injected import Injection
 from app.live.look import Look
-from app.viewer.frame import Frame
 from app.viewer.live.course import Course
 from app.viewer.live.panels.plots import colours
 from app.viewer.panels.style import block, cards, key
-from app.viewer.scene import palette
+from app.viewer.scene.draw import palette
+from app.viewer.scene.shown.frame import Frame
 
 DASH = "–"
 

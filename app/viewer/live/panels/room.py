@@ -16,7 +16,7 @@ from app.viewer.live.panels.state import whose
 from app.viewer.live.room import Room
 from app.viewer.live.room_state import RoomState
 from app.viewer.panels.style import block, table
-from app.viewer.values import show
+from app.viewer.web.values import show
 
 EMULATED = '<div class="fs-quiet">Emulated cars have a link of their own.</div>'
 OBEYED = 1.0

@@ -16,7 +16,7 @@ from app.viewer.live.room import Room
 from app.viewer.live.room_state import RoomState
 from app.viewer.panels.parameters import add_control, meanings, sides
 from app.viewer.panels.style import block
-from app.viewer.values import show
+from app.viewer.web.values import show
 
 
 class RulePanel:

@@ -6,9 +6,8 @@ from collections.abc import Callable
 
 import viser
 
-from app.viewer.scene import CAMERAS, LIVE_COLOURINGS, TRAILS, Look
-from app.viewer.scene.look import RIBBON
-from app.viewer.values import show
+from app.viewer.scene.shown.look import CAMERAS, LIVE_COLOURINGS, RIBBON, TRAILS, Look
+from app.viewer.web.values import show
 
 LENGTH = 400
 """How far back a trail reaches at first, ticks."""

@@ -1,0 +1,186 @@
+"""What the monitors show of a flock, and its course over the run."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from agents.crashes import Crashes
+from agents.flock import Flock
+from agents.observables.catalogue import OBSERVABLES
+from agents.observables.following import spread_bound
+from agents.observables.groups import group_sizes
+from agents.observables.observable import SERIES
+from app.viewer.measuring.aside import Aside
+from app.viewer.measuring.course import Course
+from app.viewer.measuring.extremes import Extremes
+from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, SAVED, measures, offered, says
+from app.viewer.measuring.ration import Ration
+from app.viewer.measuring.still import Still
+from worlds.refusal import Refusal
+
+NOBODY = np.zeros(0, int)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What has been measured aside."""
+
+    tick: int
+    values: dict[str, float]
+    sizes: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Agents of each group, largest first."""
+    layers: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Number of agents in layers 1, 2, ..."""
+    unknown: int = 0
+    """Agents that no information reaches."""
+    refusal: Refusal | None = None
+    """Why something could not be measured."""
+
+
+def measure(flock: Still, names: Iterable[str]) -> Found:
+    """Measure observables, and what else follows from the graph of a flock."""
+    values, refusal = {}, None
+    for name in names:
+        try:
+            values[name] = float(OBSERVABLES[name].measure(flock))
+        except Refusal as error:
+            refusal = error
+    try:
+        sizes, known = group_sizes(flock.labels), NOBODY
+        if flock.informed.any():
+            layer = flock.layers()
+            known = layer[layer <= len(layer)]
+    except Refusal as error:
+        return Found(flock.tick, values, refusal=refusal or error)
+    unknown = len(flock.ids) - len(known) if len(known) else 0
+    return Found(flock.tick, values, sizes, np.bincount(known)[1:], unknown, refusal)
+
+
+@dataclass
+class Readings:
+    """Reads one flock's observables, no more often than is fair to the flock."""
+
+    flock: Flock
+    watched: frozenset[str] = frozenset()
+    """Observables to measure beside those that always are."""
+    values: dict[str, float] = field(default_factory=dict)
+    sizes: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Agents of each group, largest first."""
+    layers: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Number of agents in layers 1, 2, ...; agents of unknown layer left out."""
+    unknown: int = 0
+    """Agents that no information reaches."""
+    crashes: Crashes | None = None
+    """Who has crashed so far; None where nobody can."""
+    tick: int = 0
+    """When that was."""
+    courses: dict[str, Course] = field(default_factory=dict)
+    extremes: Extremes = field(init=False)
+    offered: tuple[str, ...] = field(init=False)
+    """What can be measured of this flock."""
+    quick: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.05))
+    slow: Ration = field(default_factory=lambda: Ration(period=1 / 4, share=0.1))
+    aside: Aside = field(default_factory=Aside)
+
+    def __post_init__(self) -> None:
+        self.extremes = Extremes(self.flock)
+        self.offered = offered(self.flock)
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Change what is measured beside what always is."""
+        self.watched = names
+        self.slow.renew()
+
+    def read(self, at_once: bool = False) -> None:
+        """Read what is due; everything, and now, if `at_once`.
+
+        Raises Refusal if the flock has too many neighbours to find its graph.
+        """
+        now = time.perf_counter()
+        if at_once or self.quick.due(now):
+            with self.quick.measured():
+                self.look()
+        if at_once:
+            self.aside.forget()
+            self.take(self.study(Still(self.flock)))
+        elif done := self.aside.finished():
+            self.take(done.result)
+        elif self.aside.idle and self.slow.due(now):
+            self.aside.begin(self.study(Still(self.flock)))
+
+    def look(self) -> None:
+        """Read what is cheap."""
+        flock = self.flock
+        self.offered = offered(flock)
+        seen = {name: observed(flock, name) for name in QUICK if says(flock, name)}
+        self.note(flock.tick, seen)
+        mission = flock.world.mission
+        if mission is not None and mission.goal is not None:
+            seen["through"] = arrived(flock)
+        if flock.can_crash:
+            self.crashes = flock.crashes
+            seen[CRASHES] = float(len(self.crashes))
+        self.values = self.values | seen | self.extremes.values()
+        self.tick = flock.tick
+
+    def course(self, name: str) -> Course:
+        """How an observable went; without points if it has not been measured."""
+        return self.courses.setdefault(name, Course())
+
+    def note(self, tick: int, values: dict[str, float]) -> None:
+        """Take values into their courses."""
+        for name, value in values.items():
+            self.course(name).add(tick, value)
+
+    def study(self, flock: Still) -> Callable[[], Found]:
+        """The work of measuring what is costly, which counts against its ration."""
+        wanted = (*GRAPH, *sorted(self.watched.difference(GRAPH, QUICK, [CRASHES])))
+        names = [name for name in wanted if name in self.offered]
+
+        def work() -> Found:
+            with self.slow.measured():
+                return measure(flock, names)
+
+        return work
+
+    def take(self, found: Callable[[], Found]) -> None:
+        """Take what was found; without it nothing old is shown."""
+        lasting = (*QUICK, CRASHES)
+        self.values = {
+            name: value
+            for name, value in self.values.items()
+            if name in lasting or name not in self.offered
+        }
+        self.sizes, self.layers, self.unknown = NOBODY, NOBODY, 0
+        seen = found()
+        self.values = self.values | seen.values
+        self.sizes, self.layers, self.unknown = seen.sizes, seen.layers, seen.unknown
+        self.note(seen.tick, seen.values)
+        if seen.refusal is not None:
+            raise seen.refusal
+
+    def over(self, name: str, last: float = math.inf) -> float:
+        """An observable that is measured over a run, over its `last` ticks or all of it."""
+        series = self.course(SERIES).arrays(last)[1]
+        take = OBSERVABLES[name].over
+        assert take is not None
+        fallen = 0 if self.crashes is None else len(self.crashes)
+        return take(series, float(len(self.flock.ids) - fallen)) if len(series) > 1 else math.nan
+
+
+def observed(flock: Flock, name: str) -> float:
+    """An observable of a flock; nan if it follows from what has not been measured yet."""
+    return math.nan if name in SAVED and not measures(flock) else float(flock.observe(name))
+
+
+def arrived(flock: Flock) -> float:
+    """Share of the agents that are no further from the goal than a flock around it needs."""
+    goal = flock.goal_at([flock.tick])[0]
+    spacing = float(getattr(flock.parameters, "d", flock.reach))
+    away = np.linalg.norm(flock.position - goal, axis=1)
+    return float((away <= spread_bound(len(away), spacing)).mean())
