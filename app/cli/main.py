@@ -27,12 +27,16 @@ COMMANDS = {
     "lab": Entry("app.cli.lab", "lab", "Open the laboratory in the browser (the default)."),
     "run": Entry("app.cli.run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry("app.cli.paper", "paper", "Repeat a table or a figure of a paper."),
-    "live": Entry("app.cli.live", "live", "Real cars: check a laboratory, drive, replay, emulate."),
+    "live": Entry(
+        "app.cli.live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
+    ),
     "flight": Entry(
-        "app.cli.flight", "flight", "A flapping-wing aircraft: trim, sweep over speed, fly."
+        "app.cli.flight.commands",
+        "flight",
+        "A flapping-wing aircraft: trim, sweep over speed, fly.",
     ),
     "world": Entry(
-        "app.cli.world", "world", "Worlds: list, draw, check, read from drawings, make."
+        "app.cli.world.commands", "world", "Worlds: list, draw, check, read from drawings, make."
     ),
     "formation": Entry(
         "app.cli.formation", "formation", "Formation flight: what birds save by upwash."

@@ -46,7 +46,7 @@ def model(name: str) -> Thing:
 
 def world(name: str) -> Thing:
     """A built-in world as its layout has it."""
-    from app.cli.world_list import worlds
+    from app.cli.world.list_layouts import worlds
     from worlds.layout import read_layout
 
     row = next(row for row in worlds() if row["name"] == name)

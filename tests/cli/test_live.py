@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from live.natnet_emulator import Body, NatNetEmulator, free_port
 
-from app.cli.live_file import laboratory
+from app.cli.live.file import laboratory
 from app.live.example import FILE, example
 from app.live.lab import lab_from_toml
 from app.live.links.links import open_link

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.cli.live_console import Console
-from app.cli.live_lab import lab
+from app.cli.live.console import Console
+from app.cli.live.lab import lab
 from app.cli.stopping import Stopping
 from app.live.events import Event
 from worlds.refusal import Refusal

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from app.cli.live_console import Console
+from app.cli.live.console import Console
 from app.cli.stopping import Stopping
 from app.viewer.live.arming_code import DIGITS, TRIES, ArmingCode
 from app.viewer.live.panels.log import as_csv

@@ -9,7 +9,7 @@ import typer
 
 from app.cli.outcome import as_json, tell_written
 from app.cli.settings import assignment, at_least
-from app.cli.world_file import demand_new, edges_asked, sides, size_text, write_layout
+from app.cli.world.file import demand_new, edges_asked, sides, size_text, write_layout
 from worlds.counting import counted
 
 

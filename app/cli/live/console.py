@@ -6,8 +6,8 @@ import time
 
 import typer
 
-from app.cli.live_keys import Keys
-from app.cli.live_operate import HELP, KEYS, LEAVES
+from app.cli.live.keys import Keys
+from app.cli.live.operate import HELP, KEYS, LEAVES
 from app.cli.stopping import Stopping
 from app.live.events import Event
 from app.viewer.live.room import Room

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.flight.options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.settings import numbers

@@ -29,8 +29,8 @@ def emulate(
 
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
-    from app.cli.live_file import laboratory
-    from app.cli.live_run import conduct
+    from app.cli.live.file import laboratory
+    from app.cli.live.run import conduct
     from app.live.driven import open_driven
     from app.live.example import example
     from app.live.kinds import SIMULATED

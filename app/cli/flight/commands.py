@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.cli.flight_aircraft import aircraft
-from app.cli.flight_simulate import simulate
-from app.cli.flight_sweep import sweep
-from app.cli.flight_trim import trim
+from app.cli.flight.aircraft import aircraft
+from app.cli.flight.simulate import simulate
+from app.cli.flight.sweep import sweep
+from app.cli.flight.trim import trim
 from app.cli.usage import grouped
 
 flight = grouped(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.live_options import LinkName, SourceName
+from app.cli.live.options import LinkName, SourceName
 from app.cli.outcome import as_json
 from app.cli.refusals import refuse
 from worlds.refusal import Refusal
@@ -37,7 +37,7 @@ def check(
 
     Sends nothing to the cars. Exit code 2, and one line, if anything is amiss.
     """
-    from app.cli.live_file import laboratory
+    from app.cli.live.file import laboratory
     from app.live.choices import links, rules, sources
     from app.live.squashing_driver import FlockDriver
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json, tell_written
-from app.cli.world_file import demand_new, given_world
+from app.cli.world.file import demand_new, given_world
 from worlds.refusal import Refusal
 
 PICTURES = (".png", ".svg")

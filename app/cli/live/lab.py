@@ -39,7 +39,7 @@ def lab(
     Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.cli.live_file import laboratory
+    from app.cli.live.file import laboratory
     from app.live.choices import known, sources
     from app.live.example import example
     from app.live.kinds import SIMULATED
@@ -64,7 +64,7 @@ def lab(
 
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
-    from app.cli.live_console import Console
+    from app.cli.live.console import Console
     from app.cli.stopping import Stopping
 
     with Stopping() as stopping:

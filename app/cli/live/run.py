@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.live_options import LinkName, SourceName
+from app.cli.live.options import LinkName, SourceName
 from app.cli.outcome import as_json
 from worlds.refusal import Refusal
 
@@ -37,7 +37,7 @@ def run(
 
     Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.cli.live_file import laboratory
+    from app.cli.live.file import laboratory
     from app.live.driven import open_driven
 
     if dry and link:
@@ -66,7 +66,7 @@ def conduct(
             typer.echo(words, err=True)
 
     tell(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
-    from app.cli.live_operate import Terminal, closing
+    from app.cli.live.operate import Terminal, closing
     from app.cli.stopping import Stopping
     from app.live.desk import Desk
     from app.live.squashing_driver import FlockDriver

@@ -9,7 +9,7 @@ from typing import Any
 
 import typer
 
-from app.cli.live_keys import Keys
+from app.cli.live.keys import Keys
 from app.cli.outcome import as_json
 from app.cli.stopping import Stopping
 from app.live.arm import Request, Wish

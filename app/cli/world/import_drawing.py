@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.outcome import as_json, tell_written
-from app.cli.world_file import demand_new, edges_asked, size_text, write_layout
+from app.cli.world.file import demand_new, edges_asked, size_text, write_layout
 from worlds.counting import counted
 from worlds.refusal import Refusal
 

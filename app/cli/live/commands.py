@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from app.cli.live_check import check
-from app.cli.live_emulate import emulate
-from app.cli.live_lab import lab
-from app.cli.live_recover import recover
-from app.cli.live_replay import replay
-from app.cli.live_run import run
+from app.cli.live.check import check
+from app.cli.live.emulate import emulate
+from app.cli.live.lab import lab
+from app.cli.live.recover import recover
+from app.cli.live.replay import replay
+from app.cli.live.run import run
 from app.cli.usage import grouped
 
 live = grouped(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from app.cli.flight_options import AsJson
+from app.cli.flight.options import AsJson
 from app.cli.outcome import as_json
 
 
