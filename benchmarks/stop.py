@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from app.live.example import FILE  # noqa: E402
-from app.live.lab import lab_from_toml  # noqa: E402
+from app.live.laboratory.lab import lab_from_toml  # noqa: E402
 from app.viewer.live.page import LivePage  # noqa: E402
 
 REPEATS, QUICK = 20, 3

@@ -1,7 +1,7 @@
 """The texts that name a source or a link: their kinds, and what they are called where one chooses.
 
 A text is `kind:place?option=value`. One that begins with `simulated` names the room in software,
-whose source and link go together; `app.live.emulated_ends` opens it.
+whose source and link go together; `app.live.emulation.ends` opens it.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from app.live.links.place import read_place
+from app.live.place import read_place
 from worlds.refusal import Refusal
 
 SIMULATED = "simulated"

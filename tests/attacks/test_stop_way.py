@@ -12,9 +12,9 @@ from http.client import HTTPConnection
 
 import pytest
 
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.loop_process import Asked, InOrder
+from app.live.control.arm import Request
+from app.live.operating.desk import Desk
+from app.live.operating.loop_process import Asked, InOrder
 from app.viewer.web.incoming.door import UNDECIDED
 from app.viewer.web.incoming.visitors import MOST_OF_ONE
 from app.viewer.web.server import stops
@@ -189,7 +189,9 @@ def test_what_was_asked_before_a_stop_does_not_undo_it_though_it_comes_after_it(
 @pytest.fixture
 def desk(monkeypatch):
     """A desk without a process: what it sends by its two ways."""
-    monkeypatch.setattr("app.live.desk.multiprocessing.get_context", lambda _: FakeSpawn())
+    monkeypatch.setattr(
+        "app.live.operating.desk.multiprocessing.get_context", lambda _: FakeSpawn()
+    )
     monkeypatch.setattr(Desk, "begin", lambda _: None)
     made = Desk(Empty(), None)
     yield made
@@ -241,7 +243,7 @@ def test_a_stop_waits_for_nothing_at_the_desk(desk):
 
 
 def test_of_many_stops_one_is_sent_and_each_after_a_reset_anew(desk, monkeypatch):
-    monkeypatch.setattr("app.live.desk.AGAIN", math.inf)
+    monkeypatch.setattr("app.live.operating.desk.AGAIN", math.inf)
     for _ in range(1000):
         desk.ask(STOP)
     assert len(desk.stops.asked) == 1

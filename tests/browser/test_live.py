@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
 from app.live.example import FILE
-from app.live.lab import lab_from_toml
+from app.live.laboratory.lab import lab_from_toml
 from app.viewer.live.page import LivePage
 from tests.browser.conftest import obeyed
 from tests.viewer.waiting import until

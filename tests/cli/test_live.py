@@ -19,11 +19,11 @@ from live.natnet_emulator import Body, NatNetEmulator, free_port
 
 from app.cli.live.file import laboratory
 from app.live.example import FILE, example
-from app.live.lab import lab_from_toml
+from app.live.laboratory.lab import lab_from_toml
 from app.live.links.links import open_link
-from app.live.record import TABLES, Recording
-from app.live.replay import read
-from app.live.squashing_driver import FlockDriver
+from app.live.operating.squashing_driver import FlockDriver
+from app.live.recording.record import TABLES, Recording
+from app.live.recording.replay import read
 from cli.calling import PROGRAM, call, refusal, start
 from worlds.refusal import Refusal
 

@@ -9,7 +9,7 @@ import pytest
 from app.cli.live.console import Console
 from app.cli.live.lab import lab
 from app.cli.stopping import Stopping
-from app.live.events import Event
+from app.live.control.events import Event
 from worlds.refusal import Refusal
 
 

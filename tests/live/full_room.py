@@ -7,13 +7,13 @@ import math
 import random
 import time
 
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.driven import open_driven
-from app.live.emulated_cars import EmulatedCars, Terminal
-from app.live.emulated_plant import EmulatedPlant
-from app.live.firmware import Firmware
-from app.live.lab import lab_from_toml
+from app.live.control.arm import Request
+from app.live.emulation.cars import EmulatedCars, Terminal
+from app.live.emulation.plant import EmulatedPlant
+from app.live.laboratory.lab import lab_from_toml
+from app.live.links.firmware import Firmware
+from app.live.operating.desk import Desk
+from app.live.operating.driven import open_driven
 from live.natnet_emulator import Body, NatNetEmulator
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005

@@ -17,10 +17,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from app.live.emulated_cars import Datagrams, EmulatedCars
-from app.live.emulated_plant import EmulatedPlant
-from app.live.firmware import Firmware
-from app.live.lab import lab_from_toml
+from app.live.emulation.cars import Datagrams, EmulatedCars
+from app.live.emulation.plant import EmulatedPlant
+from app.live.laboratory.lab import lab_from_toml
+from app.live.links.firmware import Firmware
 from app.live.links.link import RUN
 
 ROOT = Path(__file__).parents[2]
@@ -87,9 +87,9 @@ import sys, time
 sys.path[:0] = {path!r}
 from pathlib import Path
 from live import told_poses as ends
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.lab import read_lab
+from app.live.control.arm import Request
+from app.live.operating.desk import Desk
+from app.live.laboratory.lab import read_lab
 
 if __name__ == "__main__":
     desk = Desk(read_lab({file!r}), ends.{opener}, Path({folder!r}))

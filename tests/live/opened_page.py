@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from app.live.lab import Lab
+from app.live.laboratory.lab import Lab
 from app.viewer.live.page import LivePage
 from tests.live.waiting import until
 

@@ -6,14 +6,14 @@ import math
 import time
 from dataclasses import dataclass, field
 
-from app.live.arm import Request
-from app.live.control import Control, Step
-from app.live.ends import Ends, open_ends
-from app.live.firmware import WATCHDOG
-from app.live.lab import Lab, lab_from_toml
+from app.live.control.arm import Request
+from app.live.control.control import Control, Step
+from app.live.control.pose import Frame, Pose, seen
+from app.live.laboratory.lab import Lab, lab_from_toml
+from app.live.links.firmware import WATCHDOG
 from app.live.links.link import RUN
 from app.live.links.links import open_link
-from app.live.pose import Frame, Pose, seen
+from app.live.operating.ends import Ends, open_ends
 
 LAB = """title = "a room"
 source = "mock:"

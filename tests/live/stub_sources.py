@@ -6,7 +6,7 @@ import signal
 import time
 from dataclasses import dataclass
 
-from app.live.pose import Frame, Pose, seen, unseen
+from app.live.control.pose import Frame, Pose, seen, unseen
 from worlds.refusal import Refusal
 
 

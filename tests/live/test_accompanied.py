@@ -10,9 +10,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from app.live.arm import Request
-from app.live.replay import read, replay
-from app.live.squashing_driver import FlockDriver
+from app.live.control.arm import Request
+from app.live.operating.squashing_driver import FlockDriver
+from app.live.recording.replay import read, replay
 from live.rooms import Room, Steady, lab
 from live.test_companions import beside
 from live.test_live_record import ARM, record

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.arm import Arm, Request
+from app.live.control.arm import Arm, Request
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import Room, lab
 from worlds.refusal import Refusal

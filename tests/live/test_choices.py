@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.choices import SIMULATED, chosen, links, rules, sources
 from app.live.links.links import open_link
+from app.live.operating.choices import SIMULATED, chosen, links, rules, sources
 from app.live.sources.opening import open_source
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal

@@ -14,13 +14,13 @@ import pytest
 
 from agents.bodies.chassis import separation
 from agents.flock import Flock
-from app.live.arm import Request
-from app.live.companions import APART
-from app.live.control import Control
-from app.live.driver import Accompanied
+from app.live.control.arm import Request
+from app.live.control.control import Control
+from app.live.control.driver import Accompanied
+from app.live.control.pose import Frame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
-from app.live.pose import Frame, Pose, seen, unseen
-from app.live.squashing_driver import FlockDriver, model_for, room
+from app.live.operating.companions import APART
+from app.live.operating.squashing_driver import FlockDriver, model_for, room
 from live.rooms import lab
 from live.test_squashing_driver import PERFECT, SQUASHING, naive, text_of
 from worlds.refusal import Refusal

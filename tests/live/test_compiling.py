@@ -12,7 +12,7 @@ from cli.calling import call
 
 from agents.motion import Motion
 from app.live.example import example
-from app.live.squashing_driver import FlockDriver
+from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.room_state import RoomState
 from app.viewer.live.standing import standing
 
@@ -33,7 +33,7 @@ def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
 SAYS = """
 import sys
 from app.live.example import example
-from app.live.squashing_driver import FlockDriver
+from app.live.operating.squashing_driver import FlockDriver
 
 def tell(words):
     print(words)

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from app.live.arm import Request
-from app.live.desk import Desk
+from app.live.control.arm import Request
 from app.live.links.frame import Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.replay import read
+from app.live.operating.desk import Desk
+from app.live.recording.replay import read
 from live.rooms import LAB, crawling, lab, named, refusing
 from worlds.refusal import Refusal
 
@@ -143,8 +143,8 @@ DESK = """
 import sys, time
 sys.path[:0] = {path!r}
 from live.rooms import crawling, lab
-from app.live.arm import Request
-from app.live.desk import Desk
+from app.live.control.arm import Request
+from app.live.operating.desk import Desk
 
 if __name__ == "__main__":
     desk = Desk(lab(open({file!r}).read()), crawling)

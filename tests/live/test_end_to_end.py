@@ -27,10 +27,10 @@ import time
 import numpy as np
 import pytest
 
-from app.live.arm import Request
-from app.live.recovery import recover
-from app.live.replay import replay
-from app.live.squashing_driver import FlockDriver
+from app.live.control.arm import Request
+from app.live.operating.squashing_driver import FlockDriver
+from app.live.recording.recovery import recover
+from app.live.recording.replay import replay
 from live.full_room import FullRoom
 
 pytest.importorskip("motioncapture")

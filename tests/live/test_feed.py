@@ -11,7 +11,7 @@ from itertools import islice
 
 import pytest
 
-from app.live.pose import Frame, Pose
+from app.live.control.pose import Frame, Pose
 from app.live.sources import simulated
 from app.live.sources.feed import KEPT, Feed
 from app.live.sources.simulated import Simulated

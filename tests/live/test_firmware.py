@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.emulated_cars import Datagrams, EmulatedCars, Terminal
-from app.live.firmware import WATCHDOG, Car, Firmware
+from app.live.emulation.cars import Datagrams, EmulatedCars, Terminal
+from app.live.links.firmware import WATCHDOG, Car, Firmware
 from app.live.links.frame import Command, encode
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.links import open_link

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from app.live.arm import Request
-from app.live.limits import CarLimits
+from app.live.control.arm import Request
+from app.live.control.limits import CarLimits
+from app.live.control.travel import DELAY, Travel
 from app.live.links.link import RUN, STOP
-from app.live.travel import DELAY, Travel
 from live.rooms import LAB, Room, Steady, lab
 
 ARM = Request("arm", "test")

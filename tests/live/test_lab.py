@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.area import Area
-from app.live.injected import INJECTED
+from app.live.control.area import Area
+from app.live.control.injected import INJECTED
 from app.live.kinds import words_of
-from app.live.lab import lab_from_toml, read_lab
-from app.live.lab_lines import line_of
+from app.live.laboratory.lab import lab_from_toml, read_lab
+from app.live.laboratory.lines import line_of
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal
 

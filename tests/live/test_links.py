@@ -21,7 +21,7 @@ from app.live.links.frame import Command, Decoder, encode
 from app.live.links.jam import MOST_IN_A_ROW
 from app.live.links.link import EMERGENCY, RUN, STOP, LinkLost, shortage
 from app.live.links.links import open_link
-from app.live.links.place import read_place
+from app.live.place import read_place
 from live.chain_cars import chain_of
 from worlds.refusal import Refusal
 

@@ -15,16 +15,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from app.live.arm import Request
-from app.live.control import Control
-from app.live.injected import Injected
+from app.live.control.arm import Request
+from app.live.control.control import Control
+from app.live.control.injected import Injected
+from app.live.control.loop import Loop
+from app.live.control.pose import Frame, Pose, Sighting
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.links import open_link
-from app.live.loop import Loop
-from app.live.pose import Frame, Pose, Sighting
-from app.live.record import TABLES, Recording
-from app.live.recovery import recover
-from app.live.replay import bits, read, replay
+from app.live.recording.record import TABLES, Recording
+from app.live.recording.recovery import recover
+from app.live.recording.replay import bits, read, replay
 from live.rooms import LAB, Steady, lab
 from worlds.refusal import Refusal
 

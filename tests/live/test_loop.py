@@ -8,15 +8,15 @@ import time
 
 import pytest
 
-from app.live.arm import Request
-from app.live.control import Control
-from app.live.events import KEPT, Event, Events
-from app.live.injected import Injected
+from app.live.control.arm import Request
+from app.live.control.control import Control
+from app.live.control.events import KEPT, Event, Events
+from app.live.control.injected import Injected
+from app.live.control.loop import LOOK_EVERY, MOST_REQUESTS, PARTING, Loop
+from app.live.control.pose import Frame, Pose, seen
+from app.live.control.timing import KEPT as SPANS
+from app.live.control.timing import Spans
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.loop import LOOK_EVERY, MOST_REQUESTS, PARTING, Loop
-from app.live.pose import Frame, Pose, seen
-from app.live.timing import KEPT as SPANS
-from app.live.timing import Spans
 from live.rooms import LAB, Steady, lab
 
 ARM = Request("arm", "test")

@@ -19,8 +19,8 @@ from viser.infra._messages import wire_field_names
 from websockets.exceptions import ConnectionClosed
 
 from agents.declare import declared
-from app.live.choices import links, rules, sources
 from app.live.example import example
+from app.live.operating.choices import links, rules, sources
 from app.viewer.web.server import UNWANTED
 from tests.live.opened_page import opened
 from tests.live.stand_in import CAMERA, StandIn

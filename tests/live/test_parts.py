@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from app.live.events import Event, Events
-from app.live.lab import lab_from_toml
-from app.live.parts import MB, RESERVE, Kept, parts_of
-from app.live.record import TABLES, Recording
-from app.live.recovery import ending, recover
-from app.live.replay import read, replay
+from app.live.control.events import Event, Events
+from app.live.laboratory.lab import lab_from_toml
+from app.live.laboratory.parts import MB, RESERVE, Kept, parts_of
+from app.live.recording.record import TABLES, Recording
+from app.live.recording.recovery import ending, recover
+from app.live.recording.replay import read, replay
 from live.rooms import LAB
 from live.test_live_record import make, record
 from worlds.refusal import Refusal

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.pose import Frame, Pose, seen, unseen
+from app.live.control.pose import Frame, Pose, seen, unseen
 from app.live.sources.axes import NOSES, Axes, turned
 from worlds.refusal import Refusal
 

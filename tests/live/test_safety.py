@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.arm import Request
-from app.live.limits import CarLimits, Limits
+from app.live.control.arm import Request
+from app.live.control.limits import CarLimits, Limits
+from app.live.control.pose import Frame, Pose, Sighting, seen
+from app.live.control.safety import Safety, limited
+from app.live.control.travel import DELAY, LEAST
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.pose import Frame, Pose, Sighting, seen
-from app.live.safety import Safety, limited
-from app.live.travel import DELAY, LEAST
 from live.rooms import TICK, Room, Steady, lab
 from worlds.refusal import Refusal
 

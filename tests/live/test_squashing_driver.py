@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from agents.bodies.car_signals import SIGNALS
 from agents.flock import Flock
-from app.live.emulated_plant import EmulatedPlant
-from app.live.injected import Injected
-from app.live.pose import Pose, seen, unseen
-from app.live.squashing_driver import FlockDriver, model_for, room
+from app.live.control.injected import Injected
+from app.live.control.pose import Pose, seen, unseen
+from app.live.emulation.plant import EmulatedPlant
+from app.live.operating.squashing_driver import FlockDriver, model_for, room
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal
 

@@ -17,8 +17,8 @@ import pytest
 from cli.calling import call
 
 from app.live.links.link import STOP
-from app.live.record import TABLES
-from app.live.replay import read, replay
+from app.live.recording.record import TABLES
+from app.live.recording.replay import read, replay
 from live.logged_cars import LoggedRoom
 from live.rooms import ROUND, Steady
 from live.served_room import is_there
@@ -121,7 +121,7 @@ def test_the_time_of_day_jumps(tmp_path):
 
 
 ALLOWED = {
-    ("app/live/record.py", "time.time"),
+    ("app/live/recording/record.py", "time.time"),
     ("app/viewer/live/room.py", "datetime.now"),
     ("app/viewer/live/panels/log.py", "datetime.now"),
     ("app/viewer/live/panels/log.py", "time.time"),

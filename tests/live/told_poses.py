@@ -8,10 +8,10 @@ import socket
 import time
 from itertools import count
 
-from app.live.ends import Ends
-from app.live.lab import Lab
+from app.live.control.pose import Frame, Pose, seen
+from app.live.laboratory.lab import Lab
 from app.live.links.links import open_link
-from app.live.pose import Frame, Pose, seen
+from app.live.operating.ends import Ends
 from live.rooms import ROUND, Steady
 
 MOST_BYTES = 100_000

@@ -8,14 +8,14 @@ import threading
 import time
 from types import SimpleNamespace
 
-from app.live.arm import Request
-from app.live.driver import Companion
-from app.live.events import Event
+from app.live.control.arm import Request
+from app.live.control.driver import Companion
+from app.live.control.events import Event
+from app.live.control.look import CarLook, Look
+from app.live.control.pose import Pose
+from app.live.control.timing import Summary
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.look import CarLook, Look
-from app.live.pose import Pose
-from app.live.squashing_driver import model_for
-from app.live.timing import Summary
+from app.live.operating.squashing_driver import model_for
 from worlds.refusal import Refusal
 
 MODES = {"safe": STOP, "armed": RUN, "emergency": EMERGENCY}

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from app.live.injected import Injection
-from app.live.pose import Pose
+from app.live.control.injected import Injection
+from app.live.control.pose import Pose
 from app.viewer.live.course import EVERY, KEPT, Course, behind, least_distance, phase_lags
 from tests.viewer.stub_desk import car_look, companion, look_at
 

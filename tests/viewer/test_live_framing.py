@@ -8,9 +8,9 @@ from datetime import datetime
 import numpy as np
 import pytest
 
+from app.live.control.pose import Pose
 from app.live.example import example
-from app.live.pose import Pose
-from app.live.squashing_driver import model_for
+from app.live.operating.squashing_driver import model_for
 from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted, frame_of
 from tests.viewer.stub_desk import car_look, companion, look_at

@@ -12,9 +12,9 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from app.live.control.safety import Reason
 from app.live.example import example
-from app.live.safety import Reason
-from app.live.squashing_driver import NOT_SIMULATED, model_for
+from app.live.operating.squashing_driver import NOT_SIMULATED, model_for
 from app.viewer.live.keys import KEYS
 from app.viewer.live.page import LivePage
 from app.viewer.live.room import Room

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.live.events import Event
+from app.live.control.events import Event
+from app.live.control.pose import Pose
+from app.live.control.safety import Reason
 from app.live.example import example
 from app.live.links.link import RUN
-from app.live.pose import Pose
-from app.live.safety import Reason
-from app.live.squashing_driver import model_for
+from app.live.operating.squashing_driver import model_for
 from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.hand import Hand

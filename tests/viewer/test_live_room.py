@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.live.choices import rules, sources
 from app.live.example import example
+from app.live.operating.choices import rules, sources
 from app.viewer.live.room import Room
 from tests.viewer.live_rooms import EMULATED, armed, told
 from tests.viewer.stub_desk import driver

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.declare import checked
-from app.live.choices import links, rules, sources
 from app.live.example import example
-from app.live.squashing_driver import NOT_SIMULATED, model_for
+from app.live.operating.choices import links, rules, sources
+from app.live.operating.squashing_driver import NOT_SIMULATED, model_for
 from app.viewer.live.room import Room
 from tests.viewer.stub_desk import Desks, driver
 from tests.viewer.waiting import until

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from app.live.example import example
-from app.live.replay import replay
-from app.live.squashing_driver import FlockDriver
+from app.live.operating.squashing_driver import FlockDriver
+from app.live.recording.replay import replay
 from app.viewer.live.room import Room
 from tests.viewer.waiting import until
 

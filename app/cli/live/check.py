@@ -14,7 +14,7 @@ from app.cli.refusals import refuse
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
-    from app.live.lab import Lab
+    from app.live.laboratory.lab import Lab
     from app.live.links.link import CarLink
     from app.live.sources.source import Source
 
@@ -38,8 +38,8 @@ def check(
     Sends nothing to the cars. Exit code 2, and one line, if anything is amiss.
     """
     from app.cli.live.file import laboratory
-    from app.live.choices import links, rules, sources
-    from app.live.squashing_driver import FlockDriver
+    from app.live.operating.choices import links, rules, sources
+    from app.live.operating.squashing_driver import FlockDriver
 
     if not 0.0 < within <= 600.0:
         raise Refusal(f"--within {within:g} s is outside (0, 600]")
@@ -69,7 +69,7 @@ def check(
 
 def look_at_devices(lab: Lab, within: float, found: dict[str, Any]) -> None:
     """Open the source and the link."""
-    from app.live.ends import source_and_link
+    from app.live.operating.ends import source_and_link
 
     poses, commands = source_and_link(lab)
     look_at_link(lab, commands, found)

@@ -9,7 +9,7 @@ import typer
 from app.cli.live.keys import Keys
 from app.cli.live.operate import HELP, KEYS, LEAVES
 from app.cli.stopping import Stopping
-from app.live.events import Event
+from app.live.control.events import Event
 from app.viewer.live.room import Room
 
 EVERY = 0.05

@@ -31,9 +31,9 @@ def emulate(
     """
     from app.cli.live.file import laboratory
     from app.cli.live.run import conduct
-    from app.live.driven import open_driven
     from app.live.example import example
     from app.live.kinds import SIMULATED
+    from app.live.operating.driven import open_driven
 
     lab = example() if file is None else laboratory(file)
     link = f"{SIMULATED}?port={port}" if port else SIMULATED

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from app.live.kinds import FILE, kind_of
-from app.live.lab import Lab, read_lab
+from app.live.laboratory.lab import Lab, read_lab
 from worlds.refusal import Refusal
 
 
@@ -38,7 +38,7 @@ def beside(folder: Path, link: str) -> str:
 
 def with_ends(lab: Lab, source: str | None, link: str | None) -> Lab:
     """The laboratory with what was named of its sources and links. Raises Refusal."""
-    from app.live.choices import chosen, links, sources
+    from app.live.operating.choices import chosen, links, sources
 
     poses, commands = sources(lab), links(lab)
     made = chosen(lab, source or next(iter(poses)), link or next(iter(commands)), lab.rule)

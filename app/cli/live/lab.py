@@ -40,9 +40,9 @@ def lab(
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
     from app.cli.live.file import laboratory
-    from app.live.choices import known, sources
     from app.live.example import example
     from app.live.kinds import SIMULATED
+    from app.live.operating.choices import known, sources
     from app.viewer.web.origin import allowed
 
     names = tuple(allowed(name) for name in allow_host or ())

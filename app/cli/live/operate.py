@@ -12,11 +12,11 @@ import typer
 from app.cli.live.keys import Keys
 from app.cli.outcome import as_json
 from app.cli.stopping import Stopping
-from app.live.arm import Request, Wish
-from app.live.desk import Desk
-from app.live.events import Event
+from app.live.control.arm import Request, Wish
+from app.live.control.events import Event
+from app.live.control.look import Look
 from app.live.links.link import EMERGENCY, RUN
-from app.live.look import Look
+from app.live.operating.desk import Desk
 from worlds.counting import counted
 from worlds.refusal import Refusal
 

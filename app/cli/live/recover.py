@@ -20,8 +20,8 @@ def recover(
 
     Says what the cars were told last, and whether that was to stop.
     """
-    from app.live.recovery import ending
-    from app.live.recovery import recover as recovered
+    from app.live.recording.recovery import ending
+    from app.live.recording.recovery import recover as recovered
 
     rows = recovered(folder)
     last = ending(folder)

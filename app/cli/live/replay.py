@@ -22,8 +22,8 @@ def replay(
 
     Exit code 1 if a command comes out differently.
     """
-    from app.live.replay import replay as replayed
-    from app.live.squashing_driver import FlockDriver
+    from app.live.operating.squashing_driver import FlockDriver
+    from app.live.recording.replay import replay as replayed
 
     made = replayed(folder, FlockDriver)
     if json_asked:

@@ -12,8 +12,8 @@ from app.cli.outcome import as_json
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
-    from app.live.ends import Opener
-    from app.live.lab import Lab
+    from app.live.laboratory.lab import Lab
+    from app.live.operating.ends import Opener
 
 
 def run(
@@ -38,7 +38,7 @@ def run(
     Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
     """
     from app.cli.live.file import laboratory
-    from app.live.driven import open_driven
+    from app.live.operating.driven import open_driven
 
     if dry and link:
         raise Refusal(f"--dry and --link {link!r} exclude each other")
@@ -68,8 +68,8 @@ def conduct(
     tell(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
     from app.cli.live.operate import Terminal, closing
     from app.cli.stopping import Stopping
-    from app.live.desk import Desk
-    from app.live.squashing_driver import FlockDriver
+    from app.live.operating.desk import Desk
+    from app.live.operating.squashing_driver import FlockDriver
 
     with Stopping() as stopping:
         FlockDriver(lab, tell)  # compiled here, so that the loop need not wait for it

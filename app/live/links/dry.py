@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.live.links.frame import Command, encode
 from app.live.links.link import CarLink
-from app.live.links.place import Place
+from app.live.place import Place
 from worlds.refusal import Refusal
 
 MOST_EVERY = 100_000

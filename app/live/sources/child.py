@@ -17,7 +17,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Literal
 
-from app.live.pose import Frame
+from app.live.control.pose import Frame
 from app.live.sources.source import Source
 
 GRACE = 0.5

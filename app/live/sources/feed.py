@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
-from app.live.pose import Frame, Pose
+from app.live.control.pose import Frame, Pose
 from app.live.sources.child import GRACE, Message, serve
 from app.live.sources.source import Source
 from worlds.refusal import Refusal

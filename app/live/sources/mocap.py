@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
-from app.live.pose import Frame, Sighting, seen, unseen
+from app.live.control.pose import Frame, Sighting, seen, unseen
+from app.live.extra import demand
 from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
-from app.live.sources.extra import demand
 from worlds.refusal import Refusal, unknown
 
 

@@ -34,7 +34,7 @@ def open_source(text: str) -> Source:
 def known_source(text: str) -> Address:
     """The parts of a text. Raises Refusal if it is none of a source, or there is no such kind.
 
-    The kind `simulated` is opened together with its link, by `app.live.emulated_ends`.
+    The kind `simulated` is opened together with its link, by `app.live.emulation.ends`.
     """
     address = parsed(text)
     if address.kind not in OPENERS:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 
-from app.live.pose import Frame
+from app.live.control.pose import Frame
 from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
 from app.live.sources.recording import RecordedFrame

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.live.pose import Sighting
+from app.live.control.pose import Sighting
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.live.pose import Frame, Sighting
+from app.live.control.pose import Frame, Sighting
 from worlds.refusal import Refusal
 
 

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from typing import Protocol
 
-from app.live.pose import Frame
+from app.live.control.pose import Frame
 
 
 class Source(Protocol):

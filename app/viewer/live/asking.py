@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from app.live.arm import Request, Wish
-from app.live.choices import chosen, links, rules, sources
-from app.live.lab import Lab
+from app.live.control.arm import Request, Wish
+from app.live.laboratory.lab import Lab
+from app.live.operating.choices import chosen, links, rules, sources
 from app.viewer.live.opened import Opened
 from app.viewer.live.room_state import Choice, RoomState
 from app.viewer.live.wanted import number, parameter_value, whole_number, word
@@ -28,8 +28,8 @@ CLOSED = "was not answered: the room was closed"
 class Asking:
     """The near side of a room. What is refused becomes a notice.
 
-    `source` is one of the words of `app.live.choices.sources`. Raises Refusal for any other, or if
-    it does not fit the laboratory.
+    `source` is one of the words of `app.live.operating.choices.sources`. Raises Refusal for any
+    other, or if it does not fit the laboratory.
     """
 
     def __init__(self, lab: Lab, source: str | None):
@@ -109,9 +109,10 @@ class Asking:
         rule: str | None = None,
         cause: str = "",
     ) -> None:
-        """Close the room and open another, by words of `app.live.choices`; what is not given stays.
+        """Close the room and open another; what is not given stays.
 
-        Not while the cars are armed. Of several choices at once only the last is opened.
+        The words are those of `app.live.operating.choices`. Not while the cars are
+        armed. Of several choices at once only the last is opened.
         """
         with self.telling():
             opened = self.opened

@@ -10,9 +10,9 @@ from itertools import combinations
 
 import numpy as np
 
-from app.live.injected import Injection
-from app.live.look import Look
-from app.live.pose import Pose
+from app.live.control.injected import Injection
+from app.live.control.look import Look
+from app.live.control.pose import Pose
 
 KEPT = 120.0
 """Seconds that are kept."""

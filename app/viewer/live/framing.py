@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from agents.model import Model
-from app.live.lab import Lab
-from app.live.look import Look
-from app.live.squashing_driver import room as world_of
+from app.live.control.look import Look
+from app.live.laboratory.lab import Lab
+from app.live.operating.squashing_driver import room as world_of
 from app.viewer.scene.shown.cars import LENGTH, WIDTH, Cars
 from app.viewer.scene.shown.frame import Errand, Frame
 from app.viewer.scene.shown.live import LOST, SIMULATED, Live

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from viser import SceneApi, TransformControlsEvent
 
-from app.live.area import Area
+from app.live.control.area import Area
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.frame import Frame
 

@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from app.live.arm import Request
-from app.live.events import Event
-from app.live.look import Look
+from app.live.control.arm import Request
+from app.live.control.events import Event
+from app.live.control.look import Look
 from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.tuning import Tuning
@@ -26,14 +26,14 @@ GONE = "the last browser is gone"
 
 
 class Log(Protocol):
-    """Events as `app.live.events.Events` has them, by their number since the first."""
+    """Events as `app.live.control.events.Events` has them, by their number since the first."""
 
     def __len__(self) -> int: ...
     def __getitem__(self, which: slice, /) -> list[Event]: ...
 
 
 class Counter(Protocol):
-    """What a room uses of a `app.live.desk.Desk`."""
+    """What a room uses of a `app.live.operating.desk.Desk`."""
 
     @property
     def events(self) -> Log:

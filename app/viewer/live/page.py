@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from app.live.choices import links, rules, sources
-from app.live.lab import Lab
+from app.live.laboratory.lab import Lab
+from app.live.operating.choices import links, rules, sources
 from app.viewer.live.hand import Hand
 from app.viewer.live.keys import KEYS, STOP_KEY
 from app.viewer.live.panels.log import LogPanel

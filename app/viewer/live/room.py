@@ -13,14 +13,14 @@ from typing import Protocol
 
 from agents.declare import Parameters
 from agents.model import Model
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.driven import open_driven
-from app.live.ends import Opener
-from app.live.events import Event, Events
-from app.live.lab import Lab
-from app.live.look import Look
-from app.live.squashing_driver import FlockDriver
+from app.live.control.arm import Request
+from app.live.control.events import Event, Events
+from app.live.control.look import Look
+from app.live.laboratory.lab import Lab
+from app.live.operating.desk import Desk
+from app.live.operating.driven import open_driven
+from app.live.operating.ends import Opener
+from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.asking import CLOSED, Asking
 from app.viewer.live.course import Course

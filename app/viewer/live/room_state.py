@@ -12,7 +12,7 @@ Status = Literal["opening", "open", "failed", "closed"]
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen to be opened, in the words of `app.live.choices`, and by whom."""
+    """What was chosen to be opened, in the words of `app.live.operating.choices`, and by whom."""
 
     source: str
     link: str

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from app.live.control.look import Look
 from app.live.links.link import RUN
-from app.live.look import Look
 from app.viewer.live.arming_code import TRIES
 from app.viewer.live.room_state import RoomState
 

@@ -11,8 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.live.arm import Request
-from app.live.events import Event
+from app.live.control.arm import Request
+from app.live.control.events import Event
 from worlds.refusal import Refusal
 
 PATIENCE = 2.0

@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.declare import checked, describe
 from agents.model import Model
-from app.live.squashing_driver import NOT_SIMULATED
+from app.live.operating.squashing_driver import NOT_SIMULATED
 from worlds.refusal import Refusal, unknown
 
 LONGEST = 60

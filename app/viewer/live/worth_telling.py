@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.live.events import Event
+from app.live.control.events import Event
 
 TROUBLES = ("source", "link", "recording")
 

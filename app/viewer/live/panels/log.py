@@ -12,7 +12,7 @@ from datetime import datetime
 
 import viser
 
-from app.live.events import Event
+from app.live.control.events import Event
 from app.viewer.live.room import Room
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, block
 

@@ -8,8 +8,8 @@ import math
 import numpy as np
 import viser
 
-from app.live.injected import Injection
-from app.live.look import Look
+from app.live.control.injected import Injection
+from app.live.control.look import Look
 from app.viewer.live.course import Course
 from app.viewer.live.panels.plots import colours
 from app.viewer.panels.style import block, cards, key

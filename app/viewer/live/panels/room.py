@@ -7,11 +7,11 @@ import time
 
 import viser
 
-from app.live.injected import Injection
+from app.live.control.injected import Injection
+from app.live.control.limits import CarLimits
+from app.live.control.look import Look
 from app.live.kinds import SIMULATED
-from app.live.lab import Lab
-from app.live.limits import CarLimits
-from app.live.look import Look
+from app.live.laboratory.lab import Lab
 from app.viewer.live.panels.state import whose
 from app.viewer.live.room import Room
 from app.viewer.live.room_state import RoomState
@@ -30,7 +30,7 @@ class RoomPanel:
     def __init__(
         self, gui: viser.GuiApi, room: Room, sources: dict[str, str], links: dict[str, str]
     ):
-        """`sources` and `links` are those of `app.live.choices`."""
+        """`sources` and `links` are those of `app.live.operating.choices`."""
         self.room = room
         self.offered = sources
         self.shown_run = -1

@@ -9,7 +9,7 @@ import html
 
 import viser
 
-from app.live.look import Look
+from app.live.control.look import Look
 from app.viewer.live.panels.confirming import Confirming
 from app.viewer.live.room import Room
 from app.viewer.live.room_state import RoomState

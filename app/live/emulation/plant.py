@@ -12,8 +12,8 @@ import threading
 from dataclasses import dataclass, fields
 from itertools import combinations
 
-from app.live.lab import Lab
-from app.live.pose import Pose
+from app.live.control.pose import Pose
+from app.live.laboratory.lab import Lab
 
 LONGEST_STEP = 0.02
 """Seconds that are moved in one go."""

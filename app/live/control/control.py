@@ -11,12 +11,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.live.arm import Request
-from app.live.driver import Accompanied, Companion, Driver, NoRoom, Tunable
-from app.live.events import Event
+from app.live.control.arm import Request
+from app.live.control.driver import Accompanied, Companion, Driver, NoRoom, Tunable
+from app.live.control.events import Event
+from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.safety import Command, Reason, Safety, Verdict
 from app.live.links.link import RUN
-from app.live.pose import Frame, Pose, Sighting
-from app.live.safety import Command, Reason, Safety, Verdict
 from worlds.refusal import Refusal
 
 NAMES = {

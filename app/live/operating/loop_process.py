@@ -14,16 +14,16 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.live.arm import UNDOING, Request
-from app.live.events import Event
-from app.live.lab import lab_from_toml
-from app.live.look import Look
-from app.live.loop import Journal, Loop
-from app.live.parts import Kept
+from app.live.control.arm import UNDOING, Request
+from app.live.control.events import Event
+from app.live.control.look import Look
+from app.live.control.loop import Journal, Loop
+from app.live.laboratory.lab import lab_from_toml
+from app.live.laboratory.parts import Kept
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
-    from app.live.ends import Opener
+    from app.live.operating.ends import Opener
 
 LEAVES = ("SIGTERM", "SIGINT", "SIGHUP")
 """Signals at which it stops the cars and leaves."""
@@ -99,7 +99,7 @@ def journal_in(folder: Path | None, laboratory: str, kept: Kept) -> Iterator[Jou
     if folder is None:
         yield None
         return
-    from app.live.record import Recording
+    from app.live.recording.record import Recording
 
     with ExitStack() as stack:
         journal = stack.enter_context(Recording(folder, laboratory, kept))

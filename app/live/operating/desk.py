@@ -15,12 +15,12 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from app.live.arm import UNDOING, Request
-from app.live.ends import Opener
-from app.live.events import Events
-from app.live.lab import Lab
-from app.live.look import Look
-from app.live.loop_process import Answer, Asked, serve
+from app.live.control.arm import UNDOING, Request
+from app.live.control.events import Events
+from app.live.control.look import Look
+from app.live.laboratory.lab import Lab
+from app.live.operating.ends import Opener
+from app.live.operating.loop_process import Answer, Asked, serve
 from worlds.refusal import Refusal
 
 PATIENCE = 180.0

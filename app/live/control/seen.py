@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeGuard
 
-from app.live.limits import CarLimits
-from app.live.pose import Frame, Pose, Sighting
+from app.live.control.limits import CarLimits
+from app.live.control.pose import Frame, Pose, Sighting
 
 
 @dataclass(frozen=True)

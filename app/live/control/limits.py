@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field, model_validator
 
 from app.experiments.strict import Strict
-from app.live.firmware import WATCHDOG
+from app.live.links.firmware import WATCHDOG
 
 
 class Limits(Strict):

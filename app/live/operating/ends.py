@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.live.control import Control
-from app.live.driver import Driver
-from app.live.emulated_ends import open_emulated
-from app.live.injected import Injected
+from app.live.control.control import Control
+from app.live.control.driver import Driver
+from app.live.control.injected import Injected
+from app.live.control.loop import Frames, Journal, Loop
+from app.live.emulation.ends import open_emulated
 from app.live.kinds import SIMULATED, kind_of
-from app.live.lab import Lab
+from app.live.laboratory.lab import Lab
 from app.live.links.link import CarLink
 from app.live.links.links import open_link
-from app.live.loop import Frames, Journal, Loop
 from app.live.sources.feed import Feed
 from app.live.sources.opening import open_source
 from app.live.sources.source import Source

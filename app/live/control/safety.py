@@ -21,13 +21,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.live.area import Area
-from app.live.arm import Arm, Request
-from app.live.limits import CarLimits, Limits
+from app.live.control.area import Area
+from app.live.control.arm import Arm, Request
+from app.live.control.limits import CarLimits, Limits
+from app.live.control.pose import Frame, Sighting
+from app.live.control.seen import Seen
+from app.live.control.travel import Travel
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.pose import Frame, Sighting
-from app.live.seen import Seen
-from app.live.travel import Travel
 
 LONGEST_STEP = 0.05
 """Seconds that the steering may change in at most between two commands."""

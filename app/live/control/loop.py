@@ -14,17 +14,17 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
-from app.live.arm import UNDOING, Request
-from app.live.control import Control, Step
-from app.live.events import Event, Events
-from app.live.firmware import WATCHDOG
-from app.live.injected import Injected
+from app.live.control.arm import UNDOING, Request
+from app.live.control.control import Control, Step
+from app.live.control.events import Event, Events
+from app.live.control.injected import Injected
+from app.live.control.look import Look, cars_of
+from app.live.control.moment import Moment
+from app.live.control.pose import Frame, Pose
+from app.live.control.safety import Command, Verdict
+from app.live.control.timing import Spans
+from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, STOP, CarLink
-from app.live.look import Look, cars_of
-from app.live.moment import Moment
-from app.live.pose import Frame, Pose
-from app.live.safety import Command, Verdict
-from app.live.timing import Spans
 
 RATE = 100.0
 """Ticks per second."""

@@ -12,16 +12,16 @@ import tomlkit
 from pydantic import Field, ValidationError, model_validator
 
 from app.experiments.strict import Strict, Value
-from app.live.area import Area
-from app.live.injected import INJECTED, Injection
-from app.live.lab_ends import demand_choices, demand_one_room
-from app.live.lab_lines import line_of
-from app.live.limits import CarLimits, Limits
+from app.live.control.area import Area
+from app.live.control.injected import INJECTED, Injection
+from app.live.control.limits import CarLimits, Limits
+from app.live.control.loop import RATE
+from app.live.control.safety import Safety
+from app.live.laboratory.ends import demand_choices, demand_one_room
+from app.live.laboratory.lines import line_of
+from app.live.laboratory.misfit import Misfit
+from app.live.laboratory.parts import Kept
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
-from app.live.loop import RATE
-from app.live.misfit import Misfit
-from app.live.parts import Kept
-from app.live.safety import Safety
 from worlds.reading import read_text
 from worlds.refusal import Refusal, needed, shortened, unknown
 from worlds.toml import toml

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.live.arm import State
-from app.live.control import Step
-from app.live.events import Event
-from app.live.pose import Frame, Pose
+from app.live.control.arm import State
+from app.live.control.control import Step
+from app.live.control.events import Event
+from app.live.control.pose import Frame, Pose
 
 
 @dataclass(frozen=True)

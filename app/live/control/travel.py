@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from app.live.limits import CarLimits
-from app.live.pose import Pose
+from app.live.control.limits import CarLimits
+from app.live.control.pose import Pose
 
 DELAY = 0.05
 """Seconds from a command to the pose that shows it: link, servo and tracking."""

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any, cast
 
 from agents.record import KEY
-from app.live.arm import Request, Wish
-from app.live.control import Control, Step
-from app.live.driver import Companion, Driver
-from app.live.lab import Lab, lab_from_toml
-from app.live.parts import Part, parts_of
-from app.live.pose import Frame, Pose, Sighting
-from app.live.record import TABLES
+from app.live.control.arm import Request, Wish
+from app.live.control.control import Control, Step
+from app.live.control.driver import Companion, Driver
+from app.live.control.pose import Frame, Pose, Sighting
+from app.live.laboratory.lab import Lab, lab_from_toml
+from app.live.laboratory.parts import Part, parts_of
+from app.live.recording.record import TABLES
 from worlds.refusal import Refusal
 
 BATCH = 10_000

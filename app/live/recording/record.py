@@ -10,8 +10,8 @@ ticks      tick, now (s), mode, arm, the injected car, latency (s); one row a ti
 ========== ========================================================================================
 
 While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last tenth
-of a second even if the process is killed; `app.live.recovery` makes the tables of what is left.
-What has become long goes on in another part: see `app.live.parts`.
+of a second even if the process is killed; `app.live.recording.recovery` makes the tables of what is
+left. What has become long goes on in another part: see `app.live.laboratory.parts`.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from typing import Any
 
 from agents.record import refused
 from agents.spec import versions
-from app.live.moment import Moment
-from app.live.parts import MB, RESERVE, Kept, Part, part_of, parts_of
-from app.live.stream import Stream, finish
+from app.live.control.moment import Moment
+from app.live.laboratory.parts import MB, RESERVE, Kept, Part, part_of, parts_of
+from app.live.recording.stream import Stream, finish
 from worlds.refusal import Refusal
 
 FORMAT = 3

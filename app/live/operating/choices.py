@@ -10,8 +10,8 @@ from collections.abc import Iterable
 
 from agents.catalogue import MODELS
 from app.live.kinds import CALLED, DRY, SIMULATED, kind_of, words_of
-from app.live.lab import Lab
-from app.live.squashing_driver import CARS, model_for
+from app.live.laboratory.lab import Lab
+from app.live.operating.squashing_driver import CARS, model_for
 from worlds.refusal import unknown
 
 

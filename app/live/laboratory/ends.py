@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from functools import partial
 
 from app.live.kinds import CALLED, DRY, SIMULATED, demand_name, kind_of, port_of, words_of
+from app.live.laboratory.misfit import Misfit, fitted
 from app.live.links.links import known_link
-from app.live.misfit import Misfit, fitted
 from app.live.sources.opening import known_source
 
 KNOWN = {"sources": known_source, "links": known_link}

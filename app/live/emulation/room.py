@@ -10,11 +10,11 @@ import random
 import socket
 from dataclasses import dataclass
 
-from app.live.emulated_cars import Datagrams, EmulatedCars
-from app.live.emulated_plant import EmulatedPlant
-from app.live.firmware import Firmware
-from app.live.lab import Lab, lab_from_toml
-from app.live.pose import Pose, Sighting, seen
+from app.live.control.pose import Pose, Sighting, seen
+from app.live.emulation.cars import Datagrams, EmulatedCars
+from app.live.emulation.plant import EmulatedPlant
+from app.live.laboratory.lab import Lab, lab_from_toml
+from app.live.links.firmware import Firmware
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
 """Of the tracking, standard deviation: m and rad."""

@@ -11,9 +11,9 @@ from agents.engine.arrays import Arrays
 from agents.model import Model
 from agents.rows import begun
 from agents.start import Start
-from app.live.driver import NoRoom
-from app.live.lab import Lab
-from app.live.pose import Pose
+from app.live.control.driver import NoRoom
+from app.live.control.pose import Pose
+from app.live.laboratory.lab import Lab
 from worlds.refusal import Refusal
 
 APART = 0.6

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from app.live.pose import Pose, Sighting
+from app.live.control.pose import Pose, Sighting
 from worlds.refusal import Refusal
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from app.live.emulated_room import Build, free_port
+from app.live.emulation.room import Build, free_port
 from app.live.kinds import SIMULATED, kind_of, port_of
-from app.live.lab import Lab
+from app.live.laboratory.lab import Lab
 from app.live.links.link import CarLink
 from app.live.links.links import open_link
-from app.live.links.place import Place
 from app.live.links.udp import open_udp
+from app.live.place import Place
 from app.live.sources.simulated import Simulated
 from app.live.sources.source import Source
 

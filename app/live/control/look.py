@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.live.arm import State
-from app.live.driver import Companion
+from app.live.control.arm import State
+from app.live.control.driver import Companion
+from app.live.control.pose import Pose
+from app.live.control.safety import Command, Reason, Safety, Verdict
+from app.live.control.timing import Summary
 from app.live.links.link import RUN
-from app.live.pose import Pose
-from app.live.safety import Command, Reason, Safety, Verdict
-from app.live.timing import Summary
 
 LATE = 0.03
 """Seconds since it was last seen after which a car is late: three frames at 100 Hz."""

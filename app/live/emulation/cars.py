@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
-from app.live.firmware import Firmware
+from app.live.links.firmware import Firmware
 from worlds.refusal import Refusal
 
 RATE = 200.0

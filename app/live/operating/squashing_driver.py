@@ -26,10 +26,10 @@ from agents.motion import Motion
 from agents.rows import begun
 from agents.rules.squashing import SQUASHING
 from agents.start import Start
-from app.live.companions import begin_more, demand_allowed, named, resized
-from app.live.driver import Companion
-from app.live.lab import Lab
-from app.live.pose import Pose, Sighting
+from app.live.control.driver import Companion
+from app.live.control.pose import Pose, Sighting
+from app.live.laboratory.lab import Lab
+from app.live.operating.companions import begin_more, demand_allowed, named, resized
 from worlds.mission import Goal, Mission
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -58,7 +58,7 @@ WHEEL, THROTTLE = (SIGNALS.index(one) for one in ("wheel sent 1", "throttle sent
 
 
 class FlockDriver(Motion):
-    """A driver by a rule of the catalogue; see `app.live.driver`: `Tunable`, `Accompanied`.
+    """A driver by a rule of the catalogue; see `app.live.control.driver`: `Tunable`, `Accompanied`.
 
     `tell` is called with a line if the rule must be compiled. Raises Refusal if the rule is unknown
     or cannot drive cars, for its parameters, or if the simulated cars do not fit an empty room.

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.live.ends import Ends, open_ends
-from app.live.lab import Lab
-from app.live.squashing_driver import FlockDriver
+from app.live.laboratory.lab import Lab
+from app.live.operating.ends import Ends, open_ends
+from app.live.operating.squashing_driver import FlockDriver
 
 
 def open_driven(lab: Lab) -> Ends:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.live.firmware import WATCHDOG
+from app.live.laboratory.parts import Part, part_of, parts_of
+from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, RUN
-from app.live.parts import Part, part_of, parts_of
-from app.live.record import EVERY, TABLES
-from app.live.stream import finish
+from app.live.recording.record import EVERY, TABLES
+from app.live.recording.stream import finish
 from worlds.refusal import Refusal
 
 END = "end"
@@ -141,6 +141,6 @@ def last_rows(part: Part, name: str, count: int | None) -> list[dict[str, Any]]:
 
 def began_on_the_clock(part: Part) -> float:
     """When the recording of a part began, by the clock of its ticks, s. Raises Refusal."""
-    from app.live.replay import meta_of
+    from app.live.recording.replay import meta_of
 
     return float(meta_of(part.table("ticks"))["began_on_the_clock"])

@@ -1,0 +1,1 @@
+"""A laboratory of cars as a file: what it may say, and what may be chosen instead."""
