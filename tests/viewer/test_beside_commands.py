@@ -76,13 +76,13 @@ def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
 
 def test_an_edit_of_the_world_is_one_of_both(simulate):
     simulation = simulate(at_home("hwvem-nav", beside="vem-a-nav", world="obstacles", agents=9))
-    simulation.edit(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
+    simulation.edits.change(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
     first, second = (one.flock for one in simulation.run.both)
-    assert first.world is second.world is simulation.editor.world
+    assert first.world is second.world is simulation.edits.editor.world
     assert len(first.world.obstacles) == 13
     spot = first.position[3].copy()
     change: Callable = lambda editor: editor.add(forms.disc(tuple(spot), 0.4))  # noqa: E731
-    simulation.edit(change).result(60)
+    simulation.edits.change(change).result(60)
     assert np.array_equal(first.position, second.position)
     assert np.linalg.norm(first.position[3] - spot) > 0.4
     simulation.reset()

@@ -121,12 +121,12 @@ def test_a_drag_is_told_though_too_much_waits(held):
     simulation, go_on = held
     for _ in range(MOST):
         simulation.tell(lambda: None)
-    simulation.drag("disc", lambda editor: editor)
-    assert list(simulation.drags) == ["disc"]
+    simulation.edits.drag("disc", lambda editor: editor)
+    assert list(simulation.edits.drags) == ["disc"]
     go_on.set()
     until(lambda: not simulation.commands.waiting, 60)
     moved = threading.Event()
-    simulation.drag("disc", lambda editor: (moved.set(), editor)[1])
+    simulation.edits.drag("disc", lambda editor: (moved.set(), editor)[1])
     assert moved.wait(60)
 
 

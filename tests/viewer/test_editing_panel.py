@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ DOWN = np.array([0.0, 0.0, -1.0])
 @pytest.fixture(scope="module")
 def served():
     made = Laboratory(START, port=0, running=False)
-    made.simulation.prepare = lambda: None
+    made.simulation.edits.prepare = lambda: None
     assert made.simulation.ready.wait(60)
     yield made
     made.close()
@@ -36,7 +37,7 @@ def laboratory(served):
     served.world.drop_tool()
     served.world.select(0)
     simulation.setup(START)
-    until(lambda: simulation.state.run > before and simulation.editor.past == ())
+    until(lambda: simulation.state.run > before and simulation.edits.editor.past == ())
     while not simulation.notices.empty():
         simulation.notices.get()
     served.notices.told = {}
@@ -50,9 +51,9 @@ def told(laboratory) -> str:
 
 def settled(laboratory) -> World:
     """The world after all that was told has been done."""
-    laboratory.simulation.edit(lambda editor: editor).result(10)
+    laboratory.simulation.edits.change(lambda editor: editor).result(10)
     laboratory.world.refresh()
-    return laboratory.simulation.editor.world
+    return laboratory.simulation.edits.editor.world
 
 
 def click(laboratory, x: float, y: float) -> None:
@@ -108,8 +109,10 @@ def test_a_tool_takes_the_click_even_on_an_agent(laboratory):
 
 def test_corners_make_a_polygon_when_the_last_is_clicked_twice_and_undo_takes_one_back(laboratory):
     panel = laboratory.world
+    chosen = threading.Event()
+    laboratory.simulation.edits.prepare = chosen.set
     show(panel.tool, POLYGON)
-    until(lambda: panel.tool.value == POLYGON)
+    assert chosen.wait(10)
     for corner in [(2.0, 2.0), (6.0, 2.0), (9.0, 9.0)]:
         click(laboratory, *corner)
     panel.undo()
@@ -190,5 +193,5 @@ def test_setup_proposes_the_world_that_was_built_and_reset_keeps_it(laboratory):
     until(lambda: simulation.state.run > before)
     assert len(simulation.run.flock.world.obstacles) == 1
     assert laboratory.setup.chosen().differs(simulation.state.start) == []
-    simulation.edit(lambda editor: editor.undo()).result(10)
+    simulation.edits.change(lambda editor: editor.undo()).result(10)
     until(lambda: "(edited)" not in laboratory.setup.world.value)

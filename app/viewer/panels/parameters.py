@@ -16,8 +16,7 @@ from agents.model import Model
 from app.viewer.panels.notation import plain
 from app.viewer.panels.style import block
 from app.viewer.run.beside import shared_by
-from app.viewer.run.commands import Models
-from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.state import State
 
 

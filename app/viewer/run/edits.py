@@ -1,4 +1,4 @@
-"""Changes of a running flock's world, as commands of the simulation."""
+"""Changes of a running flock's world, as commands of its simulation."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -25,47 +25,47 @@ from worlds.world import World
 Change = Callable[[Editor], Editor]
 
 
-class Edits:
-    """What a simulation can do to its world; a part of `Simulation`.
-
-    `editor` is the world with its history, a value that any thread may read; None until the first
-    flock is there.
-    """
+class Host(Protocol):
+    """What changes of a world need of the simulation whose world it is."""
 
     run: Run | None
     state: State
     stale: bool
-    editor: Editor | None = None
-    untouched: World | None = None
-    """The world before the first change."""
-    plain: Start | None = None
-    """What sets it up."""
 
-    def __init__(self) -> None:
+    def tell(self, command: Callable[[], Any], key: str = "") -> Future: ...
+
+    def sound_run(self) -> Run: ...
+
+    def schedule(self, start: Start) -> None: ...
+
+
+class Edits:
+    """Changes a simulation's world; commands return at once, as the simulation's own do."""
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self.editor: Editor | None = None
+        """The world with its history, a value that any thread may read; None until the first flock
+        is there."""
+        self.untouched: World | None = None
+        """The world before the first change."""
+        self.plain: Start | None = None
+        """What sets it up."""
         self.drags: dict[str, Change] = {}
         """The newest change of each drag that is not carried out yet."""
         self.drags_lock = threading.Lock()
         self.prepared: set[tuple[str, int, str]] = set()
         """Models, dimensions and turns that have been compiled for obstacles, aside."""
 
-    def tell(self, command: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
-        raise NotImplementedError
-
-    def sound_run(self) -> Run:
-        raise NotImplementedError
-
-    def schedule(self, start: Start) -> None:
-        raise NotImplementedError
-
     # Commands.
 
-    def edit(self, change: Change) -> Future:
+    def change(self, change: Change) -> Future:
         """Change the world between two ticks. What is refused becomes a notice.
 
         Agents that an obstacle comes upon are put on the nearest free place; if there is none, the
         change is refused.
         """
-        return self.tell(lambda: self.edit_now(change))
+        return self.host.tell(lambda: self.edit_now(change))
 
     def drag(self, gesture: str, change: Change) -> None:
         """Change the world as a part of a drag: only the newest change is carried out.
@@ -75,7 +75,7 @@ class Edits:
         with self.drags_lock:
             waiting = gesture in self.drags
             self.drags[gesture] = change
-        if not waiting and self.tell(lambda: self.drag_now(gesture), f"drag {gesture}").done():
+        if not waiting and self.host.tell(lambda: self.drag_now(gesture), f"drag {gesture}").done():
             with self.drags_lock:  # it was refused: the next change of this drag is told again
                 self.drags.pop(gesture, None)
 
@@ -84,15 +84,15 @@ class Edits:
 
         A file that is refused, or a world in which the flock cannot be, changes nothing.
         """
-        return self.tell(lambda: self.open_now(name, content))
+        return self.host.tell(lambda: self.open_now(name, content))
 
     def layout(self) -> Future:
         """The world as TOML, bytes."""
-        return self.tell(lambda: self.sound_run().flock.world.to_toml().encode(), "layout")
+        return self.host.tell(self.layout_now, "layout")
 
     def prepare(self) -> None:
         """Compile the model for obstacles in a thread aside, so that the first one comes sooner."""
-        run, start = self.run, self.state.start
+        run, start = self.host.run, self.host.state.start
         if run is None or run.flock.world.is_solid:
             return
         models = start.model if start.beside is None else f"{start.model} {start.beside}"
@@ -104,19 +104,19 @@ class Edits:
     # The simulation's own thread.
 
     def edit_now(self, change: Change) -> None:
-        run, before = self.sound_run(), self.editor
+        run, before = self.host.sound_run(), self.editor
         assert before is not None
         after = change(before)
         if after.world is not run.flock.world:
             inhabit(run, after)
         self.editor = after
-        start, plain = self.state.start, self.plain
+        start, plain = self.host.state.start, self.plain
         if after.world is self.untouched and plain is not None:
             start = start.but(world=plain.world, size=plain.size)
         else:
             start = start.but(world=after.world, size=None)
-        self.state = replace(self.state, start=start)
-        self.stale = True
+        self.host.state = replace(self.host.state, start=start)
+        self.host.stale = True
 
     def drag_now(self, gesture: str) -> None:
         with self.drags_lock:
@@ -125,9 +125,12 @@ class Edits:
             if change is not None:
                 self.edit_now(change)
 
+    def layout_now(self) -> bytes:
+        return self.host.sound_run().flock.world.to_toml().encode()
+
     def open_now(self, name: str, content: bytes) -> None:
         world = layout_of(name, content)
-        self.schedule(self.state.again().but(world=world, size=None, dim=world.dim))
+        self.host.schedule(self.host.state.again().but(world=world, size=None, dim=world.dim))
 
     def take_over(self, run: Run, start: Start) -> None:
         """Edit the world of a new run; the history goes on where it is the same world."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import queue
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any
 
@@ -17,8 +19,8 @@ from agents.whereabouts import warning
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.beside import Pair, companion
-from app.viewer.run.commands import Commands, Models
-from app.viewer.run.edits import freed
+from app.viewer.run.command_queue import CommandQueue, Waiting
+from app.viewer.run.edits import Edits, freed
 from app.viewer.run.pace import Pace
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
@@ -35,8 +37,17 @@ OBEDIENCE = 0.03
 """Longest time for commands before ticks are run again, s."""
 
 
-class Simulation(Commands):
-    """Runs a flock; `frame`, `state` and `readings` are always the latest."""
+Models = tuple[str, str | None]
+"""Names of the model and of the one beside it."""
+
+
+class Simulation:
+    """Runs a flock; `frame`, `state` and `readings` are always the latest.
+
+    Commands return at once and are carried out in order, between two ticks; a pause comes first.
+    However much is told, little waits: what comes to the same is merged, and what is too much is
+    refused. What a user must be told is left in `notices`; `edits` change the world.
+    """
 
     def __init__(
         self,
@@ -46,7 +57,9 @@ class Simulation(Commands):
         build: Callable[[Start], Flock] = Start.build,
         build_beside: Callable[[Start, Flock], Flock] = companion,
     ):
-        super().__init__()
+        self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.commands = CommandQueue()
+        self.edits = Edits(self)
         self.frame: Frame | None = None
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
@@ -72,6 +85,98 @@ class Simulation(Commands):
         self.closing = True
         self.commands.wake()
         self.thread.join(wait)
+
+    # Commands, from any thread.
+
+    def tell(self, command: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
+        """Carry out a command between two ticks; what it refuses becomes a notice.
+
+        Of commands with one `key` that follow each other only the last is carried out, as the
+        answer to all. `runs` says whether the flock runs afterwards.
+        """
+        return self.answered(lambda: self.commands.put(command, key, runs))
+
+    def answered(self, put: Callable[[], Future]) -> Future:
+        """Let a command wait; if it may not, its answer says so, and a notice."""
+        try:
+            return put()
+        except Exception as error:
+            self.notices.put(in_words(error))
+            refused: Future = Future()
+            refused.set_exception(error)
+            return refused
+
+    def carry_out(self, waiting: Waiting) -> None:
+        """On the simulation's own thread: do what waits, and answer."""
+        try:
+            waiting.answer.set_result(waiting())
+        except Exception as error:
+            self.notices.put(in_words(error))
+            waiting.answer.set_exception(error)
+
+    def setup(self, start: Start) -> Future:
+        """Build a new flock; of several set-ups at once only the last is built."""
+        return self.tell(lambda: self.schedule(start), "set up")
+
+    def reset(self) -> Future:
+        """The same flock again: same seed, same start, the parameters as they are now."""
+        return self.tell(lambda: self.schedule(self.state.again()), "set up")
+
+    def go(self) -> Future:
+        """Run."""
+        return self.tell(lambda: self.switch(True), "go", runs=True)
+
+    def pause(self) -> Future:
+        """Stop running, before anything else that waits, until told to go."""
+        return self.commands.pause(lambda: self.switch(False))
+
+    def toggle(self) -> Future:
+        """Pause if it runs once all is done that waits, go if not."""
+        return self.pause() if self.commands.will_run(self.state.running) else self.go()
+
+    def step(self, ticks: int = 1) -> Future:
+        """Pause and run a few ticks; with those that wait already never very many."""
+        return self.answered(lambda: self.commands.step(self.step_now, ticks))
+
+    def run_at(self, speed: float) -> Future:
+        """Run at so many ticks per second; infinity for as fast as it goes."""
+        return self.tell(lambda: self.change_pace(speed), "pace")
+
+    def set(
+        self, name: str, value: Any, beside: bool = False, models: Models | None = None
+    ) -> Future:
+        """Give a parameter a new value, in both flocks if they share it; or only `beside`.
+
+        The answer is the value that it has taken: a zone stops at the next one, which is told. If
+        `models` are given, and others have come since, nothing is done.
+        """
+        key = f"set {name} {beside} {models}"
+        return self.tell(lambda: self.set_now(name, value, beside, models), key)
+
+    def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
+        """Put an agent somewhere and turn it."""
+        return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")
+
+    def want(self, wanted: Wanted) -> Future:
+        """Say what frames should hold beside positions and headings."""
+        return self.tell(lambda: self.want_now(wanted), "want")
+
+    def watch(self, names: Iterable[str]) -> Future:
+        """Say which observables should be measured beside those that always are."""
+        chosen = frozenset(names)
+        return self.tell(lambda: self.watch_now(chosen), "watch")
+
+    def look_again(self) -> Future:
+        """Take another frame, though nothing has moved."""
+        return self.tell(self.look_again_now, "look again")
+
+    def spec(self) -> Future:
+        """The run as TOML, bytes; of two flocks a ZIP of both."""
+        return self.tell(lambda: self.sound_run().spec(), "spec")
+
+    def saved(self) -> Future:
+        """The flock's saved state, bytes; of two flocks a ZIP of both."""
+        return self.tell(lambda: self.sound_run().saved(), "saved")
 
     # The simulation's own thread.
 
@@ -166,7 +271,7 @@ class Simulation(Commands):
             )
             self.ready.set()
             return
-        self.take_over(self.run, start)
+        self.edits.take_over(self.run, start)
         self.pace.restart()
         self.stale = True
         self.state = replace(

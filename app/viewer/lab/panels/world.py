@@ -67,7 +67,7 @@ class WorldPanel(WorldControls):
     @property
     def editor(self) -> Editor | None:
         """The world with its history."""
-        return self.simulation.editor
+        return self.simulation.edits.editor
 
     @property
     def obstacle(self) -> Any:
@@ -124,15 +124,15 @@ class WorldPanel(WorldControls):
             return editor.move_goal(drag.by, drag.gesture)
 
         if drag.done:
-            self.simulation.edit(ignoring_gone(change))
+            self.simulation.edits.change(ignoring_gone(change))
         else:
-            self.simulation.drag(drag.gesture, change)
+            self.simulation.edits.drag(drag.gesture, change)
 
     async def tool_chosen(self, _event: viser.GuiEvent) -> None:
         self.corners.clear()
         if self.tool.value != SELECT:
             self.selected = 0
-            self.simulation.prepare()
+            self.simulation.edits.prepare()
         self.refresh()
 
     async def listed(self, event: viser.GuiEvent) -> None:
@@ -160,17 +160,17 @@ class WorldPanel(WorldControls):
         if self.corners:
             self.corners.pop()
         else:
-            self.simulation.edit(Editor.undo)
+            self.simulation.edits.change(Editor.undo)
 
     def redo(self) -> None:
         """Do again what was taken back."""
-        self.simulation.edit(Editor.redo)
+        self.simulation.edits.change(Editor.redo)
 
     def delete(self) -> None:
         """Take the selected obstacle away."""
         key = self.selected
         if key:
-            self.simulation.edit(ignoring_gone(lambda editor: editor.delete(key)))
+            self.simulation.edits.change(ignoring_gone(lambda editor: editor.delete(key)))
 
     def drop_tool(self) -> None:
         """Let a click select again."""
@@ -178,7 +178,7 @@ class WorldPanel(WorldControls):
         self.corners.clear()
 
     async def cleared(self, _event: viser.GuiEvent) -> None:
-        self.simulation.edit(Editor.clear)
+        self.simulation.edits.change(Editor.clear)
 
     async def closed(self, event: viser.GuiEvent) -> None:
         if event.target.value == "Close":
@@ -200,7 +200,7 @@ class WorldPanel(WorldControls):
             self.slide += now - self.touched > PAUSE
             self.touched = now
             gesture, value = f"{name} {key} {self.slide}", float(event.target.value)
-            self.simulation.drag(
+            self.simulation.edits.drag(
                 gesture, lambda editor: editor.resize(key, gesture, **{name: value})
             )
 
@@ -212,7 +212,7 @@ class WorldPanel(WorldControls):
             return
         self.saving = True
         try:
-            answer = asyncio.wrap_future(self.simulation.layout())
+            answer = asyncio.wrap_future(self.simulation.edits.layout())
             content = await asyncio.wait_for(answer, timeout=60)
         except Exception:
             return  # What was refused has become a notice.
@@ -223,13 +223,13 @@ class WorldPanel(WorldControls):
 
     async def opened(self, event: viser.GuiEvent) -> None:
         file = event.target.value
-        self.simulation.open_layout(file.name, file.content)
+        self.simulation.edits.open_layout(file.name, file.content)
 
     # Drawing.
 
     def add(self, make: Callable[[], Any]) -> None:
         """Add an obstacle."""
-        self.simulation.edit(lambda editor: editor.add(make()))
+        self.simulation.edits.change(lambda editor: editor.add(make()))
 
     def add_corner(self, corner: tuple[float, float], world: World) -> None:
         """One more corner of the polygon; near its first or its last one it is closed."""
