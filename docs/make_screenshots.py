@@ -69,14 +69,14 @@ def main(only: tuple[str, ...] = ()) -> None:
 
 def in_layers(laboratory: Laboratory, _page: Any) -> None:
     """Colours are layers, and there are trails."""
-    laboratory.view.colour.value = "layer"
-    laboratory.view.trails.value = "line"
-    laboratory.view.length.value = 30
+    laboratory.view.form["colour"].value = "layer"
+    laboratory.view.form["trails"].value = "line"
+    laboratory.view.form["trail_length"].value = 30
 
 
 def from_close(laboratory: Laboratory, page: Any) -> None:
     """An agent is inspected; the View tab is open."""
-    laboratory.view.colour.value = "layer"
+    laboratory.view.form["colour"].value = "layer"
     laboratory.select(200)
     page.get_by_role("tab", name="View").click()
 
@@ -102,8 +102,8 @@ def on_a_bird(laboratory: Laboratory, page: Any) -> None:
 
 def with_wakes(laboratory: Laboratory, _page: Any) -> None:
     """Colours are what each bird saves; the camera is near one that has others ahead."""
-    laboratory.view.colour.value = "energy saved"
-    laboratory.view.wake.value = True
+    laboratory.view.form["colour"].value = "energy saved"
+    laboratory.view.form["wake"].value = True
     for client in laboratory.server.get_clients().values():
         laboratory.scene.follow(client, in_company(laboratory))
 
@@ -119,13 +119,13 @@ def in_company(laboratory: Laboratory) -> int:
 
 def on_a_mission(laboratory: Laboratory, _page: Any) -> None:
     """The first waypoint is done, and the passage lies behind."""
-    laboratory.view.trails.value = "line"
+    laboratory.view.form["trails"].value = "line"
     point(laboratory, "perspective")
 
 
 def among_obstacles(laboratory: Laboratory, page: Any) -> None:
     """A walled yard at a slant; the Setup tab is open."""
-    laboratory.view.trails.value = "line"
+    laboratory.view.form["trails"].value = "line"
     page.get_by_role("tab", name="Setup").click()
     point(laboratory, "perspective")
 
@@ -143,23 +143,23 @@ def through_rooms(_laboratory: Laboratory, page: Any) -> None:
 
 def in_space_and_time(laboratory: Laboratory, page: Any) -> None:
     """Cars, and what they leave behind them rises with time; the View tab is open."""
-    laboratory.view.trails.value = "rising in time"
-    laboratory.view.length.value = 1000
-    laboratory.view.labels.value = True
+    laboratory.view.form["trails"].value = "rising in time"
+    laboratory.view.form["trail_length"].value = 1000
+    laboratory.view.form["labels"].value = True
     page.get_by_role("tab", name="View").click()
     point(laboratory, "perspective")
 
 
 def side_by_side(laboratory: Laboratory, _page: Any) -> None:
     """Two models on one mission."""
-    laboratory.view.trails.value = "line"
+    laboratory.view.form["trails"].value = "line"
 
 
 def before_a_pocket(laboratory: Laboratory, page: Any) -> None:
     """One model goes round, the other one is caught; the Setup tab is open."""
-    laboratory.view.trails.value = "line"
-    laboratory.view.length.value = 200
-    laboratory.view.size.value = 1.6
+    laboratory.view.form["trails"].value = "line"
+    laboratory.view.form["trail_length"].value = 200
+    laboratory.view.form["agent_size"].value = 1.6
     page.get_by_role("tab", name="Setup").click()
 
 

@@ -150,7 +150,7 @@ def test_no_other_key_reaches_the_cars(serve, desks):
     browser = Browser(page)
     for key in set(KEYS) - {"space", "escape"}:
         browser.press(key)
-    until(lambda: page.view.colour.value == "heading")
+    until(lambda: page.view.form["colour"].value == "heading")
     assert desks.last.asked == []
 
 
@@ -180,8 +180,8 @@ def test_the_question_is_withdrawn_by_an_emergency_stop(serve, desks):
     until(lambda: not page.state.confirming.open)
     browser.turn(yes, True)
     browser.turn(page.state.arm, True)
-    browser.turn(page.view.fence, False)
-    until(lambda: not page.view.fence.value)
+    browser.turn(page.view.form["fence"], False)
+    until(lambda: not page.view.form["fence"].value)
     assert desks.last.wishes() == ["emergency"]
 
 
@@ -193,8 +193,8 @@ def test_what_speaks_against_arming_keeps_the_button_off(serve, desks):
     until(lambda: page.state.arm.disabled)
     browser = Browser(page)
     browser.turn(page.state.arm, True)
-    browser.turn(page.view.fence, False)
-    until(lambda: not page.view.fence.value)
+    browser.turn(page.view.form["fence"], False)
+    until(lambda: not page.view.form["fence"].value)
     assert not page.state.confirming.open
     assert "0.40 s ago" in page.state.banner.content
 
@@ -237,8 +237,8 @@ def test_another_rule_brings_its_own_sliders_unless_armed(serve):
     browser.arm()
     until(lambda: page.rule.rule.disabled and page.place.open.disabled)
     browser.turn(page.rule.rule, "squashing")
-    browser.turn(page.view.fence, False)
-    until(lambda: not page.view.fence.value)
+    browser.turn(page.view.form["fence"], False)
+    until(lambda: not page.view.form["fence"].value)
     assert (page.rule.rule.value, page.room.state.run) == ("squashing-best", 2)
 
 

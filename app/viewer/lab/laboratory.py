@@ -14,7 +14,7 @@ from app.viewer.lab.panels.monitors import Monitors
 from app.viewer.lab.panels.more import MoreNumbers
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.setup import SetupPanel
-from app.viewer.lab.panels.view import ViewPanel
+from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world import WorldPanel
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
@@ -29,7 +29,7 @@ from app.viewer.run.steering import leader, usable_pose
 from app.viewer.scene.drawing import Drawing
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import COLOURINGS, Look
+from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
 from app.viewer.web.origin import Allowed
@@ -101,7 +101,7 @@ class Laboratory:
         with tabs.add_tab("World"):
             self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
-            self.view = ViewPanel(gui, Look(), self.point)
+            self.view = FlockView(gui, Look(), self.point)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
         with run_place:
@@ -138,7 +138,7 @@ class Laboratory:
                 "2": lambda client: self.point(client, "perspective"),
                 "3": lambda client: self.point(client, "side"),
                 "F": lambda client: self.point(client, "follow"),
-                "C": lambda _: self.next_colour(),
+                "C": lambda _: self.view.next_colour(),
                 "L": lambda _: self.switch_links(),
                 "H": self.show_guide,
                 "Z": lambda _: self.world.undo(),
@@ -180,14 +180,10 @@ class Laboratory:
         """Inspect an agent, of the flock beside if so; None for none."""
         self.selected, self.selected_beside = row, beside and row is not None
 
-    def next_colour(self) -> None:
-        """Colour by the next quantity."""
-        place = COLOURINGS.index(self.view.colour.value)
-        show(self.view.colour, COLOURINGS[(place + 1) % len(COLOURINGS)])
-
     def switch_links(self) -> None:
         """Show links, or hide them."""
-        show(self.view.links, not self.view.links.value)
+        links = self.view.form["links"]
+        show(links, not links.value)
 
     def point(self, client: viser.ClientHandle, camera: str) -> None:
         """Point one browser's camera."""

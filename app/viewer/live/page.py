@@ -19,10 +19,11 @@ from app.viewer.live.panels.plots import LivePlots
 from app.viewer.live.panels.room import RoomPanel
 from app.viewer.live.panels.rule import RulePanel
 from app.viewer.live.panels.state import StatePanel
-from app.viewer.live.panels.view import LiveView
+from app.viewer.live.panels.view import CONTROLS, LOOK
 from app.viewer.live.room import Room
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
@@ -104,7 +105,7 @@ class LivePage:
         with tabs.add_tab("Room"):
             self.place = RoomPanel(gui, self.room, sources(lab), links(lab))
         with tabs.add_tab("View"):
-            self.view = LiveView(gui, self.point)
+            self.view = ViewPanel(gui, LOOK, CONTROLS, self.point, "car")
         with tabs.add_tab("Log"):
             self.log = LogPanel(gui, self.room)
         left = gui.add_panel()

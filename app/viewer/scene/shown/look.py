@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.viewer.scene.shown.control import chosen
+
 COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
 
@@ -23,39 +25,64 @@ RIDE, STEP_OFF = "ride along", "step off"
 
 @dataclass(frozen=True)
 class Look:
-    """How a frame is drawn. Nothing in it changes the flock."""
+    """How a frame is drawn, with how it is chosen. Nothing in it changes the flock."""
 
-    colour: str = "heading"
+    colour: str = chosen("heading", "Colour by", "What an agent's colour means", COLOURINGS)
     """One of `COLOURINGS` or `LIVE_COLOURINGS`."""
-    links: bool = False
-    """Draw a line between neighbours (needs `Frame.links`)."""
-    trails: str = OFF
-    """One of `TRAILS`: how to draw where each agent has been."""
-    trail_length: int = 60
-    """How far back a trail reaches, ticks."""
-    reach: bool = False
-    """Draw the interaction radius around the inspected agent, or else around the leader."""
-    zones: bool = True
-    """Draw the field of view and the zones of the inspected agent, where its rule has them."""
-    wake: bool = False
-    """Draw where the wing tips of birds have been."""
-    labels: bool = False
-    """Write the identity beside each agent (small flocks); where there are real cars their names
-    are written always."""
-    mission: bool = True
-    """Draw the information agents' path and the goal."""
-    start: bool = True
-    """Draw the region in which the mission starts."""
-    fence: bool = True
-    """Draw the fence of a capture area of cars."""
-    points: bool = False
-    """Draw the boundary points of obstacles (needs `Frame.points`)."""
-    birds: bool = True
-    """Draw the agents of a flock in space as birds (up to 3 000 of them)."""
-    agent_size: float = 1.0
-    """Size of the agents as a multiple of the size that suits their density."""
-    shadows: bool = True
-    """Let agents cast shadows (up to 2 000 of them)."""
+    links: bool = chosen(False, "Links", "A line between agents that are neighbours")
+    trails: str = chosen(
+        OFF,
+        "Trail",
+        "Where each agent has been; rising in time: its way through space and time, time upwards, "
+        "in flat worlds (look at it from the side)",
+        TRAILS,
+    )
+    trail_length: int = chosen(
+        60, "Trail length", "How far back, ticks", low=10, high=2000, step=10
+    )
+    reach: bool = chosen(
+        False,
+        "Reach",
+        "The interaction radius around the clicked agent, or the information agent",
+    )
+    zones: bool = chosen(
+        True,
+        "Zones",
+        "The clicked agent's field of view and zones, if its rule has them; neighbours take the "
+        "colour of their zone, those it does not see are grey",
+    )
+    wake: bool = chosen(
+        False,
+        "Wake",
+        "The lines that birds' wing tips leave behind them: left cool, right warm",
+    )
+    labels: bool = chosen(False, "Numbers", "Each agent's number")
+    """In small flocks; where there are real cars their names are written always."""
+    mission: bool = chosen(
+        True,
+        "Path & goal",
+        "The information agents' waypoints, and the goal that all agents seek",
+    )
+    start: bool = chosen(True, "Start region", "Where the agents of a mission begin")
+    fence: bool = chosen(
+        True,
+        "Fence",
+        "Of cars in an open area: half a metre inside its edge, where real cars are made to stop; "
+        "simulated ones are not",
+    )
+    points: bool = chosen(
+        False,
+        "Boundary points",
+        "Points along the obstacles' outlines: all that some models perceive of them",
+    )
+    birds: bool = chosen(
+        True,
+        "Birds",
+        "In space: birds that bank and beat their wings, up to 3 000; off: darts",
+    )
+    agent_size: float = chosen(1.0, "Agent size", low=0.3, high=3.0, step=0.1)
+    """As a multiple of the size that suits their density."""
+    shadows: bool = chosen(True, "Shadows", "Up to 2 000 agents")
 
     def __post_init__(self) -> None:
         known = dict.fromkeys(COLOURINGS + LIVE_COLOURINGS)

@@ -1,0 +1,28 @@
+"""How a person chooses a value: what it is called, and what may be chosen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Control:
+    """A switch; with `choices` a list of words; from `low` to `high` in steps a slider."""
+
+    label: str
+    hint: str | None = None
+    choices: tuple[str, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    step: float = 0.0
+
+
+def chosen(default: Any, *control: Any, **more: Any) -> Any:
+    """A field of a dataclass that a person may choose by `Control(*control, **more)`."""
+    return field(default=default, metadata={"control": Control(*control, **more)})
+
+
+def controls_of(declared: type) -> dict[str, Control]:
+    """How the fields of a dataclass are chosen, by name, in their order."""
+    return {one.name: one.metadata["control"] for one in fields(declared)}
