@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 import urllib.request
 import webbrowser
 
@@ -60,8 +61,9 @@ def visit(words, monkeypatch):
     finally:
         give_up.cancel()
         give_up.join()
-    for thread in set(threading.enumerate()) - before:
-        thread.join(LATEST)  # one may still compile
+    ends = time.monotonic() + LATEST  # a thread may still compile, or be about to begin
+    while set(threading.enumerate()) - before and time.monotonic() < ends:
+        time.sleep(0.05)
     assert read, f"no page was opened: {result.stdout}{result.stderr}"
     [(status, page)] = read
     assert status == 200
