@@ -10,7 +10,7 @@ import numpy as np
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.observables.neighbours import separation
-from worlds.ground import points_within, set_goal
+from worlds.queries.ground import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.flock import Flock

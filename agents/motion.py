@@ -19,9 +19,9 @@ from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from agents.whereabouts import Stray, stray
+from worlds.queries.survey import survey
 from worlds.refusal import Refusal, shortened, unknown
 from worlds.route import along_route
-from worlds.survey import survey
 from worlds.world import World
 
 NOISE = "eta"
@@ -162,7 +162,7 @@ class Motion:
         """Other obstacles, edges or another mission around the running flock.
 
         Raises Refusal if the world has other dimensions; nothing then changes. Agents stay where
-        they are: see `worlds.clearance` for those that an obstacle has come upon.
+        they are: see `worlds.queries.clearance` for those that an obstacle has come upon.
         """
         if world.dim != self.world.dim:
             raise Refusal(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from agents.engine.cache import kept
-from worlds.crossing import skin
-from worlds.ground import signed_distance
+from worlds.queries.crossing import skin
+from worlds.queries.ground import signed_distance
 
 if TYPE_CHECKING:
     from agents.motion import Motion

@@ -11,8 +11,8 @@ from oracles.solids import box, sphere
 
 from agents import Flock
 from agents.rules.guarded_room import SKIN, spiral
-from worlds.clearance import clearance
 from worlds.obstacles import Sphere
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 14.0

@@ -18,7 +18,7 @@ from agents.observables.following import (
     settling_tick,
     spread_bound,
 )
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 from worlds.world import world
 

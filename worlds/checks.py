@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 import shapely
 
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.engine.cells import Grid, Slots, Space
-from worlds.ground import Ground
+from worlds.queries.ground import Ground
 
 
 class Arrays(NamedTuple):

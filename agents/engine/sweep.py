@@ -33,7 +33,7 @@ from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.observables.consistency import is_consistent
 from worlds.compiled import compiled, entry
-from worlds.ground import points_within, set_goal
+from worlds.queries.ground import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (

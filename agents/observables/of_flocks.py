@@ -11,7 +11,7 @@ import numpy as np
 
 from agents.observables import correlation, groups, layers, neighbours, per_group
 from agents.observables.formation import INDUCED
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 
 SAVED = "saved"
 """The measure of a body that tells the share of its induced drag an agent saves."""

@@ -5,8 +5,8 @@ import pytest
 from worlds.checks import demand_sound, problems
 from worlds.mission import Goal, Mission, Path, Start
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Union
+from worlds.queries.survey import survey
 from worlds.refusal import Refusal
-from worlds.survey import survey
 from worlds.world import World, world
 
 BOW = Polygon(points=((0, 0), (4, 4), (4, 0), (0, 4)), name="bow")

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from worlds.mission import Goal, Mission, Path
+from worlds.queries.survey import survey
 from worlds.route import along_route
-from worlds.survey import survey
 from worlds.world import World
 
 

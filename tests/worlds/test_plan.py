@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 from worlds.readers import open_drawing, read_geometry, world_around
 from worlds.readers.roles import cast, guess
 from worlds.refusal import Refusal

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.clearance import clearance
 from worlds.obstacles import Box, Polygon
+from worlds.queries.clearance import clearance
+from worlds.queries.survey import survey
 from worlds.refusal import Refusal
-from worlds.survey import survey
 from worlds.world import world, world_from_layout
 
 BLOCKS = {"kind": "blocks", "count": 5, "side_low": 1.0, "side_high": 2.0, "gap": 0.5}

@@ -14,7 +14,7 @@ from app.viewer.scene.picture import Changes, Picture
 from app.viewer.scene.shapes import ball
 from app.viewer.scene.solids import joined, prism, rims, uprights
 from app.viewer.scene.stage import Stage
-from worlds.clearance import footprints
+from worlds.queries.clearance import footprints
 from worlds.world import World
 
 TALLEST = 0.05

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from worlds.outlines import footprints, outlines, spheres
+from worlds.queries.outlines import footprints, outlines, spheres
 
 if TYPE_CHECKING:
     from worlds.world import World
