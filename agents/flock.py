@@ -47,7 +47,7 @@ class Flock(Motion, mesa.Model):
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
     dim: 2 or 3, by default the layout's own, or the model's, or 2.
-    world: a layout by name (see `worlds.world.layout_names`), a TOML file or a `World`; None for
+    world: a layout by name (see `worlds.layout.layout_names`), a TOML file or a `World`; None for
         the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.

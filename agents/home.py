@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.spec import Spec
+from worlds.generators import drawn
+from worlds.layout import layout_dim, layout_names, world_from_layout
+from worlds.layout import world as build_world
 from worlds.refusal import Refusal
-from worlds.world import World, layout_dim, layout_names, world_from_layout
-from worlds.world import world as build_world
+from worlds.world import World
 
 if TYPE_CHECKING:
     from agents.model import Model
@@ -39,7 +41,7 @@ def find_world(
         if dim is None and np.ndim(size) == 0 and layout_dim(name) is None:
             dim = model.dim
         found = build_world(name, dim, size, lambda d: (agents / DENSITY) ** (1.0 / d))
-    found = found.drawn(seed)
+    found = drawn(found, seed)
     if found.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise Refusal(f"dim = {found.dim!r} is not allowed: {model.name} is defined in {allowed}")
@@ -51,7 +53,7 @@ def is_built_in(world: World, seed: int) -> bool:
     if world.name not in layout_names():
         return False
     try:
-        return build_world(world.name, world.dim, world.size).drawn(seed) == world
+        return drawn(build_world(world.name, world.dim, world.size), seed) == world
     except Refusal:
         return False
 

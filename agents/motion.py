@@ -19,9 +19,9 @@ from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from agents.whereabouts import Stray, stray
+from worlds.mission import along_route
 from worlds.queries.survey import survey
 from worlds.refusal import Refusal, shortened, unknown
-from worlds.route import along_route
 from worlds.world import World
 
 NOISE = "eta"

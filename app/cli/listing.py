@@ -66,7 +66,7 @@ def parameters() -> Rows:
 
 def worlds() -> Rows:
     """The built-in worlds."""
-    from worlds.world import layout_names, read_layout
+    from worlds.layout import layout_names, read_layout
 
     return [{"name": name, "title": read_layout(name).get("title", "")} for name in layout_names()]
 

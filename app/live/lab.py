@@ -22,9 +22,8 @@ from app.live.loop import RATE
 from app.live.misfit import Misfit
 from app.live.parts import Kept
 from app.live.safety import Safety
-from worlds.reading import read_text
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, shortened, unknown
-from worlds.toml import toml
 
 MOST_SIMULATED = 32
 """Simulated cars beside real ones: with more, a tick would not be done in time."""

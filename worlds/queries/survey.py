@@ -37,7 +37,9 @@ def survey(world: World, reach: float) -> Ground:
     its random obstacles.
     """
     if world.random is not None:
-        raise Refusal(f"the random obstacles of {world.name} are not drawn: World.drawn(seed)")
+        raise Refusal(
+            f"the random obstacles of {world.name} are not drawn: worlds.generators.drawn"
+        )
     united = outlines(world, reach)
     solids: list[shapely.Polygon] = []
     spans: list[tuple[float, float]] = []
