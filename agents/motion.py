@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from agents.declare import Parameters, as_floats, checked
-from agents.engine.arrays import Arrays, Law, Place
+from agents.engine.arrays import Arrays, Law, Place, Until
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
-from agents.observables.consistency import DESIRED, HOLD, watch_for
+from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.whereabouts import Stray, stray
 from worlds.mission import along_route
 from worlds.queries.survey import survey
@@ -203,16 +203,26 @@ class Motion:
         `between` is called between them and may end the run by raising.
         """
         self._end_tick()
-        watch = watch_for(len(self.ids), self.reference, desired, hold)
-        watch = watch._replace(last_off=self.tick - 1)
+        until = until_consistent(len(self.ids), self.reference, desired, hold)
+        return self.run_until(until, limit, between)
+
+    def run_until(
+        self, until: Until, limit: int, between: Callable[[], None] = lambda: None
+    ) -> int | None:
+        """Run until something has held; the tick from which it does, None if not by `limit`.
+
+        The rest as `run_until_consistent`.
+        """
+        self._end_tick()
+        until = until._replace(last_off=self.tick - 1)
         while self.tick < limit:
             between()
             ticks = min(CHUNK, limit - self.tick)
-            done, last_off = self.engine.run(self.law, self.tick, ticks, watch)
+            done, last_off = self.engine.run(self.law, self.tick, ticks, until)
             self.tick += done
             if done < ticks:
                 return last_off + 1
-            watch = watch._replace(last_off=last_off)
+            until = until._replace(last_off=last_off)
         return None
 
     def step_member(self, row: int) -> None:
@@ -260,7 +270,8 @@ class Motion:
 def loop_of(model: Model, dim: int, solid: bool) -> ModuleType:
     """The module of the compiled loop of a model, in a world where something is solid or not."""
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
-    return sweep_module(model.parts(dim, solid), tuple(fields))
+    parts = model.parts(dim, solid) | {"holds": is_consistent}
+    return sweep_module(parts, tuple(fields))
 
 
 def positive(name: str, value: Any) -> float:

@@ -105,6 +105,23 @@ def empty_grid(n: int, parts: int) -> Grid:
     )
 
 
+class Until(NamedTuple):
+    """When a run ends: once something has held of the flock for some ticks.
+
+    What has to hold is the part `holds` of a loop, see `agents.engine.template`.
+    """
+
+    numbers: np.ndarray
+    """What `holds` is asked with, float64; none where the run is to go on whatever holds."""
+    hold: int
+    """Ticks for which it has to hold."""
+    last_off: int
+    """Last tick at which it did not, -1 for none so far."""
+
+
+NEVER = Until(np.empty(0), 0, -1)
+
+
 class Place(NamedTuple):
     """The world as compiled code sees it: its edges, and what stands in it."""
 
