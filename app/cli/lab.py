@@ -12,8 +12,8 @@ from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.settings import assignment
 from app.cli.stopping import Stopping, leave
+from app.settings import assignment
 from app.viewer.beside import companion, shared_by
 from app.viewer.origin import allowed
 from app.viewer.start import at_home

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.settings import assignment
 from app.experiments.lines import place
+from app.settings import assignment
 from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, shortened, unknown
 

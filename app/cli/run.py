@@ -15,8 +15,8 @@ from app.cli.outcome import as_json, outcome, show, tell_written, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
-from app.cli.settings import at_least, names, numbers
 from app.experiments.kernels import compile_loop
+from app.settings import at_least, names, numbers
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_apart, demand_writable, write_text

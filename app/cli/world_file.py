@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.settings import at_least, names, numbers
+from app.settings import at_least, names, numbers
 from worlds.writing import demand_writable, write_text
 
 if TYPE_CHECKING:
