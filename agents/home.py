@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from agents.model import Model
 from agents.spec import Spec
 from worlds.generators import drawn
 from worlds.layout import layout_dim, layout_names, world_from_layout
 from worlds.layout import world as build_world
 from worlds.refusal import Refusal
 from worlds.world import World
-
-if TYPE_CHECKING:
-    from agents.model import Model
 
 DENSITY = 4.102
 """Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
@@ -58,7 +56,9 @@ def is_built_in(world: World, seed: int) -> bool:
         return False
 
 
-def world_of(spec: Spec) -> World:
-    """The world that a spec carries with it. Raises Refusal."""
-    assert spec.layout is not None
-    return world_from_layout(spec.layout, spec.world, spec.dim, None)
+def world_of(spec: Spec, model: Model) -> World:
+    """The world of a run: what its spec carries with it, or what the name makes. Raises Refusal."""
+    if spec.layout is not None:
+        return world_from_layout(spec.layout, spec.world, spec.dim, None)
+    agents = spec.agents + spec.informed
+    return find_world(model, spec.world, spec.dim, spec.size, agents, spec.seed)

@@ -1,6 +1,7 @@
 """What is measured of a flock in its world, from the functions of plain arrays.
 
-Each takes a flock, or what of it flies (`Flock.aloft`), which may be nobody.
+Each takes the agents of a flock that have not crashed, an `agents.snapshot.Snapshot`, which may be
+of nobody.
 """
 
 from __future__ import annotations

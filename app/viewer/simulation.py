@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.whereabouts import warning
 from app.viewer.beside import Pair, companion
 from app.viewer.commands import Commands, Models
 from app.viewer.crowd import refuse_too_dense
@@ -207,7 +206,7 @@ class Simulation(Commands):
     def warn(self, run: Run) -> None:
         """Tell of flocks whose agents go through what is solid, once for each setting."""
         for one in run.both:
-            words = warning(one.flock)
+            words = one.flock.warning
             if words and words != one.warned:
                 self.notices.put(words)
             one.warned = words
