@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
 import grimp
 import networkx as nx
 import pytest
 
+import agents
+import worlds
+
 PACKAGES = ("app", "agents", "worlds")
+LAZY = {
+    ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
+    ("worlds/readers/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
+}
+"""Libraries that a file of agents or worlds imports within a function, because they are slow."""
 
 
 def circles(graph: grimp.ImportGraph) -> list[list[str]]:
@@ -42,3 +54,24 @@ def test_a_circle_would_be_found():
 def test_imports_inside_of_functions_are_in_the_graph(graph):
     assert graph.direct_import_exists(importer="app.cli.listing", imported="app.cli.choices")
     assert graph.direct_import_exists(importer="app.cli.choices", imported="agents.catalogue")
+
+
+def lazy_imports(tree: ast.AST) -> Iterator[str]:
+    """The packages that are imported inside of functions."""
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef):
+            for node in ast.walk(function):
+                if isinstance(node, ast.Import):
+                    yield from (one.name.partition(".")[0] for one in node.names)
+                if isinstance(node, ast.ImportFrom):
+                    yield (node.module or "").partition(".")[0]
+
+
+def test_only_slow_libraries_are_imported_inside_of_functions():
+    found = set()
+    for package in (agents, worlds):
+        top = Path(package.__path__[0])
+        for path in top.rglob("*.py"):
+            for name in lazy_imports(ast.parse(path.read_text(encoding="utf-8"))):
+                found.add((path.relative_to(top.parent).as_posix(), name))
+    assert found == LAZY

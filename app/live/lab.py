@@ -11,7 +11,6 @@ from typing import Any
 import tomlkit
 from pydantic import Field, ValidationError, model_validator
 
-from app.experiments.strict import Strict, Value
 from app.live.area import Area
 from app.live.injected import INJECTED, Injection
 from app.live.lab_ends import demand_choices, demand_one_room
@@ -22,6 +21,7 @@ from app.live.loop import RATE
 from app.live.misfit import Misfit
 from app.live.parts import Kept
 from app.live.safety import Safety
+from app.strict import Strict, Value
 from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, shortened, unknown
 
