@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from agents.engine.arrays import Arrays
+from agents.engine.arrays import Arrays
 
 CAUSES = {1: "another agent", 2: "an obstacle or a wall"}
 """What an agent can have touched, as `agents.declare.Body.touches` answers it."""
@@ -40,7 +38,7 @@ def crashes(arrays: Arrays) -> Crashes:
     return Crashes(tick, arrays.ids[row], row, fate[row, 2:], cause)
 
 
-def flying(arrays: Arrays) -> np.ndarray:
+def active(arrays: Arrays) -> np.ndarray:
     """Which agents have not crashed, (N,) bool."""
     if not len(arrays.fate):
         return np.ones(len(arrays.ids), bool)

@@ -13,21 +13,14 @@ import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.aloft import Aloft, aloft
-from agents.crashes import Crashes, crashes, flying
 from agents.declare import checked
 from agents.home import find_world, is_built_in, world_of
-from agents.inspection import Inspection, inspect
-from agents.member import Member
+from agents.inspection import Inspection, inspect, warm
+from agents.member import FlockSpace, Member
 from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
-from agents.observables.components import groups_within
-from agents.observables.layers import layers
-from agents.observables.neighbours import links
 from agents.record import STATES, Recorder, read_state
-from agents.room import demand_room
-from agents.rows import begun, joined, without
-from agents.space import FlockSpace
+from agents.rows import begun, chosen, demand_room, joined
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
@@ -47,7 +40,7 @@ class Flock(Motion, mesa.Model):
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
     dim: 2 or 3, by default the layout's own, or the model's, or 2.
-    world: a layout by name (see `worlds.world.layout_names`), a TOML file or a `World`; None for
+    world: a layout by name (see `worlds.layout.layout_names`), a TOML file or a `World`; None for
         the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
@@ -168,41 +161,13 @@ class Flock(Motion, mesa.Model):
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`."""
         return observed(self, known(name))
 
-    @property
-    def can_crash(self) -> bool:
-        """Whether agents that touch something crash."""
-        return self.model.body.touches is not None
-
-    @property
-    def flying(self) -> np.ndarray:
-        """Which agents have not crashed, (N,) bool."""
-        return flying(self.arrays)
-
-    @property
-    def crashes(self) -> Crashes:
-        """Who has crashed so far: when, where and against what."""
-        return crashes(self.arrays)
-
-    @property
-    def aloft(self) -> Flock | Aloft:
-        """The flock as observables see it: without those that have crashed."""
-        return aloft(self)
-
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
-        return inspect(self, row)
+        return inspect(self.snapshot(copy=False, signals=True), self.engine.ground, self.law, row)
 
-    def links(self) -> np.ndarray:
-        """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
-        return links(self.position, self.reach, self.world.size, self.world.images)
-
-    def group_labels(self) -> np.ndarray:
-        """The connected group within `together` of each agent, int (N,), 0 the largest."""
-        return groups_within(self.position, self.together, self.world.size, self.world.images)
-
-    def layers(self) -> np.ndarray:
-        """Hops from an information agent plus 1, as the flock stands; N + 1 unknown; int (N,)."""
-        return layers(self.links(), self.informed)
+    def warm(self) -> None:
+        """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
+        warm(self.snapshot(copy=False), self.engine.ground, self.law)
 
     @property
     def members(self) -> list[Member]:
@@ -253,7 +218,7 @@ class Flock(Motion, mesa.Model):
         members = self.members
         self._end_tick()
         row = member.row
-        self._use(without(self.arrays, row))
+        self._use(chosen(self.arrays, np.delete(np.arange(len(self.ids)), row)))
         del members[row]
         for later in members[row:]:
             later.row -= 1
@@ -291,7 +256,7 @@ class Flock(Motion, mesa.Model):
             informed=spec.informed,
             size=spec.size,
             dim=spec.dim,
-            world=spec.world if spec.layout is None else world_of(spec),
+            world=world_of(spec, catalogue.model(spec.model)),
             activation=spec.activation,
             noise=spec.noise,
             spacing=spec.spacing,
@@ -311,11 +276,11 @@ class Flock(Motion, mesa.Model):
     @classmethod
     def load(cls, path: str | Path, tick: int | None = None, **more: Any) -> Flock:
         """The flock of a saved state, or of one tick (the last) of a recording. Raises Refusal."""
-        saved = read_state(path, tick)
-        start = {"position": saved.arrays.position, "heading": saved.arrays.heading}
-        flock = cls.from_spec(saved.spec, start=start, **more)
-        flock.given = saved.spec.start == "given"
-        flock.started_with = saved.spec.agents, saved.spec.informed
+        spec, saved = read_state(path, tick)
+        start = {"position": saved.position, "heading": saved.heading}
+        flock = cls.from_spec(spec, start=start, **more)
+        flock.given = spec.start == "given"
+        flock.started_with = spec.agents, spec.informed
         flock.tick, flock.next_id = saved.tick, saved.next_id
         flock._use(saved.arrays)
         return flock
@@ -330,4 +295,4 @@ def known(name: str) -> str:
 
 def observed(flock: Flock, name: str) -> Any:
     """The value of an observable now."""
-    return OBSERVABLES[name].measure(flock.aloft)
+    return OBSERVABLES[name].measure(flock.snapshot(copy=False).measurable())

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from agents.model import Model
 from agents.spec import Spec
+from worlds.generators import drawn
+from worlds.layout import layout_dim, layout_names, world_from_layout
+from worlds.layout import world as build_world
 from worlds.refusal import Refusal
-from worlds.world import World, layout_dim, layout_names, world_from_layout
-from worlds.world import world as build_world
-
-if TYPE_CHECKING:
-    from agents.model import Model
+from worlds.world import World
 
 DENSITY = 4.102
 """Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
@@ -39,7 +39,7 @@ def find_world(
         if dim is None and np.ndim(size) == 0 and layout_dim(name) is None:
             dim = model.dim
         found = build_world(name, dim, size, lambda d: (agents / DENSITY) ** (1.0 / d))
-    found = found.drawn(seed)
+    found = drawn(found, seed)
     if found.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise Refusal(f"dim = {found.dim!r} is not allowed: {model.name} is defined in {allowed}")
@@ -51,12 +51,14 @@ def is_built_in(world: World, seed: int) -> bool:
     if world.name not in layout_names():
         return False
     try:
-        return build_world(world.name, world.dim, world.size).drawn(seed) == world
+        return drawn(build_world(world.name, world.dim, world.size), seed) == world
     except Refusal:
         return False
 
 
-def world_of(spec: Spec) -> World:
-    """The world that a spec carries with it. Raises Refusal."""
-    assert spec.layout is not None
-    return world_from_layout(spec.layout, spec.world, spec.dim, None)
+def world_of(spec: Spec, model: Model) -> World:
+    """The world of a run: what its spec carries with it, or what the name makes. Raises Refusal."""
+    if spec.layout is not None:
+        return world_from_layout(spec.layout, spec.world, spec.dim, None)
+    agents = spec.agents + spec.informed
+    return find_world(model, spec.world, spec.dim, spec.size, agents, spec.seed)

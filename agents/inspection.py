@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from agents.engine.arrays import Law
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.observables.neighbours import separation
-from worlds.ground import points_within, set_goal
-
-if TYPE_CHECKING:
-    from agents.flock import Flock
+from agents.snapshot import Snapshot, State
+from worlds.queries.ground import Ground, points_within, set_goal
 
 NO_POINTS = np.empty((0, 2))
 UNSEEN = -1
@@ -58,7 +57,7 @@ class Inspection:
     """Full angle of its field of view, deg."""
 
 
-def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
+def as_me(flock: State, row: int, signals: np.ndarray) -> Me:
     """A row as rules see themselves; `signals` (K,) are its columns."""
     x, y, *z = (float(c) for c in flock.position[row])
     ux, uy, *uz = (float(c) for c in flock.heading[row])
@@ -84,7 +83,7 @@ def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
 
 
 def as_near(
-    flock: Flock, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
+    flock: State, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
 ) -> Near:
     """Other rows, `apart` (M, dim) from a row, and boundary points (P, 2), as rules see them."""
     dim, shared = flock.world.dim, len(flock.model.signals)
@@ -100,21 +99,19 @@ def as_near(
     return Near(len(rows), x, y, z, ux, uy, uz, told, heard, len(seen), px, py, np.zeros(len(seen)))
 
 
-def perceived(flock: Flock, row: int) -> np.ndarray:
+def perceived(flock: State, ground: Ground, row: int) -> np.ndarray:
     """The boundary points that an agent's rule sees, (P, 2), length."""
     if not flock.model.rule.sees_points:
         return NO_POINTS
-    ground = flock.engine.ground
     found = np.zeros(ground.most_points, np.int32)
     x, y = (float(c) for c in flock.position[row, :2])
     n = points_within(ground, x, y, flock.reach, found)
     return np.column_stack([ground.point_x[found[:n]], ground.point_y[found[:n]]])
 
 
-def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
+def forces_on(flock: State, ground: Ground, law: Law, me: Me, near: Near) -> dict[str, np.ndarray]:
     """The terms of the rule's next wish and of its body's velocity, by name, (dim,) each."""
-    ground, p = flock.engine.ground, flock.law.parameters
-    rule, body = flock.model.rule, flock.model.body
+    p, rule, body = law.parameters, flock.model.rule, flock.model.body
     if rule.perceive is not None and (rule.explain or body.explain):
         rule.perceive(me, near, ground, p)
     found: dict[str, np.ndarray] = {}
@@ -126,7 +123,7 @@ def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
     return found
 
 
-def shells(flock: Flock) -> tuple[Shell, ...]:
+def shells(flock: State) -> tuple[Shell, ...]:
     """The zones of a flock's rule, with its parameters as they are; none where it has none."""
     parameters = flock.parameters
     return tuple(
@@ -135,7 +132,7 @@ def shells(flock: Flock) -> tuple[Shell, ...]:
     )
 
 
-def field_of_view(flock: Flock) -> float:
+def field_of_view(flock: State) -> float:
     """The full angle (deg) of a flock's field of view; 360 where its rule has none."""
     name = flock.model.rule.view
     return float(getattr(flock.parameters, name)) if name else 360.0
@@ -162,12 +159,11 @@ def zones_of(
     return found
 
 
-def warm(flock: Flock) -> None:
+def warm(flock: Snapshot, ground: Ground, law: Law) -> None:
     """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
     rule, body = flock.model.rule, flock.model.body
     if not len(flock.ids) or not (rule.weigh or rule.explain or body.explain):
         return
-    ground, p = flock.engine.ground, flock.law.parameters
     ground = ground._replace(goal=ground.goal.copy())
     columns = len(flock.model.columns)
     rows, apart = np.empty(0, int), np.empty((0, flock.world.dim))
@@ -177,36 +173,38 @@ def warm(flock: Flock) -> None:
     if rule.sees_points:
         points_within(ground, me.x, me.y, 0.0, np.zeros(ground.most_points, np.int32))
     if rule.weigh is not None:
-        rule.weigh(me, near, p, np.empty(0))
-    forces_on(flock, me, near)
+        rule.weigh(me, near, law.parameters, np.empty(0))
+    forces_on(flock, ground, law, me, near)
 
 
-def inspect(flock: Flock, row: int) -> Inspection:
+def inspect(flock: Snapshot, ground: Ground, law: Law, row: int) -> Inspection:
     """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come.
 
-    One that has crashed has no neighbours, and is nobody's.
+    The snapshot is one with signals; `ground` and `law` are what the flock's agents go by. One that
+    has crashed has no neighbours, and is nobody's.
     """
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
-    aloft = bool(flock.flying[row])
-    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & flock.flying & aloft)
+    active = flock.active
+    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & active & active[row])
     apart = apart[rows]
-    signals = flock.signals()
+    signals = flock.arrays.memory
     own = signals[:, row].copy()
-    seen = perceived(flock, row)
+    seen = perceived(flock, ground, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
-    own_shells, view = shells(flock) if aloft else (), field_of_view(flock)
-    if flock.informed[row] or not aloft:
+    own_shells, view = shells(flock) if active[row] else (), field_of_view(flock)
+    if flock.informed[row] or not active[row]:
         weights[:] = 0.0
     else:
-        set_goal(flock.engine.ground, flock.elapsed)
+        ground = ground._replace(goal=ground.goal.copy())
+        set_goal(ground, flock.elapsed)
         me = as_me(flock, row, own.copy())
         near = as_near(flock, row, rows, apart, signals, seen)
         if rule.weigh is not None and len(rows):
-            rule.weigh(me, near, flock.law.parameters, weights)
-        forces = forces_on(flock, me, near)
+            rule.weigh(me, near, law.parameters, weights)
+        forces = forces_on(flock, ground, law, me, near)
     return Inspection(
         int(flock.ids[row]),
         row,

@@ -11,21 +11,22 @@ import json
 import os
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from agents.catalogue import model
+from agents.declare import checked
 from agents.engine.arrays import Arrays
+from agents.home import world_of
+from agents.model import Model
 from agents.rows import unhurt
+from agents.snapshot import Snapshot
 from agents.spec import Spec
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_writable, writing
-
-if TYPE_CHECKING:
-    from agents.flock import Flock
 
 KEY = b"flockscope"
 FORMAT = 1
@@ -39,14 +40,12 @@ FLUSH_ROWS = 20_000
 """Rows that may be in flight before they are written to the disk."""
 
 
-@dataclass(frozen=True)
-class Saved:
-    """A flock's state as read from a file."""
+class Recorded(Protocol):
+    """What is recorded: a flock."""
 
-    spec: Spec
-    tick: int
-    next_id: int
-    arrays: Arrays
+    @property
+    def spec(self) -> Spec: ...
+    def snapshot(self, copy: bool = True, signals: bool = False) -> Snapshot: ...
 
 
 class Recorder:
@@ -61,7 +60,7 @@ class Recorder:
     def __init__(
         self,
         path: str | Path,
-        flock: Flock,
+        flock: Recorded,
         overwrite: bool = True,
         endings: Collection[str] = RECORDINGS,
     ):
@@ -80,8 +79,9 @@ class Recorder:
     def __enter__(self) -> Recorder:
         import pyarrow as pa
 
-        meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": self.flock.next_id}
-        schema = self.frame().schema.with_metadata({KEY: json.dumps(meta).encode()})
+        now = self.snapshot()
+        meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": now.next_id}
+        schema = batch_of(now).schema.with_metadata({KEY: json.dumps(meta).encode()})
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
             raise Refusal(
@@ -143,31 +143,13 @@ class Recorder:
             self.file.close()
         self.part.unlink(missing_ok=True)
 
-    def frame(self):
-        """The flock now, as a record batch with one row per agent."""
-        import pyarrow as pa
-
-        flock = self.flock
-        n = len(flock.ids)
-        columns = {"tick": np.full(n, flock.tick), "id": flock.ids.copy()}
-        for axis, letter in enumerate(AXES[: flock.world.dim]):
-            columns[letter] = flock.position[:, axis].copy()
-        for axis, letter in enumerate(AXES[: flock.world.dim]):
-            columns["u" + letter] = flock.heading[:, axis].copy()
-        columns["speed"] = flock.speed.copy()
-        columns["informed"] = flock.informed.copy()
-        if flock.world.mission is not None and flock.world.mission.path is not None:
-            columns["leg"] = flock.arrays.leg.copy()
-        if flock.can_crash:
-            fate = flock.arrays.fate
-            columns |= {name: fate[:, k].copy() for k, name in enumerate(fates(flock.world.dim))}
-        for name, values in zip(flock.model.columns, flock.signals(), strict=True):
-            columns[name] = values.copy()
-        return pa.RecordBatch.from_pydict(columns)
+    def snapshot(self) -> Snapshot:
+        """The flock now, with what agents tell each other; its arrays are the flock's own."""
+        return self.flock.snapshot(copy=False, signals=True)
 
     def write(self) -> None:
         """Record the flock as it is now. Raises Refusal."""
-        batch = self.frame()
+        batch = batch_of(self.snapshot())
         self.waiting.append(batch)
         self.rows += batch.num_rows
         self.frames += 1
@@ -188,6 +170,28 @@ class Recorder:
             last = self.waiting[-1].column("tick")[0].as_py()
             self.kept = self.frames, last, self.file.tell()
         self.waiting, self.rows = [], 0
+
+
+def batch_of(flock: Snapshot):
+    """A snapshot as a record batch with one row per agent, copies."""
+    import pyarrow as pa
+
+    n = len(flock.ids)
+    columns = {"tick": np.full(n, flock.tick), "id": flock.ids.copy()}
+    for axis, letter in enumerate(AXES[: flock.world.dim]):
+        columns[letter] = flock.position[:, axis].copy()
+    for axis, letter in enumerate(AXES[: flock.world.dim]):
+        columns["u" + letter] = flock.heading[:, axis].copy()
+    columns["speed"] = flock.speed.copy()
+    columns["informed"] = flock.informed.copy()
+    if flock.world.mission is not None and flock.world.mission.path is not None:
+        columns["leg"] = flock.arrays.leg.copy()
+    if flock.can_crash:
+        fate = flock.arrays.fate
+        columns |= {name: fate[:, k].copy() for k, name in enumerate(fates(flock.world.dim))}
+    for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
+        columns[name] = values.copy()
+    return pa.RecordBatch.from_pydict(columns)
 
 
 def fates(dim: int) -> list[str]:
@@ -258,8 +262,11 @@ def recover(part: str | Path) -> tuple[Path, int]:
         raise Refusal(f"{str(part)!r} is not a recording that flockscope has begun") from None
 
 
-def read_state(path: str | Path, tick: int | None = None) -> Saved:
-    """The state at a tick (by default the last) of a saved state or recording. Raises Refusal."""
+def read_state(path: str | Path, tick: int | None = None) -> tuple[Spec, Snapshot]:
+    """The run, and the flock at a tick (by default the last), of a saved state or recording.
+
+    Raises Refusal.
+    """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -278,8 +285,12 @@ def read_state(path: str | Path, tick: int | None = None) -> Saved:
     if table.num_rows == 0:
         raise Refusal(f"tick = {wanted} is not in {str(path)!r}")
     spec = Spec.from_toml(text, str(path))
-    arrays = arrays_of(table, spec, path)
-    return Saved(spec, wanted, max(next_id, int(arrays.ids.max()) + 1), arrays)
+    one = model(spec.model)
+    arrays = arrays_of(table, spec, one, path)
+    next_id = max(next_id, int(arrays.ids.max()) + 1)
+    parameters = checked(one.parameters, spec.parameters)
+    world = world_of(spec, one)
+    return spec, Snapshot(one, world, parameters, spec.seed, wanted, arrays, next_id, True)
 
 
 def last_tick(file) -> int:
@@ -289,14 +300,11 @@ def last_tick(file) -> int:
     return max(group.statistics.max for group in groups)
 
 
-def arrays_of(table, spec: Spec, path) -> Arrays:
+def arrays_of(table, spec: Spec, one: Model, path) -> Arrays:
     """The arrays of one tick of a recording. Raises Refusal if columns are missing."""
-    from agents.catalogue import model
-
     axes = AXES[: spec.dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        one = model(spec.model)
         signals = [column[name] for name in one.columns]
         mortal = one.body.touches is not None
         fate = [column[name] for name in fates(spec.dim)] if mortal else []

@@ -1,4 +1,4 @@
-"""The rows of a flock's arrays: how they begin, are joined and are left."""
+"""The rows of a flock's arrays: how many there can be, how they begin, are joined and chosen."""
 
 from __future__ import annotations
 
@@ -7,6 +7,25 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.model import Model
 from agents.start import Start
+from worlds.memory import demand_memory
+from worlds.refusal import Refusal
+
+MOST_AGENTS = 2**31 - 1
+"""Rows are numbered by int32."""
+BYTES = 200
+"""Of an agent: its arrays, their sorted copy, and what its start is drawn from."""
+BYTES_OF_A_SIGNAL = 16
+"""Of each signal or memory of an agent, and its copy."""
+BYTES_OF_A_THREAD = 4
+"""Of each agent and thread: a thread counts the cells by itself."""
+
+
+def demand_room(model: Model, agents: int, threads: int) -> None:
+    """Refuse more agents than can be. Raises Refusal naming how much memory they would need."""
+    if agents > MOST_AGENTS:
+        raise Refusal(f"agents = {agents} is not allowed: the largest is {MOST_AGENTS}")
+    each = BYTES + BYTES_OF_A_SIGNAL * len(model.columns) + BYTES_OF_A_THREAD * threads
+    demand_memory(f"agents = {agents}", float(agents) * each)
 
 
 def begun(start: Start, model: Model, first_id: int) -> Arrays:
@@ -38,12 +57,12 @@ def joined(arrays: Arrays, more: Arrays) -> Arrays:
     return Arrays(**both)
 
 
-def without(arrays: Arrays, row: int) -> Arrays:
-    """The arrays without one row; those behind it move up."""
-    there = [row] if len(arrays.fate) else []
-    kept = {
-        name: np.delete(column, row, axis=int(name == "memory"))
+def chosen(arrays: Arrays, rows: np.ndarray) -> Arrays:
+    """The arrays of some rows, copies."""
+    there = rows if len(arrays.fate) else np.empty(0, int)
+    taken = {
+        name: np.take(column, rows, axis=int(name == "memory"))
         for name, column in arrays._asdict().items()
         if name != "fate"
     }
-    return Arrays(**kept, fate=np.delete(arrays.fate, there, axis=0))
+    return Arrays(**taken, fate=np.take(arrays.fate, there, axis=0))

@@ -24,7 +24,7 @@ class Series:
     tick: np.ndarray
     """(K,) int, rising."""
     agents: np.ndarray
-    """Agents that flew, (K,) int."""
+    """Agents that had not crashed, (K,) int."""
     values: dict[str, np.ndarray]
     """Each observable by its name, (K,) float."""
 
@@ -55,7 +55,7 @@ class Follower:
         """Note what is observed now."""
         flock = self.flock
         seen = [float(flock.observe(name)) for name in self.names]
-        self.rows.append([flock.tick, flock.flying.sum(), *seen])
+        self.rows.append([flock.tick, flock.active.sum(), *seen])
 
     @property
     def series(self) -> Series:

@@ -10,9 +10,8 @@ from typing import Any, Literal
 import tomlkit
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from worlds.reading import read_text
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, shortened, unknown
-from worlds.toml import toml
 
 Activation = Literal["synchronous", "random", "sequential"]
 Noise = Literal["angular", "vectorial"]

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from worlds.clearance import clearance
-from worlds.free_places import demand_free, demand_in_box
+from worlds.checks import demand_free, demand_in_box
 from worlds.mission import Start as Region
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
 

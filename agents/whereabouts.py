@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agents.engine.arrays import Arrays
 from agents.engine.cache import kept
-from worlds.crossing import skin
-from worlds.ground import signed_distance
-
-if TYPE_CHECKING:
-    from agents.motion import Motion
+from worlds.queries.crossing import skin
+from worlds.queries.ground import Ground, signed_distance
 
 
 @dataclass(frozen=True)
@@ -57,26 +54,10 @@ def strays(ground, position, fate):
     return first, depth, number
 
 
-def stray(flock: Motion) -> Stray | None:
-    """The first agent that is where it cannot be now, None if all are where they can be.
-
-    Where nothing is solid, or agents go through it by their model's own setting, all can be
-    anywhere.
-    """
-    if not flock.world.is_solid or flock.passing or not len(flock.ids):
-        return None
-    row, depth, number = strays(flock.engine.ground, flock.position, flock.arrays.fate)
+def stray(ground: Ground, arrays: Arrays, tick: int) -> Stray | None:
+    """The first agent that is inside something solid, None if nobody is."""
+    row, depth, number = strays(ground, arrays.position, arrays.fate)
     if row < 0:
         return None
-    place = flock.position[row].copy()
-    return Stray(int(flock.ids[row]), int(row), flock.tick, place, float(depth), int(number))
-
-
-def warning(flock: Motion) -> str:
-    """What to tell of a flock whose agents go through what is solid, or an empty string."""
-    if not flock.passing:
-        return ""
-    return (
-        f"{flock.model.name} with {flock.passing}: agents go through obstacles and solid edges, as "
-        "in the literal text of its paper"
-    )
+    place = arrays.position[row].copy()
+    return Stray(int(arrays.ids[row]), int(row), tick, place, float(depth), int(number))

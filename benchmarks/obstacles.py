@@ -12,10 +12,9 @@ import time
 import numpy as np
 
 from worlds.compiled import entry
-from worlds.ground import Ground, line_of_sight, nearest_surface, points_within
-from worlds.obstacles import Disc, Wall
-from worlds.shape import SEGMENTS
-from worlds.survey import survey
+from worlds.obstacles import SEGMENTS, Disc, Wall
+from worlds.queries.ground import Ground, line_of_sight, nearest_surface, points_within
+from worlds.queries.survey import survey
 from worlds.world import World
 
 SIDE = 100.0

@@ -35,7 +35,7 @@ def by_heading(flock: Flock) -> np.ndarray:
     """A colour for each agent from its heading, (N, 3); grey for the fallen."""
     hue = np.arctan2(flock.heading[:, 1], flock.heading[:, 0]) / (2 * np.pi) % 1.0
     colour = hsv_to_rgb(np.column_stack([hue, np.full_like(hue, 0.8), np.full_like(hue, 0.75)]))
-    colour[~flock.flying] = matplotlib.colors.to_rgb(LOST)
+    colour[~flock.active] = matplotlib.colors.to_rgb(LOST)
     return colour
 
 

@@ -57,14 +57,14 @@ def test_two_that_meet_crash_at_the_tick_at_which_they_touch_and_nobody_else():
     flock = solitary(towards_each_other())
     flock.run(7)  # 2 apart, closing in by 0.2 a tick: 0.75 is passed in the seventh tick
     assert len(flock.crashes) == 0
-    assert flock.flying.all()
+    assert flock.active.all()
     flock.run(1)
     crashes = flock.crashes
     assert crashes.tick.tolist() == [7, 7]
     assert crashes.row.tolist() == [0, 1]
     assert crashes.cause.tolist() == [1, 1]
     np.testing.assert_allclose(crashes.place, [(5.7, 5.0, 5.0), (6.3, 5.0, 5.0)])
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
 
 
 @pytest.mark.parametrize("edges", ["open", "wrap"])
@@ -80,16 +80,16 @@ def test_two_at_the_very_same_place_crash_and_nobody_with_itself(dim, edges, act
     start["heading"][1] = np.eye(dim)[1]  # who shares a place need not share a heading
     flock = solitary(start, world, activation=activation)
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert flock.active.tolist() == [False, False, False, False, True]
     assert flock.crashes.cause.tolist() == [1] * 4
     flock.run(3)
-    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert flock.active.tolist() == [False, False, False, False, True]
 
 
 def test_points_crash_only_where_they_coincide():
     flock = solitary(at([(5.0, 5.0, 5.0), (5.0, 5.0, 5.0), (5.0, 5.0, 5.001)], speed=0.0), body=0.0)
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
 
 
 def test_the_fallen_fall_freely_to_the_floor_and_lie():
@@ -175,7 +175,7 @@ def test_in_turn_both_of_a_pair_crash_in_the_same_tick(activation):
     flock = solitary(towards_each_other(), activation=activation)
     flock.run(20)
     assert flock.crashes.tick.tolist() == [7, 7]
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
     np.testing.assert_array_equal(flock.position[:2, 2], [0.0, 0.0] if flock.tick > 19 else 5.0)
 
 
@@ -235,9 +235,9 @@ def test_agents_join_and_leave_a_flock_with_fallen():
     flock = solitary(towards_each_other())
     flock.run(8)
     Member(flock, position=(1.0, 1.0, 1.0))
-    assert flock.flying.tolist() == [False, False, True, True]
+    assert flock.active.tolist() == [False, False, True, True]
     flock.members[0].remove()
-    assert flock.flying.tolist() == [False, True, True]
+    assert flock.active.tolist() == [False, True, True]
     assert flock.crashes.id.tolist() == [2]
     flock.run(1)
 
@@ -274,4 +274,4 @@ def test_models_without_bodies_have_no_fate():
     flock.run(2)
     assert not flock.can_crash
     assert len(flock.crashes) == 0
-    assert flock.flying.all()
+    assert flock.active.all()

@@ -8,11 +8,12 @@ import pytest
 
 from agents import Flock
 from agents.spec import Spec
-from worlds.clearance import clearance
+from worlds.layout import world
 from worlds.mission import Goal, Mission, Path
 from worlds.obstacles import Disc, Wall
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
-from worlds.world import World, world
+from worlds.world import World
 
 
 def room(*obstacles, edges="solid", mission=None):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
-from agents.inspection import UNSEEN, Shell, shells, warm, zones_of
+from agents.inspection import UNSEEN, Shell, shells, zones_of
 
 LINEAR = ["vem", "vem-a", "wvem", "hwvem"]
 
@@ -103,7 +103,7 @@ def test_an_information_agent_has_no_forces():
 def test_warming_leaves_the_flock_as_it_is():
     flock, twin = (Flock("boundary-points", agents=8, rng=2) for _ in range(2))
     flock.run(100)
-    warm(flock)
+    flock.warm()
     flock.run(50)
     twin.run(150)
     assert np.array_equal(flock.position, twin.position)
@@ -179,7 +179,7 @@ def test_the_crashed_are_nobodys_neighbours_and_listen_to_nobody():
     flock = Flock("thesis", start=start, rng=1, d_a=6.0, alpha=360.0)
     assert flock.inspect(2).neighbours.tolist() == [0, 1]
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
     assert flock.inspect(2).neighbours.tolist() == []
     fallen = flock.inspect(0)
     assert len(fallen.neighbours) == len(fallen.weights) == len(fallen.zone) == 0

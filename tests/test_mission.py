@@ -18,9 +18,9 @@ from agents.observables.following import (
     settling_tick,
     spread_bound,
 )
-from worlds.clearance import clearance
+from worlds.layout import world
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
-from worlds.world import world
 
 SCENE = "liu2021-mission"
 

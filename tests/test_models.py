@@ -9,8 +9,8 @@ from agents.catalogue import MODELS
 from agents.declare import declared
 from agents.model import Model
 from agents.rules import hwvem, olfati_saber
+from worlds.layout import world
 from worlds.refusal import Refusal
-from worlds.world import world
 
 
 def test_a_body_that_cannot_take_what_the_rule_wishes_is_an_error():

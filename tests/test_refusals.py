@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from worlds.layout import world
 from worlds.refusal import Refusal
-from worlds.world import world
 
 
 @pytest.mark.parametrize(

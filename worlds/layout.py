@@ -1,28 +1,22 @@
-"""Layouts: how a world is written in a TOML file, and what its keys come to."""
+"""Layouts: how a world is written in a TOML file, and the world that its keys come to."""
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from worlds.checks import demand_sound
 from worlds.counting import counted
+from worlds.generators.random_obstacles import random_obstacles
 from worlds.mission import mission
 from worlds.obstacles import obstacle
-from worlds.random_obstacles import random_obstacles
-from worlds.reading import read_text
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, unknown
-from worlds.toml import toml
+from worlds.world import BOUNDARY_SPACING, DISTANCES, World, box, edges_of
 
-EDGES = ("wrap", "open", "solid")
-"""What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
-DISTANCES = ("nearest-image", "plain")
-"""How distance is measured where an axis wraps: across the seam, or within the box only."""
 DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
 """Endings of files that are no layouts, but may come to be some."""
 LAYOUTS = files("worlds") / "layouts"
@@ -40,8 +34,6 @@ KEYS = (
     "random",
     "mission",
 )
-BOUNDARY_SPACING = 0.5
-"""Of boundary points, length; the papers' value."""
 
 
 def layout_names() -> list[str]:
@@ -74,14 +66,36 @@ def layout_dim(name: str) -> int | None:
     return own_dim(read_layout(name), name)
 
 
-def layout_fields(
+def world(
+    name: str,
+    dim: int | None = None,
+    size: float | Sequence[float] | None = None,
+    unsized: Callable[[int], float] | None = None,
+) -> World:
+    """The world of a layout (a built-in name or a TOML file), sound.
+
+    See `world_from_layout`. Raises Refusal, also for the first error that `worlds.checks` finds.
+    """
+    found = world_from_layout(read_layout(name), name, dim, size, unsized)
+    demand_sound(found)
+    return found
+
+
+def world_from_layout(
     layout: Mapping[str, Any],
     name: str,
-    dim: int | None,
-    size: float | Sequence[float] | None,
-    unsized: Callable[[int], float] | None,
-) -> dict[str, Any]:
-    """The fields of the `worlds.world.World` that a layout describes. Raises Refusal."""
+    dim: int | None = None,
+    size: float | Sequence[float] | None = None,
+    unsized: Callable[[int], float] | None = None,
+) -> World:
+    """The world that a layout describes; `worlds.checks` tells whether it is sound.
+
+    `dim` is 2 or 3, by default the layout's own, or 2. A flat layout stands up in three dimensions:
+    its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
+    per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
+    layout with obstacles. Random obstacles are not drawn yet, see `worlds.generators.drawn`.
+    Raises Refusal.
+    """
     for key in layout:
         if key not in KEYS:
             raise unknown("key", key, KEYS, name)
@@ -106,20 +120,20 @@ def layout_fields(
     if task is not None and dim == 3:
         task = task.standing(height or sides[2])
     drawn = random_obstacles(layout["random"], dim, stands, name) if "random" in layout else None
-    return {
-        "name": name,
-        "size": sides,
-        "edges": edges,
-        "distance": distance,
-        "title": str(layout.get("title", "")),
-        "low": corner(low, dim, name),
-        "obstacles": solid,
-        "mission": task,
-        "height": height,
-        "boundary_spacing": length(layout, "boundary_spacing", BOUNDARY_SPACING, name),
-        "source": str(layout.get("source", "")),
-        "random": drawn,
-    }
+    return World(
+        name=name,
+        size=sides,
+        edges=edges,
+        distance=distance,
+        title=str(layout.get("title", "")),
+        low=corner(low, dim, name),
+        obstacles=solid,
+        mission=task,
+        height=height,
+        boundary_spacing=length(layout, "boundary_spacing", BOUNDARY_SPACING, name),
+        source=str(layout.get("source", "")),
+        random=drawn,
+    )
 
 
 def own_dim(layout: Mapping[str, Any], name: str) -> int | None:
@@ -146,16 +160,9 @@ def chosen_edges(layout: Mapping[str, Any], dim: int, stands: bool, name: str) -
     differ.
     """
     given = layout.get("edges", "wrap")
-    edges = (given,) * dim if isinstance(given, str) else tuple(given)
-    if stands and len(edges) == 2:
-        edges = (*edges, edges[0] if edges[0] == edges[1] else "solid")
-    if len(edges) != dim:
-        axes = counted(len(edges), "axis", "axes")
-        raise Refusal(f"edges = {list(edges)} names {axes}, the world has {dim} ({name})")
-    for edge in edges:
-        if edge not in EDGES:
-            raise unknown("edge", edge, EDGES, name)
-    return edges
+    if stands and not isinstance(given, str) and len(given) == 2:
+        given = (*given, given[0] if given[0] == given[1] else "solid")
+    return edges_of(given, dim, name)
 
 
 def chosen_size(layout, dim: int, size, unsized, height: float, fixed: bool, name: str):
@@ -206,14 +213,3 @@ def corner(values: Any, dim: int, name: str) -> tuple[float, ...]:
     if not good:
         raise Refusal(f"low = {values!r} is not allowed: {dim} numbers in (-1e9, 1e9) ({name})")
     return tuple(float(value) for value in values)
-
-
-def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
-    """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
-    sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size).ravel().tolist())
-    if len(sides) != dim:
-        raise Refusal(f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}")
-    for side in sides:
-        if isinstance(side, bool | str) or not (0.0 < float(side) < 1e9 and math.isfinite(side)):
-            raise Refusal(f"size = {side!r} is not allowed: a side is a length in (0, 1e9)")
-    return tuple(float(side) for side in sides)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from worlds.refusal import Refusal, first_refusal, unknown
@@ -157,3 +158,18 @@ def mission(values: Mapping[str, Any], origin: str = "") -> Mission:
         return Mission.model_validate(values)
     except ValidationError as error:
         raise first_refusal(error, "mission", origin) from None
+
+
+def along_route(goal: Goal, time) -> np.ndarray:
+    """Positions (T, dim) of the gamma agent at times (T,) >= 0, length, at constant speed.
+
+    It stays at the end of its route, or goes round if the route is closed.
+    """
+    route = np.array(goal.route, float)
+    if goal.closed:
+        route = np.vstack([route, route[:1]])
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
+    gone = goal.speed * np.asarray(time, float)
+    if goal.closed and length[-1] > 0.0:
+        gone = gone % length[-1]
+    return np.column_stack([np.interp(gone, length, axis) for axis in route.T])

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.crossing import is_crossed
-from worlds.ground import signed_distance
+from worlds.queries.crossing import is_crossed
+from worlds.queries.ground import signed_distance
 
 
 @compiled

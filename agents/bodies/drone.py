@@ -15,7 +15,7 @@ from agents.declare import Body, Parameters, Rule, declared, parameter
 from agents.engine.block import Moved
 from agents.model import Model
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.ground import nearest_surface
 
 
 class Drone(Parameters):

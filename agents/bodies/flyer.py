@@ -15,8 +15,8 @@ from agents.bodies.upwash import saved
 from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
 from worlds.compiled import compiled
-from worlds.crossing import skin
-from worlds.ground import signed_distance
+from worlds.queries.crossing import skin
+from worlds.queries.ground import signed_distance
 
 ALWAYS = 0.0
 """`contact` as compiled code has it."""

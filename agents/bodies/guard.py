@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.ground import nearest_surface
 
 LEAST = 0.01
 """Share of the range that an agent must keep to the next surface; else it stays where it is."""

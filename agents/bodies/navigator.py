@@ -14,7 +14,7 @@ from agents.declare import Body, Parameters, Rule, parameter
 from agents.engine.block import Moved, Wish
 from agents.model import Model
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.ground import nearest_surface
 
 HEARD, AVOIDS = 1.0, 0.0
 """The body's signal o_i (19): whether its heading counts for its neighbours."""

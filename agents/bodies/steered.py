@@ -12,7 +12,7 @@ from agents.bodies.guard import guarded
 from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.ground import nearest_surface
 
 
 class Steered(Parameters):

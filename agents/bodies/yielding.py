@@ -13,7 +13,7 @@ from agents.bodies.car_signals import FRESH, PACE, QUEUE, STEERING
 from agents.bodies.chassis import wheelbase
 from agents.engine.noise import cos_sin
 from worlds.compiled import compiled
-from worlds.ground import signed_distance
+from worlds.queries.ground import signed_distance
 
 STEPS = 10
 """Looks ahead, evenly over the time that a car looks ahead."""

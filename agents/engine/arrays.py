@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.engine.cells import Grid, Slots, Space
-from worlds.ground import Ground
+from worlds.queries.ground import Ground
 
 
 class Arrays(NamedTuple):
@@ -103,6 +103,23 @@ def empty_grid(n: int, parts: int) -> Grid:
         np.zeros(room, np.int32),
         np.zeros((parts, room), np.int32),
     )
+
+
+class Until(NamedTuple):
+    """When a run ends: once something has held of the flock for some ticks.
+
+    What has to hold is the part `holds` of a loop, see `agents.engine.template`.
+    """
+
+    numbers: np.ndarray
+    """What `holds` is asked with, float64; none where the run is to go on whatever holds."""
+    hold: int
+    """Ticks for which it has to hold."""
+    last_off: int
+    """Last tick at which it did not, -1 for none so far."""
+
+
+NEVER = Until(np.empty(0), 0, -1)
 
 
 class Place(NamedTuple):

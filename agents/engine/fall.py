@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.ground import signed_distance
+from worlds.queries.ground import signed_distance
 
 GRAVITY = 9.81
 """Acceleration of free fall, length/s^2."""

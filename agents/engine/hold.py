@@ -12,8 +12,8 @@ import math
 
 from agents.engine.block import Moved
 from worlds.compiled import compiled, shared
-from worlds.crossing import first_crossing, is_far, skin
-from worlds.ground import signed_distance
+from worlds.queries.crossing import first_crossing, is_far, skin
+from worlds.queries.ground import signed_distance
 
 PASSES, BOUNCES, SLIDES, STOPS = range(4)
 """What an agent does where its step enters something solid."""

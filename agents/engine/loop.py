@@ -47,6 +47,7 @@ def turns_module(sweep: types.ModuleType):
         "SEES_POINTS",
         "SIGNALS",
         "act",
+        "holds",
         "judge",
         "myself",
         "nearby",

@@ -10,16 +10,17 @@ import numpy as np
 
 from agents.engine import phases
 from agents.engine.arrays import (
+    NEVER,
     Arrays,
     Desk,
     Law,
     Place,
+    Until,
     empty_desk,
     empty_grid,
     empty_slots,
 )
 from agents.engine.team import Team
-from agents.observables.consistency import NOTHING, Watch, is_consistent
 
 UNTRACED = np.empty((0, 0, 0))
 """In place of a trace: positions are not kept."""
@@ -70,7 +71,7 @@ class Synchronous(Engine):
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
 
-    def call(self, law, tick, ticks, work, watch=NOTHING, trace=UNTRACED):
+    def call(self, law, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop, with a larger desk if it asks for one."""
         part = work[1]
         done = 0
@@ -87,11 +88,11 @@ class Synchronous(Engine):
                 tick + done,
                 ticks - done,
                 work,
-                watch,
+                until,
                 trace[done:],
             )
             done += more
-            watch = watch._replace(last_off=last_off)
+            until = until._replace(last_off=last_off)
             if bad >= 0:
                 self.refuse(bad, tick + done)
             if need:
@@ -99,14 +100,14 @@ class Synchronous(Engine):
             if not need or not work[0] & phases.COUNT:  # the sort goes on from where it is
                 return done, last_off
 
-    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING, trace=UNTRACED):
-        """Run ticks; returns (ticks done, last tick not consistent or -1).
+    def run(self, law: Law, tick: int, ticks: int, until: Until = NEVER, trace=UNTRACED):
+        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
         n = len(self.arrays.position)
-        if self.parts == 1 or watch.kind:
-            return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), watch, trace)
+        if self.parts == 1 or len(until.numbers):
+            return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), until, trace)
         for k in range(ticks):
             self.shared_tick(law, tick + k)
             if len(trace):
@@ -192,17 +193,17 @@ class InTurn(Engine):
             opens = False
             self.widen(2 * self.desks[0].block.shape[1])
 
-    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING, trace=UNTRACED):
-        """Run ticks; returns (ticks done, last tick not consistent or -1).
+    def run(self, law: Law, tick: int, ticks: int, until: Until = NEVER, trace=UNTRACED):
+        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
-        last_off = watch.last_off
+        last_off = until.last_off
         for now in range(tick, tick + ticks):
-            if watch.kind:
-                if not is_consistent(self.arrays.heading, watch):
+            if len(until.numbers):
+                if not self.module.holds(self.arrays, until.numbers):
                     last_off = now
-                elif now - last_off >= watch.hold:
+                elif now - last_off >= until.hold:
                     return now - tick, last_off
             self.call(law, now, self.order(now), True)
             if len(trace):

@@ -31,9 +31,8 @@ from agents.engine.guide import guided
 from agents.engine.hold import PASSES, held
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
-from agents.observables.consistency import is_consistent
 from worlds.compiled import compiled, entry
-from worlds.ground import points_within, set_goal
+from worlds.queries.ground import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (
@@ -47,6 +46,7 @@ if TYPE_CHECKING:
         SEES_POINTS,
         SIGNALS,
         decide,
+        holds,
         measure,
         move,
         passes,
@@ -259,26 +259,24 @@ def note(position, into):
 
 
 @entry
-def advance(flock, space, ground, grid, slots, desk, law, seed, tick, ticks, work, watch, trace):
+def advance(flock, space, ground, grid, slots, desk, law, seed, tick, ticks, work, until, trace):
     """Run `ticks` ticks, or the asked phases of one.
 
     `work` = (phases, part, parts, first row, last row): phases is a sum of PLAN .. SWEEP, and the
-    rows (slots, while sweeping) are those of this part. `watch` = (kind, bound, hold, x, y, z):
-    stop once the flock has been consistent within `bound` for `hold` ticks; see
-    `agents.observables.consistency.is_consistent`. `trace` (ticks, N, dim) or (0, N, dim) receives
-    the positions after each tick. Returns (ticks done, last tick that was not
-    consistent or -1, first row with a position that is no number or -1, room that the desk's block
-    lacks or 0); where it lacks room, the tick has not begun.
+    rows (slots, while sweeping) are those of this part. `until` is when to stop (`Until`). `trace`
+    (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
+    tick at which `holds` did not or -1, first row with a position that is no number or -1, room
+    that the desk's block lacks or 0); where it lacks room, the tick has not begun.
     """
     phases, part, parts, first, last = work
-    last_off = watch.last_off
+    last_off = until.last_off
     done = 0
     while done < ticks:
         now = tick + done
-        if watch.kind > 0:
-            if not is_consistent(flock.heading, watch):
+        if until.numbers.shape[0] > 0:
+            if not holds(flock, until.numbers):
                 last_off = now
-            elif now - last_off >= watch.hold:
+            elif now - last_off >= until.hold:
                 break
         key = tick_key(seed, now)
         if phases & PLAN:

@@ -28,6 +28,12 @@ MEETS = 0
 
 
 @compiled
+def holds(flock, numbers):
+    """Hold of no flock; a run may end once this has held for some ticks."""
+    return False
+
+
+@compiled
 def perceive(me, near, ground, p):
     """Take note of nothing."""
 

@@ -24,7 +24,7 @@ from agents.engine.cells import (
 from agents.engine.fall import fall
 from agents.engine.noise import tick_key
 from worlds.compiled import compiled, entry
-from worlds.ground import set_goal
+from worlds.queries.ground import set_goal
 
 if TYPE_CHECKING:
     from agents.engine.sweep import (

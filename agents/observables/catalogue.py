@@ -119,6 +119,7 @@ NEIGHBOURS = [
         "1",
         "[0, N]",
         of_flocks.connectivity,
+        needs_links=True,
     ),
     Observable(
         "layers",
@@ -127,6 +128,7 @@ NEIGHBOURS = [
         "layer -> [0, N]",
         of_flocks.layer_histogram,
         is_table=True,
+        needs_links=True,
     ),
 ]
 WORLD = [
@@ -164,6 +166,7 @@ WORLD = [
         "1",
         "[0, 1]",
         of_flocks.following,
+        needs_links=True,
     ),
 ]
 FLIGHT = [

@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.engine.cache import kept
 from agents.observables.checks import column, leave_out, length, numbers
-from worlds.ground import nearest_surface
+from worlds.queries.ground import nearest_surface
 from worlds.refusal import Refusal
 
 

@@ -23,11 +23,13 @@ class Observable:
     unit: str
     range: str
     measure: Callable[[Any], Any]
-    """Takes a flock, of which it sees the agents that fly."""
+    """Takes an `agents.snapshot.Snapshot` of the agents that have not crashed."""
     over: Callable[[np.ndarray, float], float] | None = None
     """If it is measured over a run: takes the series of SERIES (K,) and the number of agents."""
     is_table: bool = False
     """Whether it gives a dictionary and not a number."""
+    needs_links: bool = False
+    """Whether it needs the list of all pairs within reach, which is long in a crowd."""
 
 
 def over_a_run(

@@ -24,7 +24,7 @@ import math
 from typing import NamedTuple
 
 from worlds.compiled import compiled
-from worlds.ground import signed_distance
+from worlds.queries.ground import signed_distance
 
 OUT_X, OUT_Y, OUT_Z, RADIUS = range(4)
 """Rows of `near.signal`: from an agent to the centre of its room; the radius of the room."""

@@ -29,7 +29,7 @@ from agents.rules.sigma import (
     written,
 )
 from worlds.compiled import compiled
-from worlds.ground import solids_around, surface
+from worlds.queries.ground import solids_around, surface
 
 PRINTED = 1.0
 """Index of `printed` among the choices of `beta`."""

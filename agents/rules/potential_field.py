@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.ground import solids_around, surface
+from worlds.queries.ground import solids_around, surface
 
 NEAREST = 0.05
 """An obstacle that is touched pushes as one at this distance does, length."""

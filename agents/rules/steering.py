@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.ground import nearest_surface
 
 PROBES = 5
 """Points at which a boid looks for surfaces, evenly spaced from its own place to look_ahead."""

@@ -17,7 +17,7 @@ import math
 from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish, adjacent
 from worlds.compiled import compiled
-from worlds.ground import solids_around, surface
+from worlds.queries.ground import solids_around, surface
 
 PACE = 0
 """The signal that tells an agent's speed; with its heading it makes its velocity v_j."""

@@ -12,8 +12,8 @@ from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.settings import assignment
 from app.cli.stopping import Stopping, leave
+from app.settings import assignment
 from app.viewer.run.beside import companion, shared_by
 from app.viewer.run.start import at_home
 from app.viewer.web.origin import allowed

@@ -6,7 +6,8 @@ import textwrap
 from collections.abc import Callable
 from typing import Any
 
-from app.cli.listing import ARTICLES, KINDS, WIDE, cell, models, names, observables, parameters
+from app.cli.choices import ARTICLES, KINDS, WIDE, cell, models, names, observables, parameters
+from app.cli.world.list_layouts import worlds
 from worlds.counting import counted
 from worlds.refusal import Refusal, shortened, suggestion
 
@@ -46,7 +47,6 @@ def model(name: str) -> Thing:
 
 def world(name: str) -> Thing:
     """A built-in world as its layout has it."""
-    from app.cli.world.list_layouts import worlds
     from worlds.layout import read_layout
 
     row = next(row for row in worlds() if row["name"] == name)

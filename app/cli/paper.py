@@ -14,9 +14,9 @@ from app.cli.lookout import ASTRAY
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress, duration
 from app.cli.refusals import INTERRUPTED
-from app.cli.settings import at_least, names, whole_numbers
 from app.cli.stopping import Stopping
 from app.results import demand_folder, picture_files
+from app.settings import at_least, names, whole_numbers
 from worlds.counting import counted
 
 MOST_RUNS = 100_000

@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.settings import assignment
 from app.experiments.lines import place
-from worlds.reading import read_text
+from app.settings import assignment
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, shortened, unknown
-from worlds.toml import toml
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -102,7 +101,7 @@ class Request:
     def own_world(self, dim: int | None, size: Any) -> World:
         """The world that the spec carries with it. Raises Refusal naming the spec."""
         from worlds.checks import demand_sound
-        from worlds.world import world_from_layout
+        from worlds.layout import world_from_layout
 
         if not isinstance(self.layout, dict):
             raise Refusal(

@@ -15,8 +15,8 @@ from app.cli.outcome import as_json, outcome, show, tell_written, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
-from app.cli.settings import at_least, names, numbers
 from app.experiments.kernels import compile_loop
+from app.settings import at_least, names, numbers
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_apart, demand_writable, write_text
@@ -100,7 +100,6 @@ def run(
     from agents.observables.catalogue import OBSERVABLES
     from agents.record import Recorder
     from agents.series import Follower
-    from agents.whereabouts import warning
 
     made_of: dict[str, Any] = {
         "model": model,
@@ -120,8 +119,8 @@ def run(
         flock = loaded(state, spec, made_of, given, threads)
     else:
         flock = built(spec, made_of, given, threads, quiet)
-    if warning(flock) and not quiet:
-        tell(f"flockscope: {warning(flock)}")
+    if flock.warning and not quiet:
+        tell(f"flockscope: {flock.warning}")
     compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)

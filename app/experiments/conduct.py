@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from agents.whereabouts import warning
 from app.experiments.costs import Costs, guess
 from app.experiments.experiment import Cell, Experiment
 from app.experiments.kernels import compile_loop
@@ -143,7 +142,7 @@ def compile_models(experiment: Experiment, tell: Tell | None) -> None:
 def warn(experiment: Experiment, tell: Tell) -> None:
     """Tell of each model of an experiment whose agents go through what is solid."""
     flocks = [flock_of(cell, experiment.settings, 0) for cell in experiment.cells]
-    for words in dict.fromkeys(warning(flock) for flock in flocks if flock.passing):
+    for words in dict.fromkeys(flock.warning for flock in flocks if flock.passing):
         tell(f"flockscope: {words}")
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from pydantic import Field
 
-from app.experiments.strict import Strict
+from app.strict import Strict
 from worlds.refusal import Refusal
 from worlds.world import World
 

@@ -14,9 +14,9 @@ from app.experiments.folder import experiments_folder
 from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
-from app.experiments.strict import Value
+from app.strict import Value
+from worlds.reading import toml
 from worlds.refusal import Refusal, needed, unknown
-from worlds.toml import toml
 
 Way = Literal["", "there", "back"]
 

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from app.experiments.errand import PLAIN, Errand
 from app.experiments.kinds import Settings
-from app.experiments.strict import Strict, Value
+from app.strict import Strict, Value
 
 Picture = Literal[
     "models",

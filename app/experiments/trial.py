@@ -21,7 +21,8 @@ from app.experiments.errand import PLAIN, Errand, sent_on
 from app.experiments.experiment import Cell
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
-from worlds.world import World, world
+from worlds.layout import world
+from worlds.world import World
 
 
 @dataclass(frozen=True)

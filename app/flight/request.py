@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from app.cli.settings import assignment
+from app.settings import assignment
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from app.worlds.shadow import shadow
-from worlds.boundary import boundary_points
-from worlds.outlines import outlines
+from worlds.queries.boundary import boundary_points
+from worlds.queries.outlines import outlines
 from worlds.world import World
 
 

@@ -10,7 +10,7 @@ import pytest
 from app.viewer.run.start import at_home
 from tests.browser.window import Window
 from tests.viewer.waiting import until
-from worlds.world import world_from_layout
+from worlds.layout import world_from_layout
 
 START = at_home("hwvem-nav", world="obstacles")
 

@@ -13,7 +13,7 @@ from agents.observables.catalogue import OBSERVABLES
 from app.cli import lab as lab_module
 from app.cli import main as main_module
 from cli.calling import PROGRAM, call
-from worlds.world import layout_names
+from worlds.layout import layout_names
 
 
 def test_version():

@@ -10,7 +10,7 @@ from agents.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from app.experiments.experiment import experiment_names
 from cli.calling import call, refusal
-from worlds.world import layout_names
+from worlds.layout import layout_names
 
 
 def shown(*args):

@@ -13,8 +13,8 @@ from app.experiments.experiment import read_file
 from app.experiments.kinds.driving import Drive, Driving, gaps, lags, lap_of, nearest
 from app.experiments.kinds.squash import Squash
 from app.experiments.trial import fingerprint, flock_of
+from worlds.layout import world
 from worlds.refusal import Refusal
-from worlds.world import world
 
 TEXT = """
 kind = "driving"

@@ -28,8 +28,8 @@ from pages.plan import (
     otherwise,
 )
 from pages.running import parse, run, visit
+from worlds.layout import world_from_layout
 from worlds.readers import read_geometry
-from worlds.world import world_from_layout
 
 GROUPS = ("world", "flight", "formation", "live")
 """Commands that have commands of their own."""

@@ -10,6 +10,8 @@ import numpy as np
 
 from agents.crashes import Crashes
 from agents.declare import Parameters, checked, parameter
+from agents.engine.arrays import Arrays
+from agents.snapshot import Snapshot
 from app.viewer.run.start import Start
 from worlds.refusal import Refusal
 from worlds.world import World
@@ -19,6 +21,12 @@ class Knobs(Parameters):
     """One parameter."""
 
     eta: float = parameter(0.5, "Noise", symbol=r"\eta", source="none", low=0.0, high=6.28)
+
+
+class StubSnapshot(Snapshot):
+    """A stub at a tick, with links, groups and layers of its places."""
+
+    reach = together = dt = 1.0
 
 
 class StubFlock:
@@ -42,16 +50,17 @@ class StubFlock:
         self.ids = np.arange(n)
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
-            rule=SimpleNamespace(weigh=None, explain=None, zones=(), view=""),
-            body=SimpleNamespace(unit="ticks", explain=None, measures=()),
+            rule=SimpleNamespace(converges=False, zones=(), view=""),
+            body=SimpleNamespace(unit="ticks", touches=None),
             columns=(),
+            signals=(),
         )
         self.dt = 1.0
         self.seed = start.seed
         self.spacing = start.spacing
         self.can_crash = False
-        self.passing = ""
-        self.flying = np.ones(n, bool)
+        self.warning = ""
+        self.active = np.ones(n, bool)
         self.crashes = Crashes(*np.empty((3, 0), int), np.empty((0, start.dim)), np.empty(0, int))
         self.reach = 1.0
         self.together = 1.0
@@ -71,13 +80,16 @@ class StubFlock:
     def set(self, **values) -> None:
         self.parameters = checked(Knobs, self.parameters.model_dump() | values)
 
-    @property
-    def aloft(self) -> StubFlock:
-        return self
+    def snapshot(self, copy: bool = True, signals: bool = False) -> StubSnapshot:  # noqa: ARG002
+        n, dim = self.position.shape
+        state = self.position, self.heading, self.speed, self.informed, self.ids
+        rest = np.zeros(n, np.int32), np.empty((0, n)), np.empty((0, 2 + dim))
+        arrays = Arrays(*(array.copy() for array in (*state, *rest)))
+        start = self.model, self.world, self.parameters, self.seed, self.tick, arrays
+        return StubSnapshot(*start, next_id=n)
 
-    @property
-    def reference(self) -> None:
-        return None
+    def warm(self) -> None:
+        pass
 
     def stray(self) -> None:
         return None

@@ -35,7 +35,7 @@ def test_the_wake_is_where_the_tips_have_been():
     across = np.unique(np.round(lines[:, :, 1] - made.at[0, 1], 5))
     assert across == pytest.approx([-aside, aside], abs=1e-4)
     assert np.unique(np.round(lines[:, :, 2], 5)) == pytest.approx([made.at[0, 2]], abs=1e-4)
-    down = replace(one, tick=12, flying=np.array([False]))
+    down = replace(one, tick=12, active=np.array([False]))
     made = shown(down, look)
     flight.follow(made)
     draw(wake, made)

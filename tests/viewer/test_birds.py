@@ -69,7 +69,7 @@ def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
     ahead = [heading(0.5, 0.7)] * 3
     flight.follow(shown(frame(ahead)))
     clock.now += STEP
-    one = frame(ahead, 1, flying=np.array([True, False, False]), speed=np.array([3.0, 4.0, 0.0]))
+    one = frame(ahead, 1, active=np.array([True, False, False]), speed=np.array([3.0, 4.0, 0.0]))
     made = shown(one)
     poses = flight.follow(made)
     assert nose(poses.wxyz[0])[2] == pytest.approx(np.sin(0.7), abs=1e-5)
@@ -168,4 +168,4 @@ def test_a_frame_holds_who_flies_what_is_saved_and_the_distance_kept():
     assert np.isnan(taken.saved).all()
     assert taken.kept == flock.parameters.d_r
     plain = Camera(Flock("vem", agents=3, dim=3, rng=1), 1).take()
-    assert (plain.flying, plain.crashes, plain.saved, plain.kept) == (None, None, None, np.inf)
+    assert (plain.active, plain.crashes, plain.saved, plain.kept) == (None, None, None, np.inf)

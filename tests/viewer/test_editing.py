@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from app.viewer.editing import forms
 from app.viewer.editing.editor import MOST_OBSTACLES, STEPS, Editor, Gone
+from worlds.layout import world_from_layout
 from worlds.mission import Goal, Mission, Path, Start
 from worlds.obstacles import Box, CShape, Disc, Polygon, Ring, Sphere, Union, Wall
 from worlds.refusal import Refusal
-from worlds.world import World, world_from_layout
+from worlds.world import World
 
 PLAIN = World("plain", (20.0, 10.0), ("open", "wrap"))
 SHAPES = [

@@ -14,7 +14,7 @@ from app.viewer.run.simulation import Simulation
 from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 from worlds.world import World
 

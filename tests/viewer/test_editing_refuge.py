@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.viewer.editing.refuge import GAP, set_free
-from worlds.clearance import clearance
 from worlds.obstacles import Box, Disc, Polygon, Sphere
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 from worlds.world import World
 

@@ -13,7 +13,6 @@ from app.viewer.lab.panels.bars import size_bars
 from app.viewer.lab.panels.monitors import energy_numbers
 from app.viewer.measuring.measured import Scale, offered, scale, told, unit
 from app.viewer.measuring.readings import Readings
-from app.viewer.measuring.still import Still
 from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
@@ -30,7 +29,7 @@ def test_a_flock_is_offered_what_says_something_about_it():
     assert {"goal-distance", "following", "inside-obstacles"} <= set(led)
 
 
-def test_every_observable_on_offer_can_be_measured_of_a_flock_held_still():
+def test_every_observable_on_offer_can_be_measured_of_a_snapshot():
     for name, ticks in (("hwvem-nav", 0), ("safe", 3)):
         flock = Flock(name, agents=20, rng=2)
         flock.advance(ticks)
@@ -42,11 +41,11 @@ def test_every_observable_on_offer_can_be_measured_of_a_flock_held_still():
             )
 
 
-def test_a_flock_held_still_stays_as_it_was():
+def test_a_snapshot_stays_as_it_was():
     flock = Flock("vem", agents=30, rng=2, eta=1.0)
-    still, before = Still(flock), flock.observe("correlation-length")
+    now, before = flock.snapshot(), flock.observe("correlation-length")
     flock.advance(5)
-    assert OBSERVABLES["correlation-length"].measure(still) == before
+    assert OBSERVABLES["correlation-length"].measure(now) == before
     assert flock.observe("correlation-length") != before
 
 

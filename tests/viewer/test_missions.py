@@ -20,11 +20,11 @@ from app.viewer.run.start import Start, at_home, home, lively_speed, titled, wor
 from app.viewer.run.state import State
 from app.viewer.scene.shown.frame import Errand, Frame
 from tests.viewer.waiting import until
-from worlds.clearance import clearance
-from worlds.layout import layout_names
+from worlds.layout import layout_names, world
 from worlds.mission import Goal, Mission, Path
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
-from worlds.world import World, world
+from worlds.world import World
 
 
 def flying(name: str = "liu2021-mission", agents: int = 12, **more) -> Flock:

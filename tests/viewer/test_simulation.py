@@ -226,14 +226,14 @@ def test_frames_are_copies_that_the_flock_does_not_touch(simulate):
 
 
 def test_layers_groups_links_and_an_agent_are_in_frames_only_when_wanted(simulate):
-    simulation = simulate(agents=3)
+    simulation = simulate(agents=3, size=0.5)
     frame = simulation.frame
     assert frame.layer is frame.group is frame.links is frame.inspected is None
     simulation.want(Wanted(layers=True, groups=True, links=True, row=2))
     frame = until(lambda: simulation.frame if simulation.frame.layer is not None else None)
     assert frame.layer.tolist() == [1, 2, 2]
     assert frame.group.tolist() == [0, 0, 0]
-    assert frame.links.tolist() == [[0, 1]]
+    assert frame.links.tolist() == [[0, 1], [0, 2], [1, 2]]
     assert frame.inspected.row == 2
     assert facts(frame, frame.inspected)["heading"] == "0°"
     simulation.setup(Start(agents=2))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from worlds.compiled import entry
-from worlds.ground import (
+from worlds.queries.ground import (
     line_of_sight,
     nearest_surface,
     points_within,

@@ -3,11 +3,12 @@
 import pytest
 
 from worlds.checks import demand_sound, problems
+from worlds.layout import world
 from worlds.mission import Goal, Mission, Path, Start
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Union
+from worlds.queries.survey import survey
 from worlds.refusal import Refusal
-from worlds.survey import survey
-from worlds.world import World, world
+from worlds.world import World
 
 BOW = Polygon(points=((0, 0), (4, 4), (4, 0), (0, 4)), name="bow")
 BLOCK = Box(low=(4, 4), high=(6, 6))

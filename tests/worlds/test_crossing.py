@@ -8,10 +8,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.clearance import clearance
-from worlds.crossing import first_crossing, is_crossed, is_far, skin
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
-from worlds.survey import survey
+from worlds.queries.clearance import clearance
+from worlds.queries.crossing import first_crossing, is_crossed, is_far, skin
+from worlds.queries.survey import survey
 from worlds.world import World
 
 SIDE = 10.0

@@ -6,9 +6,8 @@ from asking import goal_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.mission import Goal, Mission, Path
-from worlds.route import along_route
-from worlds.survey import survey
+from worlds.mission import Goal, Mission, Path, along_route
+from worlds.queries.survey import survey
 from worlds.world import World
 
 

@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import crowds, solids
 
+from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.mission import Goal, Mission, Path, Start
 from worlds.refusal import Refusal
-from worlds.world import World, layout_names, read_layout, world, world_from_layout
+from worlds.world import World
 
 OBSTACLE = {"shape": "disc", "centre": [5.0, 5.0], "radius": 1.0}
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scenes import crowds
 
 from worlds.obstacles import Disc, Wall
-from worlds.survey import survey
+from worlds.queries.survey import survey
 from worlds.world import World
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scenes import crowds
 
 from worlds.obstacles import Box, CShape, Disc, Polygon, Ring, Wall
-from worlds.survey import survey
+from worlds.queries.survey import survey
 from worlds.world import World
 
 FAR = 100.0

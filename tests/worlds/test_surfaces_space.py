@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from oracles.geometry import to_box_edges, to_obstacle, to_prism, to_sphere
 from scenes import crowds, solids
 
-from worlds.clearance import clearance
 from worlds.obstacles import Box, Disc, Prism, Sphere
-from worlds.survey import survey
+from worlds.queries.clearance import clearance
+from worlds.queries.survey import survey
 from worlds.world import World
 
 FAR = 100.0

@@ -15,9 +15,8 @@ from worlds.generators.discs import DISCS
 from worlds.generators.forest import FOREST
 from worlds.generators.kind import Kind, Parameters
 from worlds.generators.maze import MAZE
-from worlds.layout import box, chosen_edges
 from worlds.refusal import Refusal, shortened, unknown
-from worlds.world import World
+from worlds.world import World, box, edges_of
 
 GENERATORS = {kind.name: kind for kind in (DISCS, BLOCKS, FOREST, CORRIDORS, MAZE)}
 """All kinds by name."""
@@ -54,7 +53,7 @@ def generate(
     return World(
         name=f"{kind}-{seed}",
         size=sides,
-        edges=chosen_edges({"edges": edges}, dim, False, origin or kind),
+        edges=edges_of(edges, dim, origin or kind),
         title=f"{one.title}, seed {seed}",
         obstacles=tuple(made.obstacles),
         mission=made.mission,

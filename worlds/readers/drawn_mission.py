@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from shapely.affinity import translate
 
-from worlds.clearance import clearance
 from worlds.mission import Goal, Mission, Path, Start
+from worlds.queries.clearance import clearance
 from worlds.readers.read import Geometry
 from worlds.readers.roles import GOAL, PATH, START
 from worlds.readers.shapes import Area, Circle, Line, Place, Point, Solid, at

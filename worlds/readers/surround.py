@@ -10,12 +10,11 @@ from typing import Any
 import shapely
 
 from worlds.checks import demand_sound
-from worlds.layout import chosen_edges
 from worlds.obstacles import Obstacle, obstacle
 from worlds.readers.drawn_mission import mission_of
 from worlds.readers.read import Geometry
 from worlds.refusal import Refusal
-from worlds.world import World
+from worlds.world import World, edges_of
 
 MARGIN = 0.1
 """Room around obstacles without a walkable area, as a share of their longest side."""
@@ -46,7 +45,7 @@ def world_and_notes(
     to_origin: bool = False,
 ) -> tuple[World, tuple[str, ...]]:
     """The same, and a line about each part of a mission: what it is made of, or why it is not."""
-    both = chosen_edges({"edges": edges}, 2, False, geometry.file)
+    both = edges_of(edges, 2, geometry.file)
     obstacles = list(geometry.obstacles)
     if geometry.walkable is not None:
         if margin is not None:

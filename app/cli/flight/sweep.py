@@ -10,9 +10,9 @@ import typer
 from app.cli.flight.options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
-from app.cli.settings import numbers
 from app.flight.request import FREQUENCY, TWIST, asked_speed, request
 from app.results import demand_folder, picture_files
+from app.settings import numbers
 
 DEFAULT = "2.5,3,3.25,3.5,4,4.5,5,6,7"
 

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.settings import at_least, names, numbers
+from app.settings import at_least, names, numbers
 from worlds.writing import demand_writable, write_text
 
 if TYPE_CHECKING:
@@ -21,12 +21,12 @@ def given_world(name: str, dim: int | None = None, size: str | None = None, seed
 
     Without `size` it is the layout's own, else SIDE. Random obstacles are drawn from `seed`.
     """
-    from worlds.layout import read_layout
-    from worlds.world import world_from_layout
+    from worlds.generators import drawn
+    from worlds.layout import read_layout, world_from_layout
 
     made = world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
     at_least("--seed", seed, 0)
-    return made.drawn(seed)
+    return drawn(made, seed)
 
 
 def sides(text: str | None) -> float | tuple[float, ...] | None:

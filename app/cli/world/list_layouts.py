@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.choices import show
 from app.cli.outcome import as_json
 
 
@@ -17,8 +18,6 @@ def list_worlds(
     if json_asked:
         typer.echo(as_json(rows))
         return
-    from app.cli.listing import show
-
     show({"worlds": [{name: row[name] for name in ("name", "title")} for row in rows]})
 
 

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json, tell_written
-from app.cli.settings import assignment, at_least
 from app.cli.world.file import demand_new, edges_asked, sides, size_text, write_layout
+from app.settings import assignment, at_least
 from worlds.counting import counted
 
 

@@ -75,7 +75,7 @@ def from_above(axes: Any, flock: Any) -> None:
     """The largest group from above, its mean heading up the page, coloured by what birds save."""
     from matplotlib.collections import LineCollection
 
-    up = flock.flying
+    up = flock.active
     x, y = level(flock, up)
     share = flock.signal("saved")[up]
     half = 0.5 * flock.parameters.b

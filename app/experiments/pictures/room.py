@@ -55,7 +55,7 @@ def draw_room(axes: Any, flock: Any) -> None:
 
 def draw_flock(axes: Any, flock: Any, length: float) -> None:
     """Draw those that fly as arrows in their group's colour, those that have crashed as crosses."""
-    up = flock.flying
+    up = flock.active
     place = np.where(flock.world.wraps, flock.position % flock.world.size, flock.position)
     if not up.all():
         axes.scatter(

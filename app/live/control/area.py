@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from app.experiments.strict import Strict
+from app.strict import Strict
 
 
 class Area(Strict):

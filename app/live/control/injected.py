@@ -8,9 +8,9 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from app.experiments.strict import Strict
 from app.live.control.area import Area
 from app.live.control.pose import Pose, Sighting
+from app.strict import Strict
 from worlds.refusal import Refusal
 
 Point = tuple[float, float]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from app.experiments.strict import Strict
 from app.live.links.firmware import WATCHDOG
+from app.strict import Strict
 
 
 class Limits(Strict):

@@ -11,7 +11,6 @@ from typing import Any
 import tomlkit
 from pydantic import Field, ValidationError, model_validator
 
-from app.experiments.strict import Strict, Value
 from app.live.control.area import Area
 from app.live.control.injected import INJECTED, Injection
 from app.live.control.limits import CarLimits, Limits
@@ -22,9 +21,9 @@ from app.live.laboratory.lines import line_of
 from app.live.laboratory.misfit import Misfit
 from app.live.laboratory.parts import Kept
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
-from worlds.reading import read_text
+from app.strict import Strict, Value
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, shortened, unknown
-from worlds.toml import toml
 
 MOST_SIMULATED = 32
 """Simulated cars beside real ones: with more, a tick would not be done in time."""

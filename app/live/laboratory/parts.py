@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pydantic import Field, model_validator
 
-from app.experiments.strict import Strict
+from app.strict import Strict
 
 MB = 1_000_000
 RESERVE = 3.0

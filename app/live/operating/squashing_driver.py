@@ -166,7 +166,7 @@ class FlockDriver(Motion):
             self.advance(1)
             return
         n = len(self.names)
-        own = self.position[n:], self.heading[n:], self._memory[:, n:]
+        own = self.position[n:], self.heading[n:], self.arrays.memory[:, n:]
         before = [column.copy() for column in own]
         self.advance(1)
         for column, values in zip(own, before, strict=True):
@@ -181,7 +181,7 @@ class FlockDriver(Motion):
 
     def signal_row(self, which: int) -> np.ndarray:
         """One of the body's signals of all cars, real ones first; a view."""
-        return self._memory[self.first_signal + which]
+        return self.arrays.memory[self.first_signal + which]
 
     @property
     def is_placed(self) -> bool:

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import shapely
 
-from worlds.clearance import clearance
-from worlds.outlines import outlines, shifts
+from worlds.queries.clearance import clearance
+from worlds.queries.outlines import outlines, shifts
 from worlds.refusal import Refusal
 from worlds.world import World
 

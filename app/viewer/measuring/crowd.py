@@ -19,7 +19,7 @@ SAMPLE = 64
 
 
 class Dense(Protocol):
-    """What has neighbours: a flock, or one held still."""
+    """What has neighbours: a flock, or a snapshot of one."""
 
     @property
     def position(self) -> np.ndarray: ...

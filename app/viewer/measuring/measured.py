@@ -96,14 +96,6 @@ def told(name: str, value: float | None) -> str:
     return f"{value:.0f}" if float(value).is_integer() else f"{value:.3g}"
 
 
-def measures(flock: Any) -> tuple[str, ...]:
-    """What has been measured of each agent within the pass: nothing before the first tick.
-
-    To ask for it sooner would have the model compiled before anybody has seen the flock.
-    """
-    return flock.model.body.measures if flock.tick else ()
-
-
 def says(flock: Any, name: str) -> bool:
     """Whether an observable says anything about a flock in its world, now or later."""
     world, mission = flock.world, flock.world.mission

@@ -15,12 +15,13 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.following import spread_bound
 from agents.observables.groups import group_sizes
 from agents.observables.observable import SERIES
+from agents.snapshot import Snapshot
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.course import Course
+from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.extremes import Extremes
-from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, SAVED, measures, offered, says
+from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, offered, says
 from app.viewer.measuring.ration import Ration
-from app.viewer.measuring.still import Still
 from worlds.refusal import Refusal
 
 NOBODY = np.zeros(0, int)
@@ -42,17 +43,21 @@ class Found:
     """Why something could not be measured."""
 
 
-def measure(flock: Still, names: Iterable[str]) -> Found:
+def measure(flock: Snapshot, names: Iterable[str]) -> Found:
     """Measure observables, and what else follows from the graph of a flock."""
     values, refusal = {}, None
     for name in names:
+        one = OBSERVABLES[name]
         try:
-            values[name] = float(OBSERVABLES[name].measure(flock))
+            if one.needs_links:
+                refuse_too_many_links(flock)
+            values[name] = float(one.measure(flock))
         except Refusal as error:
             refusal = error
     try:
-        sizes, known = group_sizes(flock.labels), NOBODY
+        sizes, known = group_sizes(flock.group_labels()), NOBODY
         if flock.informed.any():
+            refuse_too_many_links(flock)
             layer = flock.layers()
             known = layer[layer <= len(layer)]
     except Refusal as error:
@@ -107,17 +112,17 @@ class Readings:
                 self.look()
         if at_once:
             self.aside.forget()
-            self.take(self.study(Still(self.flock)))
+            self.take(self.study())
         elif done := self.aside.finished():
             self.take(done.result)
         elif self.aside.idle and self.slow.due(now):
-            self.aside.begin(self.study(Still(self.flock)))
+            self.aside.begin(self.study())
 
     def look(self) -> None:
         """Read what is cheap."""
         flock = self.flock
         self.offered = offered(flock)
-        seen = {name: observed(flock, name) for name in QUICK if says(flock, name)}
+        seen = {name: float(flock.observe(name)) for name in QUICK if says(flock, name)}
         self.note(flock.tick, seen)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
@@ -137,14 +142,18 @@ class Readings:
         for name, value in values.items():
             self.course(name).add(tick, value)
 
-    def study(self, flock: Still) -> Callable[[], Found]:
-        """The work of measuring what is costly, which counts against its ration."""
+    def study(self) -> Callable[[], Found]:
+        """The work of measuring what is costly of the flock now, which counts against its ration.
+
+        It is done on a snapshot, so that the flock can go on meanwhile.
+        """
+        now = self.flock.snapshot().measurable()
         wanted = (*GRAPH, *sorted(self.watched.difference(GRAPH, QUICK, [CRASHES])))
         names = [name for name in wanted if name in self.offered]
 
         def work() -> Found:
             with self.slow.measured():
-                return measure(flock, names)
+                return measure(now, names)
 
         return work
 
@@ -171,11 +180,6 @@ class Readings:
         assert take is not None
         fallen = 0 if self.crashes is None else len(self.crashes)
         return take(series, float(len(self.flock.ids) - fallen)) if len(series) > 1 else math.nan
-
-
-def observed(flock: Flock, name: str) -> float:
-    """An observable of a flock; nan if it follows from what has not been measured yet."""
-    return math.nan if name in SAVED and not measures(flock) else float(flock.observe(name))
 
 
 def arrived(flock: Flock) -> float:

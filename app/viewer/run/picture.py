@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from agents.flock import Flock
-from agents.inspection import Inspection, shells, warm
+from agents.inspection import Inspection, shells
 from agents.start import start_box
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.crowd import refuse_too_many_links
@@ -61,23 +61,22 @@ class Camera:
 
     def take(self) -> Frame:
         """A frame of the flock now; layers, groups and links are as last examined."""
-        flock = self.flock
-        speed = flock.speed.copy()
-        flying = flock.flying if flock.can_crash else None
-        self.fastest = max(self.fastest, float(np.max(speed, initial=0.0, where=flock.flying)))
+        flock, now = self.flock, self.flock.snapshot()
+        active = now.active
+        self.fastest = max(self.fastest, float(np.max(now.speed, initial=0.0, where=active)))
         return Frame(
             run=self.run,
-            tick=flock.tick,
-            world=flock.world,
-            reach=float(flock.reach),
+            tick=now.tick,
+            world=now.world,
+            reach=now.reach,
             speed_scale=self.fastest,
-            position=flock.position.copy(),
-            heading=flock.heading.copy(),
-            speed=speed,
-            informed=flock.informed.copy(),
-            ids=flock.ids.copy(),
+            position=now.position,
+            heading=now.heading,
+            speed=now.speed,
+            informed=now.informed,
+            ids=now.ids,
             kept=distance_kept(flock),
-            dt=flock.dt,
+            dt=now.dt,
             unit=flock.model.body.unit,
             room=room(flock),
             errand=errand(flock),
@@ -86,9 +85,9 @@ class Camera:
             group=self.group,
             links=self.links,
             inspected=self.inspected,
-            flying=flying,
-            crashes=flock.crashes if flock.can_crash else None,
-            saved=flock.signal(SAVED) if SAVED in flock.model.columns else None,
+            active=active if now.can_crash else None,
+            crashes=now.crashes if flock.can_crash else None,
+            saved=now.signal(SAVED) if SAVED in flock.model.columns else None,
             cars=cars(flock),
         )
 
@@ -102,9 +101,10 @@ class Camera:
             self.layer = self.group = self.links = None
             if wanted.layers or wanted.groups or wanted.links:
                 refuse_too_many_links(flock)
-            self.layer = np.array(flock.layers()) if wanted.layers else None
-            self.group = np.array(flock.group_labels()) if wanted.groups else None
-            self.links = np.array(flock.links()) if wanted.links else None
+            now = flock.snapshot(copy=False)
+            self.layer = now.layers() if wanted.layers else None
+            self.group = now.group_labels() if wanted.groups else None
+            self.links = now.links() if wanted.links else None
 
     def survey(self) -> None:
         """Take the boundary points of a world that is new."""
@@ -126,7 +126,7 @@ class Camera:
         """Whether an agent can be inspected at once; what that takes is compiled aside."""
         if not self.warm:
             if self.aside.idle:
-                self.aside.begin(lambda: warm(self.flock))
+                self.aside.begin(self.flock.warm)
             self.warm = self.aside.finished() is not None
         return self.warm
 

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.whereabouts import warning
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.beside import Pair, companion
@@ -312,7 +311,7 @@ class Simulation:
     def warn(self, run: Run) -> None:
         """Tell of flocks whose agents go through what is solid, once for each setting."""
         for one in run.both:
-            words = warning(one.flock)
+            words = one.flock.warning
             if words and words != one.warned:
                 self.notices.put(words)
             one.warned = words

@@ -64,7 +64,7 @@ class Frame:
     links: np.ndarray | None = None
     """(M, 2) int: rows of neighbouring pairs, if asked for."""
     inspected: Inspection | None = None
-    flying: np.ndarray | None = None
+    active: np.ndarray | None = None
     """(N,) bool: agents that have not crashed; None where nobody can."""
     crashes: Crashes | None = None
     """Who has crashed, where they can."""
@@ -87,7 +87,7 @@ class Frame:
     @property
     def down(self) -> np.ndarray:
         """Agents that have crashed, (N,) bool."""
-        return np.zeros(len(self.ids), bool) if self.flying is None else ~self.flying
+        return np.zeros(len(self.ids), bool) if self.active is None else ~self.active
 
     @property
     def low(self) -> np.ndarray:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
 from worlds.refusal import Refusal
-
-if TYPE_CHECKING:
-    from worlds.world import World
+from worlds.world import World
 
 Ball = tuple[tuple[float, float, float], float]
 """Centre and radius of a sphere."""

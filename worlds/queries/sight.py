@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.surface import entry_distance, nearest_solid
+from worlds.queries.surface import entry_distance, nearest_solid
 
 SLACK = 1e-9
 """Share of a cell by which rows and columns are taken wider, so that rounding hides no edge."""

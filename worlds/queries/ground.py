@@ -1,4 +1,4 @@
-"""The ground: what compiled code sees of a world. `worlds.survey.survey` makes it.
+"""The ground: what compiled code sees of a world. `worlds.queries.survey.survey` makes it.
 
 Everything has three coordinates; flat worlds have z = 0. A *solid* is one connected outline (the
 union of flat obstacles that overlap), one sphere or one solid edge of the box. Queries, all
@@ -27,8 +27,8 @@ from typing import NamedTuple
 import numpy as np
 
 from worlds.compiled import compiled
-from worlds.sight import line_of_sight
-from worlds.surface import (
+from worlds.queries.sight import line_of_sight
+from worlds.queries.surface import (
     Around,
     Surface,
     nearest_surface,

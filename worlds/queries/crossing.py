@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 from worlds.compiled import compiled, shared
-from worlds.sight import SLACK, cells_between, shares_within
-from worlds.surface import entry_distance, solids_around
+from worlds.queries.sight import SLACK, cells_between, shares_within
+from worlds.queries.surface import entry_distance, solids_around
 
 RELATIVE = 1e-9
 """Skin of a surface, for each unit of length that a place is away from the origin."""
@@ -144,7 +144,7 @@ def entered(ground, entry, first, close, low, high, ax, ay, az, dx, dy, dz):
 def first_crossing(ground, ax, ay, az, dx, dy, dz):
     """The first surface that the way from a along d (its length is the step's) enters: `Crossing`.
 
-    Looks into the cells along the way, row by row, as `worlds.sight.line_of_sight` does.
+    Looks into the cells along the way, row by row, as `worlds.queries.sight.line_of_sight` does.
     """
     best = Crossing(math.inf, 0.0, 0.0, 0.0)
     reach = math.fabs(dx) + math.fabs(dy) + math.fabs(dz)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
-if TYPE_CHECKING:
-    from worlds.world import World
+from worlds.world import World
 
 HIDDEN = 1e-9
 """A point deeper than this in what is solid is no surface, length."""

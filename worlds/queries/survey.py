@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from worlds.boundary import boundary_points, sorted_points
-from worlds.ground import Ground
-from worlds.listing import Chunks, list_solids
 from worlds.mission import Goal, Mission
-from worlds.outlines import outlines, spheres
+from worlds.queries.boundary import boundary_points, sorted_points
+from worlds.queries.ground import Ground
+from worlds.queries.listing import Chunks, list_solids
+from worlds.queries.outlines import outlines, spheres
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -22,7 +22,7 @@ CHUNK = 4
 
 
 class Edges(NamedTuple):
-    """The edges of all outlines, see `worlds.ground.Ground`."""
+    """The edges of all outlines, see `worlds.queries.ground.Ground`."""
 
     edge: np.ndarray
     corner: np.ndarray
@@ -37,7 +37,9 @@ def survey(world: World, reach: float) -> Ground:
     its random obstacles.
     """
     if world.random is not None:
-        raise Refusal(f"the random obstacles of {world.name} are not drawn: World.drawn(seed)")
+        raise Refusal(
+            f"the random obstacles of {world.name} are not drawn: worlds.generators.drawn"
+        )
     united = outlines(world, reach)
     solids: list[shapely.Polygon] = []
     spans: list[tuple[float, float]] = []

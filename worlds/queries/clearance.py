@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
-from worlds.outlines import footprints, outlines, spheres
-
-if TYPE_CHECKING:
-    from worlds.world import World
+from worlds.queries.outlines import footprints, outlines, spheres
+from worlds.world import World
 
 __all__ = ["clearance", "footprints"]
 

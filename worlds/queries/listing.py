@@ -31,7 +31,7 @@ class Chunks(NamedTuple):
 
 
 class Listing(NamedTuple):
-    """The cells of the ground, see `worlds.ground.Ground`."""
+    """The cells of the ground, see `worlds.queries.ground.Ground`."""
 
     left: float
     front: float
