@@ -66,3 +66,41 @@ def test_an_edit_is_never_run_stale_and_an_unedited_rule_is_not_compiled_again(t
     assert run(tmp_path, "WAY = -1.0", "WAY", "0.0") == ["True", "[-1.0, 0.0]"]
     assert run(tmp_path, "WAY = -1.0", "0.0", "WAY", runs=False) == ["False"]
     assert run(tmp_path, "WAY = 1.0", "WAY", "0.0") == ["False", "[1.0, 0.0]"], "a constant counts"
+
+
+MOVED = """
+import sys
+from {module} import Place
+from agents.engine.cache import kept
+
+def doubled(place):
+    return 2.0 * place.x
+
+print(kept(doubled)(Place(3.0)))
+"""
+
+
+def test_kernels_whose_arguments_have_moved_to_another_module_are_compiled_anew(tmp_path):
+    def doubled(module: str) -> str:
+        (tmp_path / f"{module}.py").write_text(
+            "from typing import NamedTuple\nclass Place(NamedTuple):\n    x: float\n"
+        )
+        (tmp_path / "script.py").write_text(MOVED.format(module=module))
+        environment = {
+            **os.environ,
+            "FLOCKSCOPE_CACHE": str(tmp_path / "cache"),
+            "PYTHONPATH": os.pathsep.join([str(tmp_path), os.getcwd()]),
+        }
+        done = subprocess.run(
+            [sys.executable, str(tmp_path / "script.py")],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert doubled("here") == "6.0\n"
+    (tmp_path / "here.py").unlink()
+    assert doubled("there") == "6.0\n"

@@ -87,7 +87,20 @@ def keep(entry, digest) -> Path:
     with KEEPING:
         setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
         entry.enable_caching()
+    forget_if_unreadable(entry)
     return folder
+
+
+def forget_if_unreadable(entry) -> None:
+    """Forget kernels whose arguments are of classes that have moved since: compile them anew.
+
+    A class that a kernel meets only in its arguments is not in the kernel's name.
+    """
+    kept = entry._cache._cache_file
+    try:
+        kept._load_index()
+    except (ImportError, AttributeError):
+        Path(kept._index_path).unlink(missing_ok=True)
 
 
 def kept(function):
