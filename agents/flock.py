@@ -27,6 +27,7 @@ from agents.observables.neighbours import links
 from agents.record import STATES, Recorder, read_state
 from agents.room import demand_room
 from agents.rows import begun, joined, without
+from agents.sources import cite
 from agents.space import FlockSpace
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
@@ -154,6 +155,16 @@ class Flock(Motion, mesa.Model):
         """Make the arrays and the engine that runs over them."""
         self._use(begun(begin, self.model, 1))
         self.next_id = len(begin.position) + 1
+
+    def __repr__(self) -> str:
+        return (
+            f"<Flock {self.model.name}, N = {len(self.ids)}, world {self.world.name}, "
+            f"tick {self.tick}, seed {self.seed}>"
+        )
+
+    def cite(self) -> str:
+        """BibTeX of the papers that its model comes from, empty if it names none."""
+        return "\n\n".join(cite(self.model))
 
     def step(self) -> None:
         """One tick, and collect the observables; what members have done in this tick stands."""

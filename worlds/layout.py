@@ -25,7 +25,7 @@ DISTANCES = ("nearest-image", "plain")
 """How distance is measured where an axis wraps: across the seam, or within the box only."""
 DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
 """Endings of files that are no layouts, but may come to be some."""
-LAYOUTS = files("worlds") / "layouts"
+LAYOUTS = files(__package__) / "layouts"
 KEYS = (
     "title",
     "source",

@@ -8,7 +8,7 @@ from cli.calling import PROGRAM
 
 RULE = """
 import dataclasses
-from agents.rules.vicsek import VEM
+from flockscope.rules import VEM
 """
 MODULES = {
     "broken": ("import nothing_of_that_name", "NAME", "cannot be loaded (ModuleNotFoundError"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import viser
 
+from app.beside import STATIC
 from app.viewer.frame import Frame
 from app.viewer.scene import CAMERAS, COLOURINGS, Look, Scene
 from app.viewer.scene.camera import view
@@ -17,7 +18,6 @@ from app.viewer.scene.past import carried
 from app.viewer.scene.picking import picked
 from app.viewer.scene.picture import picture
 from app.viewer.scene.stage import Stage
-from app.viewer.scene.static_files import static_folder
 from app.viewer.scene.streaks import chosen
 from app.viewer.scene.surroundings import floor_under, left_the_box
 from app.viewer.scene.trails import Trails
@@ -218,7 +218,7 @@ def test_words_stay_within_the_picture(place, expected):
 
 
 def test_static_files_are_found_in_a_checkout():
-    assert (static_folder() / "logo.svg").is_file()
+    assert (STATIC / "logo.svg").is_file()
 
 
 @pytest.fixture
