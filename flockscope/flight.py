@@ -5,8 +5,10 @@
 1.4
 """
 
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
 from agents.flight.aircraft import Aircraft
 from agents.flight.trim import Trim, trim
-from flockscope import _in_the_way  # noqa: F401 - looks first  # isort: split
 
 __all__ = ["Aircraft", "Trim", "trim"]

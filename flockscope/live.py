@@ -11,6 +11,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
 from app.live.emulated_cars import EmulatedCars, Terminal
 from app.live.firmware import Firmware
 from app.live.links.frame import FULL, levels
@@ -22,7 +25,6 @@ from app.live.sources.address import Address
 from app.live.sources.feed import Feed
 from app.live.sources.opening import open_source
 from app.live.sources.source import Source
-from flockscope import _in_the_way  # noqa: F401 - looks first  # isort: split
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:

@@ -4,10 +4,13 @@ docs/observables.md says what each is; rows that hold no number are left out wit
 
 >>> import numpy as np
 >>> from flockscope.observables import polarisation
->>> polarisation(np.array([[1.0, 0.0], [0.0, 1.0]])) == np.sqrt(0.5)
-True
+>>> polarisation(np.array([[1.0, 0.0], [-1.0, 0.0]]))
+0.0
 """
 
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
 from agents.observables.checks import LeftOut
 from agents.observables.components import groups_within
 from agents.observables.consistency import consistency, convergence_time
@@ -41,7 +44,6 @@ from agents.observables.per_group import (
     size_histogram,
 )
 from agents.observables.rotation import angular_momentum, centre
-from flockscope import _in_the_way  # noqa: F401 - looks first  # isort: split
 
 __all__ = [
     "Correlation",

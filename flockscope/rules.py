@@ -7,6 +7,9 @@ docs/new-rule.md is a whole rule in one file.
 'vem'
 """
 
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
 from agents.bodies.car import BODY as CAR
 from agents.bodies.car import driving
 from agents.bodies.constant_speed import BODY as CONSTANT_SPEED
@@ -19,7 +22,6 @@ from agents.engine.block import Moved, Wish, adjacent
 from agents.engine.noise import uniform
 from agents.model import Model
 from agents.rules.vicsek import VEM, Vicsek
-from flockscope import _in_the_way  # noqa: F401 - looks first  # isort: split
 from worlds.compiled import compiled
 from worlds.ground import nearest_surface
 from worlds.refusal import Refusal

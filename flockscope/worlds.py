@@ -8,7 +8,9 @@
 (2, 1)
 """
 
-from flockscope import _in_the_way  # noqa: F401 - looks first  # isort: split
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
 from worlds.checks import Problem, demand_sound, problems
 from worlds.clearance import clearance
 from worlds.generators import generate

@@ -24,6 +24,4 @@ def cite(
     elif entries:
         typer.echo("\n\n".join(entries))
     else:
-        typer.echo(
-            f"{found.name} names no paper that is known here; its source: {found.rule.source}"
-        )
+        typer.echo(f"{found.name} names no paper known here; its source: {found.rule.source}")
