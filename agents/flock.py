@@ -42,13 +42,13 @@ class Flock(Motion, mesa.Model):
 
     Parameters
     ----------
-    model: name of a model, see `agents.catalogue.MODELS`.
+    model: name of a model, see `flockscope.MODELS`.
     agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
         top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
     dim: 2 or 3, by default the layout's own, or the model's, or 2.
-    world: a layout by name (see `worlds.world.layout_names`), a TOML file or a `World`; None for
+    world: a layout by name (see `flockscope.worlds.layout_names`), a TOML file or a `World`; None for
         the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
@@ -63,8 +63,9 @@ class Flock(Motion, mesa.Model):
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
 
-    Raises `worlds.refusal.Refusal`, a ValueError, for anything unknown or out of range.
+    Raises `flockscope.Refusal`, a ValueError, for anything unknown or out of range.
 
+    >>> from flockscope import Flock
     >>> flock = Flock("hwvem", agents=100, size=4.962, rng=1, p1=0.1)
     >>> flock.run(100)
     >>> flock.observe("consistency") > 0.99
