@@ -48,8 +48,8 @@ class Flock(Motion, mesa.Model):
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
     dim: 2 or 3, by default the layout's own, or the model's, or 2.
-    world: a layout by name (see `flockscope.worlds.layout_names`), a TOML file or a `World`; None for
-        the one that the model is at home in.
+    world: a layout by name (see `flockscope.worlds.layout_names`), a TOML file or a `World`; None
+        for the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
