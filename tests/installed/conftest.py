@@ -18,8 +18,8 @@ NEEDED = "3.12"
 MESAS_FILES = ("agents.py", "app.py", "model.py")
 """The files of Mesa's own examples, as they may lie where somebody starts Python."""
 PART = (
-    "cli/calling.py", "cli/test_listing.py", "cli/test_plug_ins.py",
-    "experiments/small.py", "experiments/test_experiment.py", "experiments/test_pool.py",
+    "cli/calling.py", "cli/test_plug_ins.py",
+    "experiments/small.py", "experiments/test_experiment.py",
     "live/recordings.py", "live/waiting.py", "live/test_recorded.py",
     "worlds/scenes.py", "worlds/test_layout.py", "test_refusals.py", "test_sources.py",
 )  # fmt: skip
