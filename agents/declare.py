@@ -164,6 +164,7 @@ class Rule:
     equation: str
     """The equation in LaTeX, for the documentation."""
     source: str
+    """Where it is from, in words; papers are cited by how `agents.sources` names them."""
     parameters: type[Parameters]
     decide: Callable
     """Compiled: (me, near, ground, p) -> Wish."""
@@ -204,6 +205,8 @@ class Rule:
     """Information agents unless the user says otherwise."""
     led: bool = True
     """Whether there may be information agents."""
+    bibtex: str = ""
+    """Entries of its own, for a source that `agents.sources` does not have."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
 

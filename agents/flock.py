@@ -21,6 +21,7 @@ from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder, read_state
 from agents.rows import begun, chosen, demand_room, joined
+from agents.sources import cite
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
@@ -34,14 +35,14 @@ class Flock(Motion, mesa.Model):
 
     Parameters
     ----------
-    model: name of a model, see `agents.catalogue.MODELS`.
+    model: name of a model, see `flockscope.MODELS`.
     agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
         top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
         the density is 4.102.
     dim: 2 or 3, by default the layout's own, or the model's, or 2.
-    world: a layout by name (see `worlds.layout.layout_names`), a TOML file or a `World`; None for
-        the one that the model is at home in.
+    world: a layout by name (see `flockscope.worlds.layout_names`), a TOML file or a `World`; None
+        for the one that the model is at home in.
     activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
     noise: `angular` or `vectorial`: what `eta` means.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
@@ -55,8 +56,9 @@ class Flock(Motion, mesa.Model):
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
 
-    Raises `worlds.refusal.Refusal`, a ValueError, for anything unknown or out of range.
+    Raises `flockscope.Refusal`, a ValueError, for anything unknown or out of range.
 
+    >>> from flockscope import Flock
     >>> flock = Flock("hwvem", agents=100, size=4.962, rng=1, p1=0.1)
     >>> flock.run(100)
     >>> flock.observe("consistency") > 0.99
@@ -147,6 +149,16 @@ class Flock(Motion, mesa.Model):
         """Make the arrays and the engine that runs over them."""
         self._use(begun(begin, self.model, 1))
         self.next_id = len(begin.position) + 1
+
+    def __repr__(self) -> str:
+        return (
+            f"<Flock {self.model.name}, N = {len(self.ids)}, world {self.world.name}, "
+            f"tick {self.tick}, seed {self.seed}>"
+        )
+
+    def cite(self) -> str:
+        """BibTeX of the papers that its model comes from, empty if it names none."""
+        return "\n\n".join(cite(self.model))
 
     def step(self) -> None:
         """One tick, and collect the observables; what members have done in this tick stands."""

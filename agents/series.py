@@ -97,7 +97,7 @@ def follow(flock: Flock, ticks: int, names: Iterable[str] = (SERIES,), every: in
 
     Raises Refusal for an unknown name or for what is out of range, before anything runs.
 
-    >>> from agents import Flock
+    >>> from flockscope import Flock
     >>> series = follow(Flock("vem", agents=50, rng=1, eta=3.0), 200)
     >>> 0.0 < series.over("susceptibility") < 50 / 4
     True

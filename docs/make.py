@@ -214,7 +214,7 @@ uv run flockscope run {model.name}{many}{options} --ticks {ticks} --seed {scene.
 ```
 
 ```python
-from agents import Flock
+from flockscope import Flock
 
 flock = Flock("{model.name}", agents={agents}{keywords}, rng={scene.seed})
 flock.run({ticks})

@@ -8,12 +8,8 @@ import sys
 from pathlib import Path
 
 PLUGIN = """
-from agents.bodies import constant_speed
-from agents.catalogue import MODELS, Model
-from agents.declare import Rule
-from agents.engine.block import Wish
-from worlds.compiled import compiled
-from agents.rules.vicsek import Vicsek
+from flockscope import MODELS
+from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Wish, compiled
 from turning import turn
 
 @compiled
@@ -21,11 +17,10 @@ def decide(me, near, ground, p):
     return turn(me)
 
 RULE = Rule("turner", "Turner", "Turns.", "x", "none", Vicsek, decide)
-MODELS["turner"] = Model(RULE, constant_speed.BODY)
+MODELS["turner"] = Model(RULE, CONSTANT_SPEED)
 """
 HELPER = """
-from agents.engine.block import Wish
-from worlds.compiled import compiled
+from flockscope.rules import Wish, compiled
 
 {constant}
 
@@ -35,7 +30,7 @@ def turn(me):
 """
 SCRIPT = """
 import plugin
-from agents import Flock
+from flockscope import Flock
 flock = Flock("turner", agents=3, rng=1)
 print(flock.is_compiled)
 if {runs}:

@@ -19,7 +19,7 @@ from worlds.world import BOUNDARY_SPACING, DISTANCES, World, box, edges_of
 
 DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
 """Endings of files that are no layouts, but may come to be some."""
-LAYOUTS = files("worlds") / "layouts"
+LAYOUTS = files(__package__) / "layouts"
 KEYS = (
     "title",
     "source",

@@ -69,7 +69,7 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
             fingerprint(value, digest, seen)
         else:
             digest.update(repr(value).encode())
-    module_name = f"agents.engine.{kind}_{digest.hexdigest()[:16]}"
+    module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
     with LOADING:
         if module_name not in sys.modules:
             sys.modules[module_name] = made(kind, module_name, globals_, fields, digest, seen)

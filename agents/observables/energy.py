@@ -94,7 +94,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     The potential of a pair counts once from either side, as printed: 1/2 (V_ij + V_ji). Nobody has
     the energy 0. Raises Refusal. One agent alone:
 
-    >>> from agents.catalogue import model
+    >>> from flockscope import model
     >>> p = model("boundary-points").parameters()
     >>> hamiltonian([[3.0, 4.0]], [[0.0, 1.0]], [[0.0, 0.0], [0.0, 0.0]], [], p)
     13.0

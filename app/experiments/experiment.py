@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
+from app.beside import EXPERIMENTS
 from app.experiments.file import File, Found, Published, Row, Said, Sweep
-from app.experiments.folder import experiments_folder
 from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
@@ -133,14 +133,14 @@ def goes_on(last: Cell, cell: Cell) -> bool:
 
 def experiment_names() -> list[str]:
     """Names of all experiments."""
-    return sorted(path.stem for path in experiments_folder().glob("*.toml"))
+    return sorted(path.stem for path in EXPERIMENTS.glob("*.toml"))
 
 
 def read_experiment(name: str) -> Experiment:
     """The experiment of that name. Raises Refusal."""
     if name not in experiment_names():
         raise unknown("paper", name, experiment_names())
-    return read_file(experiments_folder() / f"{name}.toml")
+    return read_file(EXPERIMENTS / f"{name}.toml")
 
 
 def read_file(path: Path) -> Experiment:

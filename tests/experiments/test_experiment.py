@@ -2,8 +2,8 @@
 
 import pytest
 
+from app.beside import EXPERIMENTS
 from app.experiments.experiment import experiment_names, read_experiment
-from app.experiments.folder import experiments_folder
 from app.experiments.lines import line_of, place
 from experiments.small import TEXT, small
 from worlds.refusal import Refusal
@@ -11,7 +11,7 @@ from worlds.refusal import Refusal
 
 def test_the_papers_files_are_found():
     assert {"liu2021-table1", "liu2021-fig5", "liu2021-fig6"} <= set(experiment_names())
-    assert (experiments_folder() / "liu2021-table1.toml").is_file()
+    assert (EXPERIMENTS / "liu2021-table1.toml").is_file()
 
 
 def test_table_1_has_18_rows_as_printed():

@@ -251,8 +251,9 @@ def test_any_text_is_taken_apart_or_refused(text):
 
 def test_a_link_may_be_a_file_of_ones_own(tmp_path):
     (tmp_path / "mine.py").write_text(
-        "from app.live.links.dry import DryLink\n"
-        "def open_link(place):\n    return DryLink(place.where)\n"
+        "from flockscope.live import CarLink\n"
+        "class Mine(CarLink):\n    def __init__(self, name):\n        self.name = name\n"
+        "def open_link(place):\n    return Mine(place.where)\n"
     )
     assert open_link("mine.py:/dev/thing", tmp_path).name == "/dev/thing"
     with pytest.raises(Refusal, match=r"there is no file .*yours\.py"):

@@ -8,7 +8,7 @@ from pages.blocks import ROOT
 
 CHECKOUT = (
     "README.md", "LICENSE", "pyproject.toml", "uv.lock",
-    "agents", "app", "benchmarks", "docs", "experiments", "static", "tests", "worlds",
+    "agents", "app", "benchmarks", "docs", "experiments", "flockscope", "static", "tests", "worlds",
 )  # fmt: skip
 """What lies in that folder."""
 

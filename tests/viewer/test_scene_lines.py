@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import viser
 
+from app.beside import STATIC
 from app.viewer.scene.cameras.camera import view
 from app.viewer.scene.draw.lines import segments
 from app.viewer.scene.draw.picture import picture
@@ -21,7 +22,6 @@ from app.viewer.scene.picking import picked
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import CAMERAS, COLOURINGS, Look
-from app.viewer.web.static_files import static_folder
 from worlds.world import World
 
 TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))
@@ -219,7 +219,7 @@ def test_words_stay_within_the_picture(place, expected):
 
 
 def test_static_files_are_found_in_a_checkout():
-    assert (static_folder() / "logo.svg").is_file()
+    assert (STATIC / "logo.svg").is_file()
 
 
 @pytest.fixture

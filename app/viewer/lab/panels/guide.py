@@ -8,13 +8,13 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.declare import declared
+from app.beside import STATIC
 from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.notation import equation_svg
 from app.viewer.panels.parameters import worded
 from app.viewer.panels.style import CSS, block
-from app.viewer.web.static_files import static_folder
 
-TRIES = (static_folder() / "try.html").read_text()
+TRIES = (STATIC / "try.html").read_text()
 
 
 class Guide:

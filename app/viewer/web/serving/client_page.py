@@ -18,7 +18,7 @@ import numpy as np
 import viser
 import zstandard
 
-from app.viewer.web.static_files import static_folder
+from app.beside import STATIC
 from worlds.refusal import Refusal
 
 ALPHABET = (
@@ -49,7 +49,7 @@ def client_page(scripts: tuple[str, ...]) -> ClientPage:
     They stand in the page itself: it can neither be had without them nor take them from elsewhere.
     Raises Refusal if viser's page is not built as it was.
     """
-    own = [(static_folder() / name).read_text() for name in (OWN_ADDRESS, *scripts)]
+    own = [(STATIC / name).read_text() for name in (OWN_ADDRESS, *scripts)]
     html = viser_page()
     head, found, rest = html.partition("<head>")
     loaders = Scripts.of(html)
