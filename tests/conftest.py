@@ -20,20 +20,30 @@ HERE = Path(__file__).parent
 BROWSER = "tests/browser"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
-PROCESSES = ("test_docs.py", "test_kernel_cache.py")
-"""Files of this folder that start processes or make all pages."""
+NOT_QUICK = ("test_commands.py", "test_docs.py", "test_kernel_cache.py")
+"""Files that are not quick all the same: commands, processes, all pages of the rules."""
 DEAR = (
-    "tests/test_solid_walls.py",
+    "tests/pages/test_pages.py",
     "tests/browser",
-    "tests/pages",
-    "tests/test_bad_rows.py",
-    "tests/test_models.py",
-    "tests/live/test_slow_browser.py",
-    "tests/live/test_end_to_end.py",
-    "tests/live/test_lab.py",
+    "tests/test_solid_walls.py",
+    "tests/test_engine_neighbours.py",
+    "tests/test_guarded.py",
+    "tests/test_kernel_cache.py",
+    "tests/cli/test_missions.py",
+    "tests/experiments/test_missions.py",
+    "tests/test_cars.py",
+    "tests/test_new_rule.py",
+    "tests/test_crashes.py",
+    "tests/flight/test_commands.py",
     "tests/papers",
+    "tests/test_rules.py",
+    "tests/cli/test_live.py",
+    "tests/test_zones.py",
+    "tests/test_vasarhelyi.py",
+    "tests/test_flock_among_obstacles.py",
+    "tests/test_olfati_saber.py",
+    "tests/live",
     "tests/cli",
-    "tests/experiments",
 )
 """What takes longest (`--durations=20` says), first."""
 
@@ -60,10 +70,10 @@ def is_quick(path: Path) -> bool:
     """Whether a file or folder of tests is, or may hold, what `-m quick` runs."""
     if not path.is_relative_to(HERE):
         return not path.is_relative_to(HERE.parent / "app")
+    if path.name in NOT_QUICK:
+        return False
     inside = path.relative_to(HERE).parts
-    if len(inside) > 1 or path.is_dir():
-        return not inside or inside[0] in QUICK
-    return path.name not in PROCESSES
+    return not inside or inside[0] in QUICK or (len(inside) == 1 and not path.is_dir())
 
 
 def pytest_ignore_collect(collection_path, config):
