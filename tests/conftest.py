@@ -1,18 +1,56 @@
-"""Two processes test whole files, and all that looks into a browser is one file to them.
+"""Which tests there are, how thoroughly values are drawn, and in which order files are tested.
 
-Two browsers at once, without a GPU, would keep each other waiting.
+A test bears its folder's name as a mark (`-m "not browser"`), and `quick` if it needs neither a
+browser nor another process: `-m quick` leaves whole folders out before they are read.
+Two processes test whole files, the dear ones first, so that none is left alone at the end. All
+that looks into a browser is one file to them: two browsers at once, without a GPU, would keep each
+other waiting.
 """
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
+from _pytest.doctest import DoctestModule
 from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
+HERE = Path(__file__).parent
 BROWSER = "tests/browser"
+QUICK = ("flight", "oracles", "worlds")
+"""Folders of tests that are quick, beside the files of this one."""
+NOT_QUICK = ("test_commands.py", "test_docs.py", "test_kernel_cache.py")
+"""Files that are not quick all the same: commands, processes, all pages of the rules."""
+DEAR = (
+    "tests/pages/test_pages.py",
+    "tests/browser",
+    "tests/test_solid_walls.py",
+    "tests/test_engine_neighbours.py",
+    "tests/test_guarded.py",
+    "tests/test_kernel_cache.py",
+    "tests/cli/test_missions.py",
+    "tests/experiments/test_missions.py",
+    "tests/test_cars.py",
+    "tests/test_new_rule.py",
+    "tests/test_crashes.py",
+    "tests/flight/test_commands.py",
+    "tests/papers",
+    "tests/test_rules.py",
+    "tests/cli/test_live.py",
+    "tests/test_zones.py",
+    "tests/test_vasarhelyi.py",
+    "tests/test_flock_among_obstacles.py",
+    "tests/test_olfati_saber.py",
+    "tests/live",
+    "tests/cli",
+)
+"""What takes longest (`--durations=20` says), first."""
 
-settings.register_profile("any machine", deadline=None)
-settings.load_profile("any machine")
+settings.register_profile("dev", deadline=None, max_examples=25)
+settings.register_profile("ci", deadline=None, print_blob=True)
+settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
 class ByFile(LoadFileScheduling):
@@ -27,3 +65,47 @@ class ByFile(LoadFileScheduling):
 def pytest_xdist_make_scheduler(config, log):
     """Hand out tests so."""
     return ByFile(config, log)
+
+
+def is_quick(path: Path) -> bool:
+    """Whether a file or folder of tests is, or may hold, what `-m quick` runs."""
+    if not path.is_relative_to(HERE):
+        return not path.is_relative_to(HERE.parent / "app")
+    if path.name in NOT_QUICK:
+        return False
+    inside = path.relative_to(HERE).parts
+    return not inside or inside[0] in QUICK or (len(inside) == 1 and not path.is_dir())
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Do not even read what `-m quick` would leave out."""
+    if config.option.markexpr == "quick" and not is_quick(collection_path):
+        return True
+    return None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file(file_path):
+    """Look for examples only in files that have some: to look, a file is imported."""
+    found = yield
+    if file_path.suffix == ".py" and ">>>" not in file_path.read_text(encoding="utf-8"):
+        return [one for one in found if not isinstance(one, DoctestModule)]
+    return found
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark tests by their folder, and put the dear files first."""
+    for item in items:
+        path = item.path
+        if path.is_relative_to(HERE) and path.parent != HERE:
+            item.add_marker(path.relative_to(HERE).parts[0])
+        if is_quick(path):
+            item.add_marker("quick")
+    items.sort(key=place)
+
+
+def place(item) -> int:
+    """Where a test's file stands among the dear ones; behind them if it is none."""
+    found = (at for at, name in enumerate(DEAR) if item.nodeid.startswith(name))
+    return next(found, len(DEAR))

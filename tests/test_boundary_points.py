@@ -14,6 +14,7 @@ from oracles.olfati_saber import moved
 
 from agents import Flock
 from agents.engine.block import Me, Near
+from agents.engine.cache import kept
 from agents.rules import boundary_points as rule
 from worlds.compiled import entry
 from worlds.obstacles import obstacle
@@ -165,7 +166,7 @@ def boundary_end(me, near, ax, ay, p):
     return rule.boundary_end(me, near, ax, ay, p)
 
 
-@entry
+@kept
 def is_blocked(me, near, gx, gy, width):
     return rule.is_blocked(me, near, gx, gy, width)
 

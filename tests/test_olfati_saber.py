@@ -11,6 +11,7 @@ from oracles.close_up import close_up
 from oracles.goal_scenes import GoalScene, goal_of, goal_scene, goal_scenes, velocity_of
 
 from agents.catalogue import MODELS
+from agents.engine.cache import kept
 from agents.observables.energy import potential
 from agents.rules import olfati_saber as rule
 from agents.rules import sigma
@@ -41,17 +42,17 @@ ANY = {
 TABLE_3 = MODELS["olfati-saber"].parameters()
 
 
-@entry
+@kept
 def bump(z, h):
     return sigma.bump(z, h)
 
 
-@entry
+@kept
 def sigma_norm(d2, eps):
     return sigma.sigma_norm(d2, eps)
 
 
-@entry
+@kept
 def phi(z, a, b):
     return sigma.phi(z, a, b)
 
@@ -66,7 +67,7 @@ def push(d2, p):
     return sigma.push(d2, p)
 
 
-@entry
+@kept
 def level(d2, alarm, d, tau_a, tau_e, tau_s):
     return sigma.level(d2, alarm, d, tau_a, tau_e, tau_s)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from worlds.compiled import entry
+from agents.engine.cache import kept
 from worlds.queries.ground import (
     line_of_sight,
     nearest_surface,
@@ -15,7 +15,7 @@ from worlds.queries.ground import (
 )
 
 
-@entry
+@kept
 def _surfaces(ground, place, out):
     for i in range(place.shape[0]):
         x, y, z = place[i, 0], place[i, 1], place[i, 2]
@@ -25,7 +25,7 @@ def _surfaces(ground, place, out):
         out[i, 8] = signed_distance(ground, x, y, z)
 
 
-@entry
+@kept
 def _each(ground, place, out):
     for i in range(place.shape[0]):
         x, y, z = place[i, 0], place[i, 1], place[i, 2]
@@ -38,7 +38,7 @@ def _each(ground, place, out):
             out[i, solid, 4] += 1.0
 
 
-@entry
+@kept
 def _sights(ground, start, end, out):
     for i in range(start.shape[0]):
         out[i] = line_of_sight(
@@ -46,12 +46,12 @@ def _sights(ground, start, end, out):
         )
 
 
-@entry
+@kept
 def _points(ground, x, y, r, found):
     return points_within(ground, x, y, r, found)
 
 
-@entry
+@kept
 def _goal(ground, time):
     set_goal(ground, time)
 
