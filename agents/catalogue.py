@@ -6,6 +6,8 @@ through the entry-point group `flockscope.rules`, each entry a `Rule` or a `Mode
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from agents.bodies import (
     car,
     constant_speed,
@@ -20,6 +22,7 @@ from agents.bodies import (
 from agents.declare import Rule, declared
 from agents.model import Model
 from agents.plug_ins import plug_ins
+from agents.rule_file import thing_in
 from agents.rules import (
     boundary_points,
     couzin,
@@ -140,12 +143,32 @@ ON_WHEELS = "-cars"
 """Behind the name of a rule: the model of cars that go by it."""
 
 MODELS = collect()
+FILES: dict[str, Path] = {}
+"""The files that models were read from, by the models' names."""
+
+
+def from_file(path: str) -> Model:
+    """The model of a rule file, which has its place among the models from then on. Or Refusal.
+
+    An edited file replaces what it brought before; none replaces a model of anything else.
+    """
+    try:
+        name, found = brought(path, thing_in(path))
+    except (TypeError, AssertionError) as error:
+        raise Refusal(f"{path}: {error}") from None
+    if name in MODELS and FILES.get(name) != Path(path).resolve():
+        raise Refusal(f"{path}: there is a model {name!r} already; its rule needs another name")
+    if name not in MODELS or found.rule is not MODELS[name].rule:
+        MODELS[name] = found
+        FILES[name] = Path(path).resolve()
+    return MODELS[name]
 
 
 def model(name: str) -> Model:
     """The model of that name; `NAME-cars` is the rule of the model NAME at the wheel of cars.
 
-    Raises Refusal with the nearest name, or for a rule that cannot drive cars.
+    Raises Refusal with the nearest name, or for a rule that cannot drive cars. A name is never that
+    of a file, which would be run: names come from browsers and from specs of others too.
     """
     rule = name.removesuffix(ON_WHEELS)
     if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:

@@ -6,7 +6,7 @@ declarations; nothing about a rule is written twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from worlds.compiled import Entry
 from worlds.refusal import Refusal, unknown
 
 
@@ -153,6 +154,19 @@ class Zone:
     """Whether agents outside of the field of view are noticed there too."""
 
 
+OF_RULES = ("perceive", "decide", "show", "remember", "prepare", "weigh", "explain")
+OF_BODIES = ("move", "measure", "touches", "passes", "explain")
+"""The compiled functions of a rule, and of a body."""
+
+
+def demand_compiled(title: str, part: Any, names: Sequence[str]) -> None:
+    """Raise TypeError if a function of a rule or a body is not made with `compiled`."""
+    for name in names:
+        function = getattr(part, name)
+        if function is not None and not isinstance(function, Entry):
+            raise TypeError(f"{title}: {name} is not @compiled")
+
+
 @dataclass(frozen=True)
 class Rule:
     """What an agent wants: one file, one declaration. `decide` reads like the paper."""
@@ -206,6 +220,9 @@ class Rule:
     """Whether there may be information agents."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
+
+    def __post_init__(self) -> None:
+        demand_compiled(f"rule {self.name!r}", self, OF_RULES)
 
 
 def one_tick(parameters: Parameters) -> float:  # noqa: ARG001 - the signature of `Body.lasts`
@@ -263,3 +280,6 @@ class Body:
     """The time that a tick stands for, from the parameters."""
     unit: str = "ticks"
     """Unit of that time."""
+
+    def __post_init__(self) -> None:
+        demand_compiled(f"body {self.name!r}", self, OF_BODIES)

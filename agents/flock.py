@@ -41,7 +41,8 @@ class Flock(Motion, mesa.Model):
 
     Parameters
     ----------
-    model: name of a model, see `agents.catalogue.MODELS`.
+    model: name of a model, see `agents.catalogue.MODELS`; a file has its rule put among them by
+        `agents.catalogue.from_file`.
     agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
         top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
@@ -59,6 +60,8 @@ class Flock(Motion, mesa.Model):
         edges, length >= 0; by default the model's own, which may be None: bodies only start clear
         of what is solid.
     threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
+    interpret: run the model as plain Python, some thousand times slower, with `print` and `pdb`;
+        the numbers are the same up to rounding. All flocks do under NUMBA_DISABLE_JIT=1.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
 
@@ -85,6 +88,7 @@ class Flock(Motion, mesa.Model):
         spacing: float | None = None,
         rng: int | None = None,
         threads: int = 1,
+        interpret: bool = False,
         collect: Sequence[str] = ("polarisation",),
         agent_reporters: Mapping[str, Any] | None = None,
         **parameters: Any,
@@ -100,6 +104,7 @@ class Flock(Motion, mesa.Model):
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.threads = whole("threads", threads, 1, MOST_THREADS)
         demand_room(self.model, agents + informed, self.threads)
+        self.interpret = interpret
         self.parameters = checked(self.model.parameters, parameters)
         self.world = find_world(self.model, world, dim, size, agents + informed, seed)
         if informed > 0 and not self.model.rule.led:

@@ -10,6 +10,7 @@ import numpy as np
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.observables.neighbours import separation
+from worlds.compiled import plain_python
 from worlds.ground import points_within, set_goal
 
 if TYPE_CHECKING:
@@ -116,12 +117,12 @@ def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
     ground, p = flock.engine.ground, flock.law.parameters
     rule, body = flock.model.rule, flock.model.body
     if rule.perceive is not None and (rule.explain or body.explain):
-        rule.perceive(me, near, ground, p)
+        flock.call(rule.perceive, me, near, ground, p)
     found: dict[str, np.ndarray] = {}
     for part in (rule, body):
         if part.explain is not None:
             out = np.zeros((len(part.forces), 3))
-            part.explain(me, near, ground, p, out)
+            flock.call(part.explain, me, near, ground, p, out)
             found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
     return found
 
@@ -177,15 +178,21 @@ def warm(flock: Flock) -> None:
     if rule.sees_points:
         points_within(ground, me.x, me.y, 0.0, np.zeros(ground.most_points, np.int32))
     if rule.weigh is not None:
-        rule.weigh(me, near, p, np.empty(0))
+        flock.call(rule.weigh, me, near, p, np.empty(0))
     forces_on(flock, me, near)
 
 
 def inspect(flock: Flock, row: int) -> Inspection:
     """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come.
 
-    One that has crashed has no neighbours, and is nobody's.
+    One that has crashed has no neighbours, and is nobody's. Raises Fault.
     """
+    with plain_python(flock.interpret):
+        return inspected(flock, row)
+
+
+def inspected(flock: Flock, row: int) -> Inspection:
+    """The agent of a row as `inspect` tells it."""
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
@@ -205,7 +212,7 @@ def inspect(flock: Flock, row: int) -> Inspection:
         me = as_me(flock, row, own.copy())
         near = as_near(flock, row, rows, apart, signals, seen)
         if rule.weigh is not None and len(rows):
-            rule.weigh(me, near, flock.law.parameters, weights)
+            flock.call(rule.weigh, me, near, flock.law.parameters, weights)
         forces = forces_on(flock, me, near)
     return Inspection(
         int(flock.ids[row]),

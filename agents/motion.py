@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from agents.calling import call
 from agents.declare import Parameters, as_floats, checked
 from agents.engine.arrays import Arrays, Law, Place
 from agents.engine.cells import Space
@@ -19,6 +20,7 @@ from agents.engine.runner import InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from agents.whereabouts import Stray, stray
+from worlds.compiled import DISABLED
 from worlds.refusal import Refusal, shortened, unknown
 from worlds.route import along_route
 from worlds.survey import survey
@@ -55,6 +57,8 @@ class Motion:
     activation: str
     noise: str
     threads: int
+    interpret: bool
+    """Whether the model runs as plain Python, slowly, with `print` and `pdb`."""
     law: Law
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
@@ -93,14 +97,22 @@ class Motion:
         )
         place = Place(space, survey(self.world, self.sight))
         if self.activation == "synchronous":
-            return Synchronous(self.loop, self.arrays, place, self.seed, self.threads)
+            threads = 1 if self.interpret else self.threads
+            return Synchronous(self.loop, self.arrays, place, self.seed, threads, self.call)
         shuffled = self.activation == "random"
-        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled)
+        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)
+
+    def call(self, function: Callable, *arguments: Any) -> Any:
+        """Call a compiled function of the model, as plain Python where that is asked for."""
+        return call(self.model, self.interpret, function, *arguments)
 
     def _make_law(self) -> Law:
         self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
         noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
-        numbers = self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)})
+        made = {NOISE: 0.0, **as_floats(self.parameters)}
+        if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
+            made = {name: np.float64(value) for name, value in made.items()}
+        numbers = self.loop.P(**made)
         return Law(numbers, noise, self.reach, self.dt)
 
     @property
@@ -135,7 +147,7 @@ class Motion:
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
-        return is_compiled(self.engine.module)
+        return self.interpret or DISABLED or is_compiled(self.engine.module)
 
     @property
     def reference(self) -> np.ndarray | None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.rule_option import Rules, by_name
 from worlds.counting import counted
 
 Rows = list[dict[str, Any]]
@@ -111,8 +112,11 @@ ARTICLES = {
 def listing(
     what: Annotated[
         str | None,
-        typer.Argument(help=f"{', '.join(KINDS)}, or one name: a model, a world ..."),
+        typer.Argument(
+            help=f"{', '.join(KINDS)}, or one name: a model, a world ...", callback=by_name
+        ),
     ] = None,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show what there is to choose from: all names, one kind of things, or one thing."""
