@@ -17,7 +17,7 @@ from agents.declare import OF_BODIES, OF_RULES, Body, Rule
 from agents.engine.block import Me, Moved, Near, Wish
 from agents.engine.cache import reached
 from agents.model import Model
-from worlds.compiled import plain_python
+from worlds.compiled import DISABLED, plain_python
 from worlds.ground import Ground
 from worlds.refusal import Refusal, suggestion
 
@@ -62,8 +62,11 @@ def call(model: Model, interpret: bool, function: Callable, *arguments: Any) -> 
         raise
     except FAULTS as error:
         fault = fault_of(model, error)
-        if fault is None:
+        if fault is None and not (interpret or DISABLED):
             raise
+        if fault is None:  # the engine met what it was given, such as a place that is no number
+            said = f"{type(error).__name__}: {error}"
+            fault = Fault(f"model {model.name!r}, as plain Python: {said[:LONGEST]}")
         raise fault from error
 
 

@@ -28,17 +28,25 @@ def parameter(
     high: float | None = None,
     unit: str = "1",
     step: float | None = None,
+    noise: bool = False,
 ) -> Any:
     """A parameter's declaration: default, range [low, high], unit, symbol and source.
 
-    Booleans and choices (`Literal`) have no range. `step` is the slider's.
+    Booleans and choices (`Literal`) have no range. `step` is the slider's. `noise` says that it is
+    the strength of something random, which 0 takes away.
     """
     return Field(
         default,
         ge=low,
         le=high,
         description=description,
-        json_schema_extra={"symbol": symbol, "unit": unit, "source": source, "step": step},
+        json_schema_extra={
+            "symbol": symbol,
+            "unit": unit,
+            "source": source,
+            "step": step,
+            "noise": noise,
+        },
     )
 
 
@@ -63,6 +71,7 @@ class Declared:
     high: float | None
     step: float | None
     choices: tuple[str, ...]
+    noise: bool
 
     @property
     def allowed(self) -> str:
@@ -104,6 +113,7 @@ def describe(name: str, field: FieldInfo) -> Declared:
         high,
         extra["step"],  # type: ignore[arg-type]
         choices,
+        bool(extra["noise"]),
     )
 
 
@@ -141,6 +151,11 @@ def as_floats(parameters: Parameters) -> dict[str, float]:
 
 Wished = Literal["heading", "acceleration", "velocity"]
 """What a rule may wish for and a body take."""
+
+
+Symmetry = Literal["shift", "rotation", "mirror"]
+ALL_ALIKE: tuple[Symmetry, ...] = ("shift", "rotation", "mirror")
+"""What space has no preferred place, direction or side for."""
 
 
 @dataclass(frozen=True)
@@ -220,6 +235,8 @@ class Rule:
     """Whether there may be information agents."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
+    symmetries: tuple[Symmetry, ...] = ALL_ALIKE
+    """What makes no difference to agents in empty space, noise apart: `agents.conformance`."""
 
     def __post_init__(self) -> None:
         demand_compiled(f"rule {self.name!r}", self, OF_RULES)
@@ -280,6 +297,8 @@ class Body:
     """The time that a tick stands for, from the parameters."""
     unit: str = "ticks"
     """Unit of that time."""
+    symmetries: tuple[Symmetry, ...] = ALL_ALIKE
+    """What makes no difference to it in empty space, noise apart."""
 
     def __post_init__(self) -> None:
         demand_compiled(f"body {self.name!r}", self, OF_BODIES)

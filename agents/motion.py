@@ -16,7 +16,7 @@ from agents.engine.arrays import Arrays, Law, Place
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.runner import InTurn, Synchronous
+from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, watch_for
 from agents.whereabouts import Stray, stray
@@ -63,6 +63,8 @@ class Motion:
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
     """The setting with which agents go through what is solid here, or an empty string."""
+    split_from: int = SPLIT_FROM
+    """Agents from which on a tick is shared among threads."""
     _engine: Synchronous | InTurn | None
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -97,7 +99,8 @@ class Motion:
         )
         place = Place(space, survey(self.world, self.sight))
         if self.activation == "synchronous":
-            threads = 1 if self.interpret else self.threads
+            split = not self.interpret and len(self.ids) >= self.split_from
+            threads = self.threads if split else 1
             return Synchronous(self.loop, self.arrays, place, self.seed, threads, self.call)
         shuffled = self.activation == "random"
         return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)

@@ -62,7 +62,7 @@ class Engine:
         self.space, self.ground = place
         self.seed = seed
         n, dim = arrays.position.shape
-        self.parts = max(1, threads) if n >= SPLIT_FROM else 1
+        self.parts = max(1, threads)
         self.slots = empty_slots(n, dim, module.SIGNALS)
         self.grid = empty_grid(n, self.parts)
         self.desks: list[Desk] = []

@@ -38,6 +38,7 @@ COMMANDS = {
         "app.cli.formation", "formation", "Formation flight: what birds save by upwash."
     ),
     "list": Entry("app.cli.listing", "listing", "Models, parameters, worlds, observables, papers."),
+    "check": Entry("app.cli.check", "check", "Check a model: what every model keeps to."),
     "recover": Entry("app.cli.recover", "recover", "Save the recording of a run that was killed."),
 }
 
