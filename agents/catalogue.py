@@ -15,6 +15,7 @@ from agents.bodies import (
     drone,
     flyer,
     navigator,
+    point_mass,
     steered,
     turning,
     zero_turn,
@@ -42,6 +43,8 @@ from agents.rules import (
 from worlds.refusal import Refusal, unknown
 
 CONSTANT = constant_speed.BODY
+NEUTRAL = {"heading": CONSTANT, "acceleration": point_mass.BODY}
+"""The bodies of rules that come without one, by what they wish."""
 
 BUILT_IN = [
     Model(vicsek.VEM, CONSTANT),
@@ -134,7 +137,7 @@ def brought(_: str, thing: object) -> tuple[str, Model]:
     """The model that an entry point brings. Raises TypeError if it is none, or no rule."""
     if not isinstance(thing, Rule | Model):
         raise TypeError(f"a Rule or a Model is needed, not {type(thing).__name__}")
-    model = Model(thing, CONSTANT) if isinstance(thing, Rule) else thing
+    model = Model(thing, NEUTRAL.get(thing.wish, CONSTANT)) if isinstance(thing, Rule) else thing
     declared(model.parameters)
     return model.name, model
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.calling import refusal
 
-from agents import Flock
+from agents import Flock, catalogue
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
 from worlds.refusal import Refusal
@@ -67,3 +68,14 @@ def test_a_rule_may_have_no_noise_at_all(monkeypatch):
     flock.run(3)
     assert np.array_equal(flock.heading, before)
     assert flock.reach == 1.0
+
+
+def test_the_fault_that_the_page_prints_is_what_a_typing_error_gives(tmp_path, monkeypatch):
+    monkeypatch.setattr(catalogue, "FILES", {})
+    monkeypatch.setattr(catalogue, "MODELS", dict(MODELS))
+    page = PAGE.read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
+    (tmp_path / "fading.py").write_text(code.replace("p.fade)", "p.fadde)"))
+    printed = re.search(r"^flockscope: .*$", page, re.MULTILINE).group(0)
+    said = refusal("run", tmp_path / "fading.py", "--interpret", "--agents", 5, "--quiet")
+    assert said == printed
