@@ -1,6 +1,7 @@
 """Plug-ins: one that cannot be used is named, left out and warned of in one line."""
 
 import subprocess
+import sys
 
 import pytest
 
@@ -50,3 +51,47 @@ def test_a_plug_in_that_cannot_be_used_is_left_out_with_a_line():
     assert '"My rule"' in made.stdout
     assert '"Mine"' not in made.stdout
     assert '"Vicsek model"' in made.stdout
+
+
+EVERYTHING = """
+import dataclasses
+from agents.bodies.point_mass import BODY
+from agents.observables.observable import Observable
+
+HEAVY = dataclasses.replace(BODY, name="heavy", title="Heavy")
+COUNT = Observable("head-count", "Agents", "agents", "[0, N]", lambda flock: len(flock.position))
+YARD = {"title": "Yard", "edges": "solid", "size": 9.0}
+NOT_A_YARD = 3
+def opened(address): raise ValueError(address.kind)
+"""
+GROUPS = {
+    "bodies": "heavy = everything:HEAVY\nwrong_body = everything:YARD",
+    "observables": "head-count = everything:COUNT\nwrong_observable = everything:YARD",
+    "layouts": "yard = everything:YARD\nwrong_layout = everything:NOT_A_YARD",
+    "sources": "mine = everything:opened\nwrong_source = everything:YARD",
+}
+SCRIPT = """
+from agents import Flock
+from agents.observables.catalogue import OBSERVABLES
+from app.live.sources.opening import known_source
+flock = Flock("olfati-saber-heavy", agents=3, world="yard", rng=1, interpret=True)
+flock.run(1)
+print(flock.model.title, flock.world.size, flock.observe("head-count"), known_source("mine:x").kind)
+"""
+
+
+def test_bodies_observables_layouts_and_sources_come_in_the_same_way(tmp_path, monkeypatch):
+    info = tmp_path / "plugged-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: plugged\nVersion: 1.0\n")
+    entries = "\n".join(f"[flockscope.{group}]\n{lines}\n" for group, lines in GROUPS.items())
+    (info / "entry_points.txt").write_text(entries)
+    (tmp_path / "everything.py").write_text(EVERYTHING)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    made = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    assert made.stdout.split("\n")[0].endswith("(9.0, 9.0) 3 mine")
+    for wrong in ("body", "observable", "layout", "source"):
+        assert f"the plug-in 'wrong_{wrong}'" in made.stderr
