@@ -79,3 +79,19 @@ def test_the_fault_that_the_page_prints_is_what_a_typing_error_gives(tmp_path, m
     printed = re.search(r"^flockscope: .*$", page, re.MULTILINE).group(0)
     said = refusal("run", tmp_path / "fading.py", "--interpret", "--agents", 5, "--quiet")
     assert said == printed
+
+
+def test_the_short_form_on_the_page_is_the_same_rule(tmp_path, monkeypatch):
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    path = tmp_path / "both.py"
+    path.write_text("\n".join(blocks))
+    names: dict = {"__name__": "both"}
+    exec(compile(path.read_text(), str(path), "exec"), names)
+    flocks = []
+    for rule in (names["RULE"], names["SHORT"]):
+        monkeypatch.setitem(MODELS, rule.name, Model(rule, constant_speed.BODY))
+        flocks.append(Flock(rule.name, agents=9, size=2.0, rng=1, interpret=True))
+        flocks[-1].run(3)
+    assert np.allclose(flocks[0].heading, flocks[1].heading, atol=1e-12)
+    weights = flocks[1].inspect(0).weights
+    assert ((weights > 0.0) & (weights < 1.0)).all()

@@ -128,7 +128,7 @@ IVEM = Rule(
     signals=("angle",),
     show=show,
     weigh=weigh,
-    symmetries=("shift", "mirror"),  # angles are compared within (-pi, pi]
+    symmetries=("shift", "mirror"),  # angles are compared as numbers in [0, 2 pi)
 )
 
 IVEM_A = Rule(

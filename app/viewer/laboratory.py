@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from agents.catalogue import MODELS
+from agents.observables.of_agents import measurable
 from app.viewer.addresses import here
 from app.viewer.drawing import Drawing
 from app.viewer.editing.layout_file import LARGEST
@@ -26,7 +28,7 @@ from app.viewer.panels.view import ViewPanel
 from app.viewer.panels.world import WorldPanel
 from app.viewer.picture import Wanted
 from app.viewer.readings import Readings
-from app.viewer.scene import COLOURINGS, Look, Scene
+from app.viewer.scene import Look, Scene
 from app.viewer.server import close_server, open_server
 from app.viewer.serving.front import Front
 from app.viewer.shell import dock, dress, settle
@@ -137,7 +139,7 @@ class Laboratory:
                 "2": lambda client: self.point(client, "perspective"),
                 "3": lambda client: self.point(client, "side"),
                 "F": lambda client: self.point(client, "follow"),
-                "C": lambda _: self.next_colour(),
+                "C": lambda _: self.view.next_colour(),
                 "L": lambda _: self.switch_links(),
                 "H": self.show_guide,
                 "Z": lambda _: self.world.undo(),
@@ -178,11 +180,6 @@ class Laboratory:
     def select(self, row: int | None, beside: bool = False) -> None:
         """Inspect an agent, of the flock beside if so; None for none."""
         self.selected, self.selected_beside = row, beside and row is not None
-
-    def next_colour(self) -> None:
-        """Colour by the next quantity."""
-        place = COLOURINGS.index(self.view.colour.value)
-        show(self.view.colour, COLOURINGS[(place + 1) % len(COLOURINGS)])
 
     def switch_links(self) -> None:
         """Show links, or hide them."""
@@ -235,6 +232,7 @@ class Laboratory:
         wanted = Wanted(
             layers=look.colour == "layer",
             groups=look.colour == "group",
+            measured=look.measured,
             links=look.links,
             points=look.points,
             row=self.selected,
@@ -255,7 +253,8 @@ class Laboratory:
             return
         frame, look = self.drawing.drawn
         self.measure(state, frame, readings)
-        self.monitors.colours(look.colour, self.scene.legend(look, frame))
+        self.view.offer(measurable(MODELS[state.start.model].columns))
+        self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame

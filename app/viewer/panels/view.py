@@ -7,7 +7,8 @@ from collections.abc import Callable
 import viser
 
 from app.viewer.panels.hotkeys import add_hotkeys
-from app.viewer.scene import CAMERAS, COLOURINGS, RIDE, STEP_OFF, TRAILS, Look
+from app.viewer.scene import CAMERAS, COLOURINGS, MEASURED, RIDE, STEP_OFF, TRAILS, Look
+from app.viewer.values import show
 
 
 class ViewPanel:
@@ -108,10 +109,25 @@ class ViewPanel:
         if event.client is not None:
             self.point(event.client, RIDE)
 
+    def offer(self, numbers: tuple[str, ...]) -> None:
+        """Let agents be coloured by these numbers too."""
+        choices = (*COLOURINGS, *(name for name in numbers if name not in COLOURINGS))
+        if tuple(self.colour.options) != choices:
+            chosen = self.colour.value
+            self.colour.options = choices
+            show(self.colour, chosen if chosen in choices else COLOURINGS[0])
+
+    def next_colour(self) -> None:
+        """Colour by the next quantity."""
+        choices = tuple(self.colour.options)
+        show(self.colour, choices[(choices.index(self.colour.value) + 1) % len(choices)])
+
     def look(self) -> Look:
         """The drawing as the controls have it."""
+        chosen = self.colour.value
         return Look(
-            colour=self.colour.value,
+            colour=chosen if chosen in COLOURINGS else MEASURED,
+            measured="" if chosen in COLOURINGS else chosen,
             links=self.links.value,
             trails=self.trails.value,
             trail_length=self.length.value,

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
 
+MEASURED = "measured"
+"""Any number that each agent has: a signal of its model, or one of `OF_AGENTS`."""
+
 STATE = "state"
 LIVE_COLOURINGS = (STATE, "heading", "speed", "plain")
 """What that of a car in a room with real ones may: also whether it is tracked, lost, ..."""
@@ -26,7 +29,9 @@ class Look:
     """How a frame is drawn. Nothing in it changes the flock."""
 
     colour: str = "heading"
-    """One of `COLOURINGS` or `LIVE_COLOURINGS`."""
+    """One of `COLOURINGS` or `LIVE_COLOURINGS`, or `MEASURED`."""
+    measured: str = ""
+    """By which number agents are coloured, where `colour` is `MEASURED`."""
     links: bool = False
     """Draw a line between neighbours (needs `Frame.links`)."""
     trails: str = OFF
@@ -58,7 +63,7 @@ class Look:
     """Let agents cast shadows (up to 2 000 of them)."""
 
     def __post_init__(self) -> None:
-        known = dict.fromkeys(COLOURINGS + LIVE_COLOURINGS)
+        known = dict.fromkeys((*COLOURINGS, *LIVE_COLOURINGS, MEASURED))
         if self.colour not in known:
             raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(known)}")
         if self.trails not in TRAILS:
