@@ -6,7 +6,7 @@ declarations; nothing about a rule is written twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from worlds.compiled import Entry
 from worlds.refusal import Refusal, unknown
 
 
@@ -27,17 +28,25 @@ def parameter(
     high: float | None = None,
     unit: str = "1",
     step: float | None = None,
+    noise: bool = False,
 ) -> Any:
     """A parameter's declaration: default, range [low, high], unit, symbol and source.
 
-    Booleans and choices (`Literal`) have no range. `step` is the slider's.
+    Booleans and choices (`Literal`) have no range. `step` is the slider's. `noise` says that it is
+    the strength of something random, which 0 takes away.
     """
     return Field(
         default,
         ge=low,
         le=high,
         description=description,
-        json_schema_extra={"symbol": symbol, "unit": unit, "source": source, "step": step},
+        json_schema_extra={
+            "symbol": symbol,
+            "unit": unit,
+            "source": source,
+            "step": step,
+            "noise": noise,
+        },
     )
 
 
@@ -62,6 +71,7 @@ class Declared:
     high: float | None
     step: float | None
     choices: tuple[str, ...]
+    noise: bool
 
     @property
     def allowed(self) -> str:
@@ -103,6 +113,7 @@ def describe(name: str, field: FieldInfo) -> Declared:
         high,
         extra["step"],  # type: ignore[arg-type]
         choices,
+        bool(extra["noise"]),
     )
 
 
@@ -142,6 +153,11 @@ Wished = Literal["heading", "acceleration", "velocity"]
 """What a rule may wish for and a body take."""
 
 
+Symmetry = Literal["shift", "rotation", "mirror"]
+ALL_ALIKE: tuple[Symmetry, ...] = ("shift", "rotation", "mirror")
+"""What space has no preferred place, direction or side for."""
+
+
 @dataclass(frozen=True)
 class Zone:
     """A zone around an agent, from the one before it outwards to a radius."""
@@ -151,6 +167,19 @@ class Zone:
     """Outer radius (length) from the parameters."""
     all_round: bool = False
     """Whether agents outside of the field of view are noticed there too."""
+
+
+OF_RULES = ("perceive", "decide", "show", "remember", "prepare", "weigh", "explain")
+OF_BODIES = ("move", "measure", "touches", "passes", "explain")
+"""The compiled functions of a rule, and of a body."""
+
+
+def demand_compiled(title: str, part: Any, names: Sequence[str]) -> None:
+    """Raise TypeError if a function of a rule or a body is not made with `compiled`."""
+    for name in names:
+        function = getattr(part, name)
+        if function is not None and not isinstance(function, Entry):
+            raise TypeError(f"{title}: {name} is not @compiled")
 
 
 @dataclass(frozen=True)
@@ -209,6 +238,11 @@ class Rule:
     """Entries of its own, for a source that `agents.sources` does not have."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
+    symmetries: tuple[Symmetry, ...] = ALL_ALIKE
+    """What makes no difference to agents in empty space, noise apart: `agents.conformance`."""
+
+    def __post_init__(self) -> None:
+        demand_compiled(f"rule {self.name!r}", self, OF_RULES)
 
 
 def one_tick(parameters: Parameters) -> float:  # noqa: ARG001 - the signature of `Body.lasts`
@@ -266,3 +300,8 @@ class Body:
     """The time that a tick stands for, from the parameters."""
     unit: str = "ticks"
     """Unit of that time."""
+    symmetries: tuple[Symmetry, ...] = ALL_ALIKE
+    """What makes no difference to it in empty space, noise apart."""
+
+    def __post_init__(self) -> None:
+        demand_compiled(f"body {self.name!r}", self, OF_BODIES)

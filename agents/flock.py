@@ -35,7 +35,8 @@ class Flock(Motion, mesa.Model):
 
     Parameters
     ----------
-    model: name of a model, see `flockscope.MODELS`.
+    model: name of a model, see `flockscope.MODELS`; a file has its rule put among them by
+        `agents.catalogue.from_file`.
     agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
         top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
@@ -53,6 +54,8 @@ class Flock(Motion, mesa.Model):
         edges, length >= 0; by default the model's own, which may be None: bodies only start clear
         of what is solid.
     threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
+    interpret: run the model as plain Python, some thousand times slower, with `print` and `pdb`;
+        the numbers are the same up to rounding. All flocks do under NUMBA_DISABLE_JIT=1.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
     parameters: those of the rule and the body, see `flockscope list`.
 
@@ -80,6 +83,7 @@ class Flock(Motion, mesa.Model):
         spacing: float | None = None,
         rng: int | None = None,
         threads: int = 1,
+        interpret: bool = False,
         collect: Sequence[str] = ("polarisation",),
         agent_reporters: Mapping[str, Any] | None = None,
         **parameters: Any,
@@ -95,6 +99,7 @@ class Flock(Motion, mesa.Model):
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.threads = whole("threads", threads, 1, MOST_THREADS)
         demand_room(self.model, agents + informed, self.threads)
+        self.interpret = interpret
         self.parameters = checked(self.model.parameters, parameters)
         self.world = find_world(self.model, world, dim, size, agents + informed, seed)
         if informed > 0 and not self.model.rule.led:
@@ -175,11 +180,12 @@ class Flock(Motion, mesa.Model):
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
-        return inspect(self.snapshot(copy=False, signals=True), self.engine.ground, self.law, row)
+        now = self.snapshot(copy=False, signals=True)
+        return inspect(now, self.engine.ground, self.law, row, self.interpret)
 
     def warm(self) -> None:
         """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
-        warm(self.snapshot(copy=False), self.engine.ground, self.law)
+        warm(self.snapshot(copy=False), self.engine.ground, self.law, self.interpret)
 
     @property
     def members(self) -> list[Member]:

@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from agents.calling import call
 from agents.engine.arrays import Law
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.observables.neighbours import separation
 from agents.snapshot import Snapshot, State
+from worlds.compiled import plain_python
 from worlds.queries.ground import Ground, points_within, set_goal
 
 NO_POINTS = np.empty((0, 2))
@@ -109,16 +111,18 @@ def perceived(flock: State, ground: Ground, row: int) -> np.ndarray:
     return np.column_stack([ground.point_x[found[:n]], ground.point_y[found[:n]]])
 
 
-def forces_on(flock: State, ground: Ground, law: Law, me: Me, near: Near) -> dict[str, np.ndarray]:
+def forces_on(
+    flock: State, ground: Ground, law: Law, me: Me, near: Near, interpret: bool
+) -> dict[str, np.ndarray]:
     """The terms of the rule's next wish and of its body's velocity, by name, (dim,) each."""
     p, rule, body = law.parameters, flock.model.rule, flock.model.body
     if rule.perceive is not None and (rule.explain or body.explain):
-        rule.perceive(me, near, ground, p)
+        call(flock.model, interpret, rule.perceive, me, near, ground, p)
     found: dict[str, np.ndarray] = {}
     for part in (rule, body):
         if part.explain is not None:
             out = np.zeros((len(part.forces), 3))
-            part.explain(me, near, ground, p, out)
+            call(flock.model, interpret, part.explain, me, near, ground, p, out)
             found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
     return found
 
@@ -159,7 +163,7 @@ def zones_of(
     return found
 
 
-def warm(flock: Snapshot, ground: Ground, law: Law) -> None:
+def warm(flock: Snapshot, ground: Ground, law: Law, interpret: bool = False) -> None:
     """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
     rule, body = flock.model.rule, flock.model.body
     if not len(flock.ids) or not (rule.weigh or rule.explain or body.explain):
@@ -173,16 +177,25 @@ def warm(flock: Snapshot, ground: Ground, law: Law) -> None:
     if rule.sees_points:
         points_within(ground, me.x, me.y, 0.0, np.zeros(ground.most_points, np.int32))
     if rule.weigh is not None:
-        rule.weigh(me, near, law.parameters, np.empty(0))
-    forces_on(flock, ground, law, me, near)
+        call(flock.model, interpret, rule.weigh, me, near, law.parameters, np.empty(0))
+    forces_on(flock, ground, law, me, near, interpret)
 
 
-def inspect(flock: Snapshot, ground: Ground, law: Law, row: int) -> Inspection:
+def inspect(
+    flock: Snapshot, ground: Ground, law: Law, row: int, interpret: bool = False
+) -> Inspection:
     """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come.
 
-    The snapshot is one with signals; `ground` and `law` are what the flock's agents go by. One that
-    has crashed has no neighbours, and is nobody's.
+    The snapshot is one with signals; `ground` and `law` are what the flock's agents go by, and
+    `interpret` says whether as plain Python. One that has crashed has no neighbours, and is
+    nobody's. Raises Fault.
     """
+    with plain_python(interpret):
+        return inspected(flock, ground, law, row, interpret)
+
+
+def inspected(flock: Snapshot, ground: Ground, law: Law, row: int, interpret: bool) -> Inspection:
+    """The agent of a row as `inspect` tells it."""
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
@@ -203,8 +216,8 @@ def inspect(flock: Snapshot, ground: Ground, law: Law, row: int) -> Inspection:
         me = as_me(flock, row, own.copy())
         near = as_near(flock, row, rows, apart, signals, seen)
         if rule.weigh is not None and len(rows):
-            rule.weigh(me, near, law.parameters, weights)
-        forces = forces_on(flock, ground, law, me, near)
+            call(flock.model, interpret, rule.weigh, me, near, law.parameters, weights)
+        forces = forces_on(flock, ground, law, me, near, interpret)
     return Inspection(
         int(flock.ids[row]),
         row,

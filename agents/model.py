@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pydantic import create_model
 
-from agents.declare import Body, Parameters, Rule, as_floats
+from agents.declare import Body, Parameters, Rule, Symmetry, as_floats
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 
@@ -94,6 +94,11 @@ class Model:
     def sees_obstacles(self) -> bool:
         """Whether it steers clear of obstacles by itself."""
         return self.rule.sees_obstacles or self.body.sees_obstacles
+
+    @property
+    def symmetries(self) -> tuple[Symmetry, ...]:
+        """What makes no difference to its agents in empty space, noise apart."""
+        return tuple(one for one in self.rule.symmetries if one in self.body.symmetries)
 
     def meets(self, solid: bool) -> int:
         """What its agents do where a step enters a solid, of `agents.engine.hold`.

@@ -10,16 +10,18 @@ from typing import Any
 
 import numpy as np
 
+from agents.calling import call
 from agents.declare import as_floats, checked
 from agents.engine.arrays import Arrays, Law, Place, Until
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.runner import InTurn, Synchronous
+from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
 from agents.model import Model
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import Snapshot, State
 from agents.whereabouts import Stray, stray
+from worlds.compiled import DISABLED
 from worlds.queries.survey import survey
 from worlds.refusal import Refusal, shortened
 from worlds.world import World
@@ -40,10 +42,14 @@ class Motion(State):
     noise: str
     threads: int
     next_id: int
+    interpret: bool
+    """Whether the model runs as plain Python, slowly, with `print` and `pdb`."""
     law: Law
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
     """The setting with which agents go through what is solid here, or an empty string."""
+    split_from: int = SPLIT_FROM
+    """Agents from which on a tick is shared among threads."""
     _engine: Synchronous | InTurn | None
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -76,14 +82,23 @@ class Motion(State):
         )
         place = Place(space, survey(self.world, self.sight))
         if self.activation == "synchronous":
-            return Synchronous(self.loop, self.arrays, place, self.seed, self.threads)
+            split = not self.interpret and len(self.ids) >= self.split_from
+            threads = self.threads if split else 1
+            return Synchronous(self.loop, self.arrays, place, self.seed, threads, self.call)
         shuffled = self.activation == "random"
-        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled)
+        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)
+
+    def call(self, function: Callable, *arguments: Any) -> Any:
+        """Call a compiled function of the model, as plain Python where that is asked for."""
+        return call(self.model, self.interpret, function, *arguments)
 
     def _make_law(self) -> Law:
         self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
         noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
-        numbers = self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)})
+        made = {NOISE: 0.0, **as_floats(self.parameters)}
+        if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
+            made = {name: np.float64(value) for name, value in made.items()}
+        numbers = self.loop.P(**made)
         return Law(numbers, noise, self.reach, self.dt)
 
     def stray(self) -> Stray | None:
@@ -142,7 +157,7 @@ class Motion(State):
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
-        return is_compiled(self.engine.module)
+        return self.interpret or DISABLED or is_compiled(self.engine.module)
 
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""

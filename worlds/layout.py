@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from worlds.counting import counted
 from worlds.generators.random_obstacles import random_obstacles
 from worlds.mission import mission
 from worlds.obstacles import obstacle
+from worlds.plug_ins import plug_ins
 from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, unknown
 from worlds.world import BOUNDARY_SPACING, DISTANCES, World, box, edges_of
@@ -36,11 +38,23 @@ KEYS = (
 )
 
 
+BUILT_IN = {f.name.removesuffix(".toml"): f for f in LAYOUTS.iterdir() if f.name.endswith(".toml")}
+
+
+def brought(name: str, thing: object) -> tuple[str, dict[str, Any]]:
+    """The layout that an entry point brings, as TOML has it. Raises TypeError if it is none."""
+    if not isinstance(thing, Mapping):
+        raise TypeError(f"a layout as a dictionary is needed, not {type(thing).__name__}")
+    return name, dict(thing)
+
+
+BROUGHT = plug_ins("flockscope.layouts", brought, BUILT_IN)
+"""The layouts of other packages."""
+
+
 def layout_names() -> list[str]:
-    """Names of the built-in worlds."""
-    return sorted(
-        f.name.removesuffix(".toml") for f in LAYOUTS.iterdir() if f.name.endswith(".toml")
-    )
+    """Names of the built-in worlds, and of those of other packages."""
+    return sorted([*BUILT_IN, *BROUGHT])
 
 
 def read_layout(name: str) -> dict[str, Any]:
@@ -48,17 +62,18 @@ def read_layout(name: str) -> dict[str, Any]:
 
     Raises Refusal for an unknown name, a missing file or a file that is not TOML.
     """
-    path = LAYOUTS / f"{name}.toml" if name in layout_names() else Path(name)
+    if name in BROUGHT:
+        return deepcopy(BROUGHT[name])
     if Path(name).suffix.lower() in DRAWINGS:
         again = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
         raise Refusal(
             f"world {name!r} is a drawing: `flockscope world import {again}` makes a layout of it"
         )
-    if name not in layout_names() and not name.endswith(".toml"):
+    if name not in BUILT_IN and not name.endswith(".toml"):
         raise unknown("world", name, layout_names())
     named = f"world file {name!r}"
-    text = path.read_text(encoding="utf-8") if name in layout_names() else read_text(named, name)
-    return toml(text, named)
+    own = BUILT_IN.get(name)
+    return toml(own.read_text(encoding="utf-8") if own else read_text(named, name), named)
 
 
 def layout_dim(name: str) -> int | None:

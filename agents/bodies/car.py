@@ -117,6 +117,7 @@ class Car(Tracking):
         high=1.0,
         step=0.01,
         source="Jacobs and Koessler IV.A: without a value",
+        noise=True,
     )
     length: float = parameter(
         0.22,

@@ -34,6 +34,7 @@ class Tracking(Parameters):
         high=0.2,
         step=0.0005,
         source="ours: what such cameras have",
+        noise=True,
     )
     noise_yaw: float = parameter(
         0.005,
@@ -44,6 +45,7 @@ class Tracking(Parameters):
         high=0.5,
         step=0.001,
         source="ours: what such cameras have",
+        noise=True,
     )
     dropout: float = parameter(
         0.0,
@@ -54,6 +56,7 @@ class Tracking(Parameters):
         high=1.0,
         step=0.01,
         source="ours: Jacobs and Koessler had ambiguous markers now and then",
+        noise=True,
     )
 
 

@@ -53,6 +53,7 @@ def fingerprint(function, digest, seen: set[int]) -> None:
     seen.add(id(function))
     python = function.py_func if isinstance(function, Dispatcher) else function
     digest.update(describe_code(python.__code__).encode())
+    digest.update(python.__module__.encode())  # a kept kernel imports it by this name
     if isinstance(function, Dispatcher):
         digest.update(describe(function.targetoptions).encode())
     for value in reached(python):

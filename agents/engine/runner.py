@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -34,16 +36,34 @@ class NotANumber(ArithmeticError):
     """A rule gave an agent a position that is not a finite number."""
 
 
+Called = Callable[..., Any]
+"""How compiled functions are called: Called(function, *arguments)."""
+
+
+def at_once(function: Callable, *arguments: Any) -> Any:
+    """Call a compiled function as it is."""
+    return function(*arguments)
+
+
 class Engine:
     """The compiled loop of a rule over a flock's arrays."""
 
-    def __init__(self, module, arrays: Arrays, place: Place, seed: int, threads: int = 1):
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        threads: int = 1,
+        called: Called = at_once,
+    ):
         self.module = module
+        self.called = called
         self.arrays = arrays
         self.space, self.ground = place
         self.seed = seed
         n, dim = arrays.position.shape
-        self.parts = max(1, threads) if n >= SPLIT_FROM else 1
+        self.parts = max(1, threads)
         self.slots = empty_slots(n, dim, module.SIGNALS)
         self.grid = empty_grid(n, self.parts)
         self.desks: list[Desk] = []
@@ -66,8 +86,16 @@ class Engine:
 class Synchronous(Engine):
     """All agents decide on the same instant, then all have moved."""
 
-    def __init__(self, module, arrays: Arrays, place: Place, seed: int, threads: int = 1):
-        super().__init__(module, arrays, place, seed, threads)
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        threads: int = 1,
+        called: Called = at_once,
+    ):
+        super().__init__(module, arrays, place, seed, threads, called)
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
 
@@ -76,7 +104,8 @@ class Synchronous(Engine):
         part = work[1]
         done = 0
         while True:
-            more, last_off, bad, need = self.module.advance(
+            more, last_off, bad, need = self.called(
+                self.module.advance,
                 self.arrays,
                 self.space,
                 self.ground,
@@ -162,8 +191,16 @@ class Synchronous(Engine):
 class InTurn(Engine):
     """Agents act one after another, each on the flock as those before it have left it."""
 
-    def __init__(self, module, arrays: Arrays, place: Place, seed: int, shuffled: bool):
-        super().__init__(module, arrays, place, seed)
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        shuffled: bool,
+        called: Called = at_once,
+    ):
+        super().__init__(module, arrays, place, seed, called=called)
         self.shuffled = shuffled
         if module.CRASHES:
             self.widen(max(256, len(arrays.ids)))
@@ -172,7 +209,8 @@ class InTurn(Engine):
         """Let the rows of `order` act, after opening the tick if `opens`."""
         first = 0
         while True:
-            first, bad = self.module.advance(
+            first, bad = self.called(
+                self.module.advance,
                 self.arrays,
                 self.space,
                 self.ground,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from agents.observables import consistency, fluctuations, of_flocks, order, rotation
 from agents.observables.observable import Observable, over_a_run
 from agents.observables.per_group import size_histogram
+from worlds.plug_ins import plug_ins
 
 ORDER = [
     Observable(
@@ -185,4 +186,15 @@ FLIGHT = [
         of_flocks.energy_saved,
     ),
 ]
-OBSERVABLES = {one.name: one for one in [*ORDER, *GROUPS, *NEIGHBOURS, *WORLD, *FLIGHT]}
+BUILT_IN = {one.name: one for one in [*ORDER, *GROUPS, *NEIGHBOURS, *WORLD, *FLIGHT]}
+
+
+def brought(_: str, thing: object) -> tuple[str, Observable]:
+    """The observable that an entry point brings. Raises TypeError if it is none."""
+    if not isinstance(thing, Observable):
+        raise TypeError(f"an Observable is needed, not {type(thing).__name__}")
+    return thing.name, thing
+
+
+OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", brought, BUILT_IN)
+"""All observables: the built-in ones, then those of other packages, which replace none of these."""

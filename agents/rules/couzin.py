@@ -71,6 +71,7 @@ class Couzin(Parameters):
         high=2.0,
         step=0.01,
         source="Couzin et al. 2002, table 1",
+        noise=True,
     )
 
     @property

@@ -71,6 +71,7 @@ class Echelon(Zones):
         high=2.0,
         step=0.01,
         source="as in Couzin et al. 2002; value ours",
+        noise=True,
     )
     climb: float = parameter(
         15.0,

@@ -250,6 +250,7 @@ GUARDED = Rule(
     reach="range",
     together="d_a",
     signals=("room_x", "room_y", "room_z", "room_radius"),
+    symmetries=("shift", "rotation"),  # one that knows no way out yet escapes to its left
     show=show,
     remember=remember,
     memory=("wish_x", "wish_y", "wish_z", "next_x", "next_y", "next_z", "next_radius"),

@@ -128,6 +128,7 @@ IVEM = Rule(
     signals=("angle",),
     show=show,
     weigh=weigh,
+    symmetries=("shift", "mirror"),  # angles are compared as numbers in [0, 2 pi)
 )
 
 IVEM_A = Rule(
@@ -145,4 +146,5 @@ IVEM_A = Rule(
     weigh=weigh_informed,
     informed=1,
     converges=True,
+    symmetries=("shift", "mirror"),
 )

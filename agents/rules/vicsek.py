@@ -37,6 +37,7 @@ class Vicsek(Parameters):
         high=round(2 * math.pi, 4),
         step=0.05,
         source="Liu et al. 2021, (6); vectorial: Grégoire and Chaté 2004",
+        noise=True,
     )
 
 

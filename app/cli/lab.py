@@ -11,6 +11,7 @@ import typer
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.declare import checked
+from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stopping import Stopping, leave
 from app.settings import assignment
@@ -19,6 +20,8 @@ from app.viewer.run.start import at_home
 from app.viewer.web.origin import allowed
 from worlds.layout import layout_names
 
+DEFAULT = "hwvem"
+"""The model that is shown where none is asked for."""
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
 LOOK = 0.1
@@ -26,10 +29,20 @@ LOOK = 0.1
 
 
 def lab(
-    model: Annotated[str, typer.Argument(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
+    model: Annotated[
+        str | None,
+        typer.Argument(
+            help=f"Model: {', '.join(MODELS)}, or a FILE.py. \\[default: {DEFAULT}]",
+            callback=by_name,
+        ),
+    ] = None,
+    rule: Rules = None,
     beside: Annotated[
         str | None,
-        typer.Option(help="A second model, beside it in the same world from the same start."),
+        typer.Option(
+            help="A second model, beside it in the same world from the same start.",
+            callback=by_name,
+        ),
     ] = None,
     agents: Annotated[
         int | None, typer.Option(min=1, help="Number of agents; by default the model's own.")
@@ -71,6 +84,7 @@ def lab(
     from app.viewer.lab.laboratory import Laboratory
 
     names = tuple(allowed(name) for name in allow_host or ())
+    model = first_of(model, rule) or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
     start = at_home(
         model,

@@ -10,13 +10,17 @@ import typer
 
 from app.cli.choices import KINDS, WIDE, names, show
 from app.cli.one_thing import in_words, things_called
+from app.cli.rule_option import Rules, by_name
 
 
 def listing(
     what: Annotated[
         str | None,
-        typer.Argument(help=f"{', '.join(KINDS)}, or one name: a model, a world ..."),
+        typer.Argument(
+            help=f"{', '.join(KINDS)}, or one name: a model, a world ...", callback=by_name
+        ),
     ] = None,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show what there is to choose from: all names, one kind of things, or one thing."""

@@ -38,6 +38,7 @@ COMMANDS = {
     ),
     "formation": Entry(".formation", "formation", "Formation flight: what birds save by upwash."),
     "list": Entry(".listing", "listing", "Models, parameters, worlds, observables, papers."),
+    "check": Entry(".check", "check", "Check a model: what every model keeps to."),
     "cite": Entry(".cite", "cite", "The papers that a model comes from, as BibTeX."),
     "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
 }

@@ -73,7 +73,7 @@ class Request:
             self.parameters[name] = value
             self.origins[name] = f"--set {name}"
 
-    def build(self, threads: int) -> Flock:
+    def build(self, threads: int, interpret: bool = False) -> Flock:
         """The flock at its first tick. Raises Refusal naming what is wrong and where it stands."""
         from agents import Flock
         from agents.catalogue import model as find_model
@@ -94,7 +94,7 @@ class Request:
             self.check_parameters(model.parameters)
             if self.layout is not None:
                 given["world"] = self.own_world(given.pop("dim", None), given.pop("size", None))
-            return Flock(threads=threads, **given, **self.parameters)
+            return Flock(threads=threads, interpret=interpret, **given, **self.parameters)
         except Refusal as refusal:
             raise self.located(refusal) from None
 

@@ -15,6 +15,7 @@ from app.cli.outcome import as_json, outcome, show, tell_written, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
+from app.cli.rule_option import Rules, by_name, first_of
 from app.experiments.kernels import compile_loop
 from app.settings import at_least, names, numbers
 from worlds.counting import counted
@@ -26,7 +27,11 @@ if TYPE_CHECKING:
 
 
 def run(
-    model: Annotated[str | None, typer.Argument(help="A model, see `flockscope list`.")] = None,
+    model: Annotated[
+        str | None,
+        typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=by_name),
+    ] = None,
+    rule: Rules = None,
     agents: Annotated[
         int | None, typer.Option(help="Ordinary agents. \\[default: the model's own, or 100]")
     ] = None,
@@ -55,6 +60,10 @@ def run(
         typer.Option(help="Least distance at the start between agents, and to what is solid."),
     ] = None,
     threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
+    interpret: Annotated[
+        bool,
+        typer.Option("--interpret", help="Run the model as plain Python, with print and pdb."),
+    ] = False,
     spec: Annotated[Path | None, typer.Option(help="TOML file that describes the run.")] = None,
     state: Annotated[
         Path | None, typer.Option(help="Saved state or recording to go on from.")
@@ -102,7 +111,7 @@ def run(
     from agents.series import Follower
 
     made_of: dict[str, Any] = {
-        "model": model,
+        "model": model if spec or state else first_of(model, rule),
         "agents": agents,
         "seed": seed,
         "size": None if size is None else sides(size),
@@ -116,9 +125,9 @@ def run(
     asked = None if observe is None else known_observables(observe, over)
     given = settings or []
     if state:
-        flock = loaded(state, spec, made_of, given, threads)
+        flock = loaded(state, spec, made_of, given, threads, interpret)
     else:
-        flock = built(spec, made_of, given, threads, quiet)
+        flock = built(spec, made_of, given, threads, interpret, quiet)
     if flock.warning and not quiet:
         tell(f"flockscope: {flock.warning}")
     compile_loop(flock, None if quiet else tell)
@@ -175,7 +184,12 @@ def told(flock: Flock, over: int | None) -> list[str]:
 
 
 def built(
-    spec: Path | None, made_of: dict[str, Any], settings: list[str], threads: int, quiet: bool
+    spec: Path | None,
+    made_of: dict[str, Any],
+    settings: list[str],
+    threads: int,
+    interpret: bool,
+    quiet: bool,
 ) -> Flock:
     """The flock of a spec and options. Raises Refusal."""
     request = Request()
@@ -185,7 +199,7 @@ def built(
     request.take_settings(settings)
     if "model" not in request.values:
         raise Refusal("which MODEL? `flockscope list models` names them; or give --spec or --state")
-    flock = request.build(threads)
+    flock = request.build(threads, interpret)
     now = flock.spec.versions
     other = [f"{k} {v}, here {now[k]}" for k, v in request.versions.items() if now.get(k, v) != v]
     if other and not quiet:
@@ -194,7 +208,12 @@ def built(
 
 
 def loaded(
-    state: Path, spec: Path | None, made_of: dict[str, Any], settings: list[str], threads: int
+    state: Path,
+    spec: Path | None,
+    made_of: dict[str, Any],
+    settings: list[str],
+    threads: int,
+    interpret: bool,
 ) -> Flock:
     """The flock of a saved state, with `--set` changing its parameters. Raises Refusal."""
     from agents import Flock
@@ -205,7 +224,7 @@ def loaded(
             raise Refusal(f"{option} {value} cannot be given with --state, which says it already")
     request = Request()
     request.take_settings(settings)
-    flock = Flock.load(state, threads=threads)
+    flock = Flock.load(state, threads=threads, interpret=interpret)
     request.check_parameters(flock.model.parameters)
     flock.set(**request.parameters)
     return flock

@@ -82,3 +82,47 @@ def test_the_face_may_be_imported_while_plug_ins_are_collected(first):
         [sys.executable, "-c", code], capture_output=True, text=True, check=False
     )  # fmt: skip
     assert made.stdout == "[True, True]\nthe radio of there is off\n", made.stderr
+
+
+EVERYTHING = """
+import dataclasses
+from agents.bodies.point_mass import BODY
+from agents.observables.observable import Observable
+
+HEAVY = dataclasses.replace(BODY, name="heavy", title="Heavy")
+COUNT = Observable("head-count", "Agents", "agents", "[0, N]", lambda flock: len(flock.position))
+YARD = {"title": "Yard", "edges": "solid", "size": 9.0}
+NOT_A_YARD = 3
+def opened(address): raise ValueError(address.kind)
+"""
+GROUPS = {
+    "bodies": "heavy = everything:HEAVY\nwrong_body = everything:YARD",
+    "observables": "head-count = everything:COUNT\nwrong_observable = everything:YARD",
+    "layouts": "yard = everything:YARD\nwrong_layout = everything:NOT_A_YARD",
+    "sources": "mine = everything:opened\nwrong_source = everything:YARD",
+}
+SCRIPT = """
+from agents import Flock
+from agents.observables.catalogue import OBSERVABLES
+from app.live.sources.opening import known_source
+flock = Flock("olfati-saber-heavy", agents=3, world="yard", rng=1, interpret=True)
+flock.run(1)
+print(flock.model.title, flock.world.size, flock.observe("head-count"), known_source("mine:x").kind)
+"""
+
+
+def test_bodies_observables_layouts_and_sources_come_in_the_same_way(tmp_path, monkeypatch):
+    info = tmp_path / "plugged-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: plugged\nVersion: 1.0\n")
+    entries = "\n".join(f"[flockscope.{group}]\n{lines}\n" for group, lines in GROUPS.items())
+    (info / "entry_points.txt").write_text(entries)
+    (tmp_path / "everything.py").write_text(EVERYTHING)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    made = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    assert made.stdout.split("\n")[0].endswith("(9.0, 9.0) 3 mine")
+    for wrong in ("body", "observable", "layout", "source"):
+        assert f"the plug-in 'wrong_{wrong}'" in made.stderr

@@ -14,7 +14,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents import plug_ins
 from app.live.links import links, wire
 from app.live.links.chain import encode_chain
 from app.live.links.frame import Command, Decoder, encode
@@ -23,6 +22,7 @@ from app.live.links.link import EMERGENCY, RUN, STOP, LinkLost, shortage
 from app.live.links.links import open_link
 from app.live.place import read_place
 from live.chain_cars import chain_of
+from worlds import plug_ins
 from worlds.refusal import Refusal
 
 FOUR = {1: (0.5, 1.0), 2: (-1.0, 0.25), 3: (0.0, 0.0), 4: (1.0, -1.0)}

@@ -92,6 +92,19 @@ def test_a_slider_acts_and_a_hostile_value_does_not(laboratory, browser):
     assert not laboratory.simulation.state.error
 
 
+def test_agents_are_coloured_by_any_number_that_they_have(laboratory, browser):
+    colour = laboratory.view.colour
+    until(lambda: "neighbours" in colour.options)
+    turn(browser, colour, "neighbours")
+    until(lambda: laboratory.simulation.frame.measured is not None)
+    flock = laboratory.simulation.run.flock
+    expected = np.bincount(flock.links().ravel(), minlength=len(flock.ids))
+    assert laboratory.simulation.frame.measured.tolist() == expected.tolist()
+    laboratory.view.next_colour()
+    until(lambda: laboratory.simulation.frame.measured is None)
+    assert colour.value == "heading"
+
+
 def test_the_leader_is_steered_within_the_world(laboratory):
     size = laboratory.simulation.frame.size
     laboratory.steer(size * 1.25, np.array([0.0, -3.0]))

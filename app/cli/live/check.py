@@ -11,6 +11,7 @@ import typer
 from app.cli.live.options import LinkName, SourceName
 from app.cli.outcome import as_json
 from app.cli.refusals import refuse
+from app.cli.rule_option import Rules
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def check(
         bool, typer.Option("--devices/--file-only", help="Open the source and the link too.")
     ] = True,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     quiet: Annotated[bool, typer.Option("--quiet", help="Only what is amiss.")] = False,
 ) -> None:
     """Check a laboratory: its file, its rule, who is seen, whether the link is fast enough.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli.rule_option import Rules
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def lab(
     host: Host = "127.0.0.1",
     allow_host: AllowHost = None,
     open_browser: OpenBrowser = True,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     quiet: Annotated[bool, typer.Option("--quiet", help="Print no events.")] = False,
 ) -> None:
     """Open a laboratory of cars in the browser. Nothing moves before it is armed.

@@ -9,6 +9,7 @@ import typer
 
 from app.cli.live.options import LinkName, SourceName
 from app.cli.outcome import as_json
+from app.cli.rule_option import Rules
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def run(
     json_asked: Annotated[
         bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
     ] = False,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     quiet: Annotated[bool, typer.Option("--quiet", help="Only the summary.")] = False,
 ) -> None:
     """Drive the cars of a laboratory. Nothing moves before it is armed.

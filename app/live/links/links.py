@@ -6,7 +6,6 @@ import runpy
 from collections.abc import Callable
 from pathlib import Path
 
-from agents.plug_ins import plug_ins
 from app.live.kinds import FILE, SIMULATED, kind_of
 from app.live.links.chain import open_chain
 from app.live.links.dry import open_dry
@@ -15,6 +14,7 @@ from app.live.links.serial_link import open_serial
 from app.live.links.udp import open_udp
 from app.live.links.xbee import open_xbee
 from app.live.place import Place, read_place
+from worlds.plug_ins import plug_ins
 from worlds.refusal import Refusal, unknown
 
 Opener = Callable[[Place], CarLink]

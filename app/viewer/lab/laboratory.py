@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from agents.catalogue import MODELS
+from agents.observables.of_agents import measurable
 from app.viewer.editing.layout_file import LARGEST
 from app.viewer.lab.panels.crashes import CrashLists
 from app.viewer.lab.panels.downloads import Downloads
@@ -232,6 +234,7 @@ class Laboratory:
         wanted = Wanted(
             layers=look.colour == "layer",
             groups=look.colour == "group",
+            measured=look.measured,
             links=look.links,
             points=look.points,
             row=self.selected,
@@ -252,7 +255,8 @@ class Laboratory:
             return
         frame, look = self.drawing.drawn
         self.measure(state, frame, readings)
-        self.monitors.colours(look.colour, self.scene.legend(look, frame))
+        self.view.offer(measurable(MODELS[state.start.model].columns))
+        self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame

@@ -24,9 +24,9 @@ class Form[T]:
         """The control of a field."""
         return self.handles[name]
 
-    def read(self) -> T:
-        """The dataclass as the controls have it."""
-        values = {name: one.value for name, one in self.handles.items()}
+    def read(self, **instead: Any) -> T:
+        """The dataclass as the controls have it, with other values `instead` of some."""
+        values = {name: one.value for name, one in self.handles.items()} | instead
         return replace(self.value, **values)  # type: ignore[type-var]
 
 

@@ -8,7 +8,7 @@ import viser
 
 from app.viewer.panels.form import Form
 from app.viewer.scene.shown.control import Control
-from app.viewer.scene.shown.look import CAMERAS, Look
+from app.viewer.scene.shown.look import CAMERAS, COLOURINGS, LIVE_COLOURINGS, MEASURED, Look
 from app.viewer.web.values import show
 
 Point = Callable[[viser.ClientHandle, str], None]
@@ -39,12 +39,24 @@ class ViewPanel:
         if event.client is not None:
             self.point(event.client, event.target.value)
 
+    def offer(self, numbers: tuple[str, ...]) -> None:
+        """Let agents be coloured by these numbers too."""
+        colour = self.form["colour"]
+        choices = (*COLOURINGS, *(name for name in numbers if name not in COLOURINGS))
+        if tuple(colour.options) != choices:
+            chosen = colour.value
+            colour.options = choices
+            show(colour, chosen if chosen in choices else COLOURINGS[0])
+
     def next_colour(self) -> None:
         """Colour by the next quantity."""
         colour = self.form["colour"]
-        place = colour.options.index(colour.value) + 1
-        show(colour, colour.options[place % len(colour.options)])
+        choices = tuple(colour.options)
+        show(colour, choices[(choices.index(colour.value) + 1) % len(choices)])
 
     def look(self) -> Look:
         """The drawing as the controls have it."""
-        return self.form.read()
+        chosen = self.form["colour"].value
+        if chosen in (*COLOURINGS, *LIVE_COLOURINGS):
+            return self.form.read()
+        return self.form.read(colour=MEASURED, measured=chosen)

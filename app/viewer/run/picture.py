@@ -9,6 +9,7 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.inspection import Inspection, shells
+from agents.observables.of_agents import OF_AGENTS, measured
 from agents.start import start_box
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.crowd import refuse_too_many_links
@@ -26,6 +27,8 @@ class Wanted:
 
     layers: bool = False
     groups: bool = False
+    measured: str = ""
+    """A number of each agent by its name, see `agents.observables.of_agents`."""
     links: bool = False
     points: bool = False
     """Boundary points of obstacles."""
@@ -44,6 +47,7 @@ class Camera:
     wanted: Wanted = Wanted()
     layer: np.ndarray | None = None
     group: np.ndarray | None = None
+    measured: np.ndarray | None = None
     links: np.ndarray | None = None
     points: np.ndarray | None = None
     inspected: Inspection | None = None
@@ -83,6 +87,7 @@ class Camera:
             points=self.points,
             layer=self.layer,
             group=self.group,
+            measured=self.measured,
             links=self.links,
             inspected=self.inspected,
             active=active if now.can_crash else None,
@@ -98,13 +103,14 @@ class Camera:
             return
         wanted, flock = self.wanted, self.flock
         with self.ration.measured():
-            self.layer = self.group = self.links = None
-            if wanted.layers or wanted.groups or wanted.links:
+            self.layer = self.group = self.links = self.measured = None
+            if wanted.layers or wanted.groups or wanted.links or wanted.measured in OF_AGENTS:
                 refuse_too_many_links(flock)
             now = flock.snapshot(copy=False)
             self.layer = now.layers() if wanted.layers else None
             self.group = now.group_labels() if wanted.groups else None
             self.links = now.links() if wanted.links else None
+            self.measured = measured(flock, wanted.measured) if wanted.measured else None
 
     def survey(self) -> None:
         """Take the boundary points of a world that is new."""

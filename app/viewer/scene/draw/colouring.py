@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.viewer.scene.draw import palette
+from app.viewer.scene.shown import look as look_module
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.live import SIMULATED
 from app.viewer.scene.shown.look import Look
@@ -39,6 +40,8 @@ def _colours(frame: Frame, look: Look) -> np.ndarray:
             return palette.by_state(frame.live.states)
         case "state":
             return np.tile(palette.UNKNOWN, (count, 1))
+        case look_module.MEASURED:
+            return _known(frame.measured, palette.by_number, count)
         case "energy saved":
             return _known(frame.saved, lambda saved: palette.by_saving(saved, MOST_SAVED), count)
     return np.tile(palette.PLAIN, (count, 1))
@@ -75,6 +78,8 @@ def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
             return _saving_legend(frame) + leader
         case "state":
             return _state_legend(frame)
+        case look_module.MEASURED:
+            return _number_legend(look, frame) + leader
     return [("agent", palette.css(palette.PLAIN)), *leader]
 
 
@@ -119,6 +124,17 @@ def _state_legend(frame: Frame) -> list[tuple[str, str]]:
         for state, colour in palette.STATES.items()
         if state != SIMULATED or there
     ]
+
+
+def _number_legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
+    unknown = ("unknown", palette.css(palette.UNKNOWN))
+    if frame.measured is None or not np.isfinite(frame.measured).any():
+        return [(f"no {look.measured} in this model", palette.css(palette.UNKNOWN))]
+    low, high = palette.span(frame.measured)
+    numbers = np.array([low, 0.5 * (low + high), high] if high > low else [low])
+    colours = map(palette.css, palette.by_number(numbers))
+    entries = list(zip((f"{number:.3g}" for number in numbers), colours, strict=True))
+    return entries if np.isfinite(frame.measured).all() else [*entries, unknown]
 
 
 def _layer_legend(frame: Frame) -> list[tuple[str, str]]:

@@ -168,6 +168,20 @@ def by_speed(speed: np.ndarray, full: float) -> np.ndarray:
     return SPEEDS[np.rint(255.0 * share).astype(int)]
 
 
+def by_number(values: np.ndarray) -> np.ndarray:
+    """Numbers (N,), NaN or infinite unknown -> colours (N, 3), from the least to the largest."""
+    known = np.isfinite(values)
+    low, high = span(values)
+    colours = by_speed(np.where(known, values, low) - low, high - low)
+    return np.where(known[:, None], colours, UNKNOWN)
+
+
+def span(values: np.ndarray) -> tuple[float, float]:
+    """The least and the largest of those numbers that are known; 0 and 0 if none is."""
+    known = values[np.isfinite(values)]
+    return (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+
+
 def by_zone(zone: np.ndarray) -> np.ndarray:
     """Zones (N,) from the inside out, below 0 unnoticed -> colours (N, 3)."""
     return np.where((zone < 0)[:, None], BLIND, ZONES[zone % len(ZONES)])

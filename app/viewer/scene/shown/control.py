@@ -24,5 +24,6 @@ def chosen(default: Any, *control: Any, **more: Any) -> Any:
 
 
 def controls_of(declared: type) -> dict[str, Control]:
-    """How the fields of a dataclass are chosen, by name, in their order."""
-    return {one.name: one.metadata["control"] for one in fields(declared)}
+    """How those fields of a dataclass are chosen that are, by name, in their order."""
+    found = ((one.name, one.metadata.get("control")) for one in fields(declared))
+    return {name: control for name, control in found if control is not None}

@@ -61,6 +61,8 @@ class Frame:
     """(N,) int: 1 information agent, 2 in contact with one, ...; N + 1 unknown. If asked for."""
     group: np.ndarray | None = None
     """(N,) int: label of the connected group, 0 the largest. If asked for."""
+    measured: np.ndarray | None = None
+    """(N,) the number of each agent that was asked for, NaN where it has none."""
     links: np.ndarray | None = None
     """(M, 2) int: rows of neighbouring pairs, if asked for."""
     inspected: Inspection | None = None

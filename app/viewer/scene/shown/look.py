@@ -13,6 +13,9 @@ STATE = "state"
 LIVE_COLOURINGS = (STATE, "heading", "speed", "plain")
 """What that of a car in a room with real ones may: also whether it is tracked, lost, ..."""
 
+MEASURED = "measured"
+"""Any number that each agent has: a signal of its model, or one of `OF_AGENTS`."""
+
 TRAILS = OFF, LINE, RIBBON, RISING = ("off", "line", "ribbon", "rising in time")
 """What an agent may leave behind it; what rises in time does so in flat worlds, else it is flat."""
 
@@ -28,7 +31,9 @@ class Look:
     """How a frame is drawn, with how it is chosen. Nothing in it changes the flock."""
 
     colour: str = chosen("heading", "Colour by", "What an agent's colour means", COLOURINGS)
-    """One of `COLOURINGS` or `LIVE_COLOURINGS`."""
+    """One of `COLOURINGS` or `LIVE_COLOURINGS`, or `MEASURED`."""
+    measured: str = ""
+    """By which number agents are coloured, where `colour` is `MEASURED`."""
     links: bool = chosen(False, "Links", "A line between agents that are neighbours")
     trails: str = chosen(
         OFF,
@@ -85,7 +90,7 @@ class Look:
     shadows: bool = chosen(True, "Shadows", "Up to 2 000 agents")
 
     def __post_init__(self) -> None:
-        known = dict.fromkeys(COLOURINGS + LIVE_COLOURINGS)
+        known = dict.fromkeys((*COLOURINGS, *LIVE_COLOURINGS, MEASURED))
         if self.colour not in known:
             raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(known)}")
         if self.trails not in TRAILS:
