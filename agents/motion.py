@@ -42,7 +42,7 @@ class Motion(State):
     noise: str
     threads: int
     next_id: int
-    interpret: bool
+    interpret: bool = False
     """Whether the model runs as plain Python, slowly, with `print` and `pdb`."""
     law: Law
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
