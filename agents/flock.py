@@ -36,7 +36,7 @@ class Flock(Motion, mesa.Model):
     Parameters
     ----------
     model: name of a model, see `flockscope.MODELS`; a file has its rule put among them by
-        `agents.catalogue.from_file`.
+        `flockscope.from_file`.
     agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
         top: `informed`, by default as many as the model is defined with (0 or 1).
     size: side of the box, or one per axis, length > 0; by default the layout's own, or such that

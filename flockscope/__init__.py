@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from flockscope._flocks import Spec as Spec
     from flockscope._flocks import fly as fly
     from flockscope._flocks import follow as follow
+    from flockscope._flocks import from_file as from_file
     from flockscope._flocks import model as model
     from flockscope.worlds import Box as Box
     from flockscope.worlds import CShape as CShape
@@ -73,6 +74,7 @@ __all__ = [
     "World",
     "fly",
     "follow",
+    "from_file",
     "model",
     "world",
 ]

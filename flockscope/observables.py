@@ -35,6 +35,8 @@ from agents.observables.formation import (
 from agents.observables.groups import algebraic_connectivity, group_labels, group_sizes
 from agents.observables.layers import layer_histogram, layers
 from agents.observables.neighbours import links, mean_neighbours, nearest_neighbour, separation
+from agents.observables.observable import Observable
+from agents.observables.of_agents import OfAgents
 from agents.observables.order import polarisation
 from agents.observables.per_group import (
     angular_momenta,
@@ -48,6 +50,8 @@ from agents.observables.rotation import angular_momentum, centre
 __all__ = [
     "Correlation",
     "LeftOut",
+    "Observable",
+    "OfAgents",
     "Spacing",
     "algebraic_connectivity",
     "angular_momenta",

@@ -14,6 +14,7 @@ from agents.bodies.car import BODY as CAR
 from agents.bodies.car import driving
 from agents.bodies.constant_speed import BODY as CONSTANT_SPEED
 from agents.bodies.double_integrator import BODY as DOUBLE_INTEGRATOR
+from agents.bodies.point_mass import BODY as POINT_MASS
 from agents.bodies.steered import BODY as STEERED
 from agents.bodies.turning import BODY as TURNING
 from agents.bodies.zero_turn import BODY as ZERO_TURN
@@ -21,6 +22,7 @@ from agents.declare import Body, Parameters, Rule, Zone, parameter
 from agents.engine.block import Moved, Wish, adjacent
 from agents.engine.noise import uniform
 from agents.model import Model
+from agents.rules.sums import mean_heading, sum_of
 from agents.rules.vicsek import VEM, Vicsek
 from worlds.compiled import compiled
 from worlds.queries.ground import nearest_surface
@@ -30,6 +32,7 @@ __all__ = [
     "CAR",
     "CONSTANT_SPEED",
     "DOUBLE_INTEGRATOR",
+    "POINT_MASS",
     "STEERED",
     "TURNING",
     "VEM",
@@ -46,7 +49,9 @@ __all__ = [
     "adjacent",
     "compiled",
     "driving",
+    "mean_heading",
     "nearest_surface",
     "parameter",
+    "sum_of",
     "uniform",
 ]
