@@ -32,8 +32,9 @@ def lab(
     model: Annotated[
         str | None,
         typer.Argument(
-            help=f"Model: {', '.join(MODELS)}, or a FILE.py. \\[default: {DEFAULT}]",
+            help=f"Model: {', '.join(MODELS)}, or a FILE.py.",
             callback=by_name,
+            show_default=DEFAULT,
         ),
     ] = None,
     rule: Rules = None,
