@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from typing import Any
 
@@ -27,6 +28,8 @@ CAMERA = {
 }
 PATIENCE = 20.0
 """Seconds that a control may take to appear."""
+LITTLE = 4096
+"""Bytes that the kernel holds for a browser that takes nothing."""
 
 
 class StandIn:
@@ -41,8 +44,13 @@ class StandIn:
         """The kinds of what is in the scene."""
         self.gone = False
         """Whether the page has closed the connection."""
+        line = socket.socket()
+        if not reads:  # or the kernel takes, megabytes of it, what the browser does not
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, LITTLE)
+        line.connect(("127.0.0.1", port))
         self.socket = connect(
             f"ws://localhost:{port}",
+            sock=line,
             subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
             max_size=None,
             max_queue=None if reads else 1,
