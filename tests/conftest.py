@@ -9,6 +9,7 @@ other waiting.
 
 from __future__ import annotations
 
+import functools
 import os
 from pathlib import Path
 
@@ -67,6 +68,7 @@ def pytest_xdist_make_scheduler(config, log):
     return ByFile(config, log)
 
 
+@functools.cache
 def is_quick(path: Path) -> bool:
     """Whether a file or folder of tests is, or may hold, what `-m quick` runs."""
     if not path.is_relative_to(HERE):
@@ -97,15 +99,21 @@ def pytest_collect_file(file_path):
 def pytest_collection_modifyitems(items):
     """Mark tests by their folder, and put the dear files first."""
     for item in items:
-        path = item.path
-        if path.is_relative_to(HERE) and path.parent != HERE:
-            item.add_marker(path.relative_to(HERE).parts[0])
-        if is_quick(path):
-            item.add_marker("quick")
-    items.sort(key=place)
+        for mark in marks(item.path):
+            item.add_marker(mark)
+    items.sort(key=lambda item: place(item.nodeid.partition("::")[0]))
 
 
-def place(item) -> int:
-    """Where a test's file stands among the dear ones; behind them if it is none."""
-    found = (at for at, name in enumerate(DEAR) if item.nodeid.startswith(name))
+@functools.cache
+def marks(path: Path) -> list[str]:
+    """The marks that all tests of a file bear."""
+    inside = path.is_relative_to(HERE) and path.parent != HERE
+    folder = [path.relative_to(HERE).parts[0]] if inside else []
+    return [*folder, "quick"] if is_quick(path) else folder
+
+
+@functools.cache
+def place(file: str) -> int:
+    """Where a file stands among the dear ones; behind them if it is none."""
+    found = (at for at, name in enumerate(DEAR) if file.startswith(name))
     return next(found, len(DEAR))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import qmc
 
 from worlds.generators.kind import Kind, Made, Parameters, box_text, length
 from worlds.obstacles import Disc
@@ -33,6 +32,8 @@ def make_forest(
 
     Raises Refusal if so many do not find a place.
     """
+    from scipy.stats import qmc
+
     if p.radius_low > p.radius_high:
         raise Refusal(f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m")
     wanted = max(1, round(p.density * size.prod()))
