@@ -18,13 +18,13 @@ from agents.engine.block import Me, Moved, Near, Wish
 from agents.engine.cache import reached
 from agents.model import Model
 from worlds.compiled import DISABLED, plain_python
-from worlds.queries.ground import Ground
+from worlds.queries.surroundings import Surroundings
 from worlds.refusal import Refusal, suggestion
 
 GIVEN: dict[str, tuple[str, Any]] = {
     "Me": ("me", Me),
     "Near": ("near", Near),
-    "Ground": ("ground", Ground),
+    "Surroundings": ("surroundings", Surroundings),
 }
 """What a rule is given, by its type's name."""
 FAULTS = (

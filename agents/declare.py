@@ -196,7 +196,7 @@ class Rule:
     """Where it is from, in words; papers are cited by how `agents.sources` names them."""
     parameters: type[Parameters]
     decide: Callable
-    """Compiled: (me, near, ground, p) -> Wish."""
+    """Compiled: (me, near, surroundings, p) -> Wish."""
     wish: Wished = "heading"
     """What `decide` answers; a body takes one kind of wish."""
     reach: str = "r"
@@ -213,7 +213,7 @@ class Rule:
     memory: tuple[str, ...] = ()
     """What an agent keeps to itself, in the order of `me.memory`; 0 at the start."""
     perceive: Callable | None = None
-    """Compiled: (me, near, ground, p). Brings `me.memory` up to date, before `decide`."""
+    """Compiled: (me, near, surroundings, p). Brings `me.memory` up to date, before `decide`."""
     prepare: Callable | None = None
     """Compiled: (flock, space, grid, slots, p, tick). What needs the whole flock, once a tick."""
     weigh: Callable | None = None
@@ -221,7 +221,7 @@ class Rule:
     forces: tuple[str, ...] = ()
     """The terms that a wished acceleration or velocity is the sum of."""
     explain: Callable | None = None
-    """Compiled: (me, near, ground, p, out). The forces one by one, out (len(forces), 3)."""
+    """Compiled: (me, near, surroundings, p, out). The forces one by one, out (len(forces), 3)."""
     sees_obstacles: bool = False
     """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
     sees_points: bool = False
@@ -259,7 +259,7 @@ class Body:
     source: str
     parameters: type[Parameters]
     move: Callable
-    """Compiled: (me, near, ground, want, p, out) -> Moved; `out` receives its signals."""
+    """Compiled: (me, near, surroundings, want, p, out) -> Moved; `out` receives its signals."""
     takes: Wished = "heading"
     """What it is told."""
     signals: tuple[str, ...] = ()
@@ -267,8 +267,9 @@ class Body:
     size: str = ""
     """Name of the parameter that is its diameter; a point by default."""
     touches: Callable | None = None
-    """Compiled: (me, near, ground, p) -> 1.0 where it touches another agent, 2.0 where it touches
-    what is solid, else 0.0; an agent that touches something crashes. None: it is a point."""
+    """Compiled: (me, near, surroundings, p) -> 1.0 where it touches another agent, 2.0
+    where it touches what is solid, else 0.0; an agent that touches something crashes. None: it is
+    a point."""
     measures: tuple[str, ...] = ()
     """What is measured of each agent within the pass."""
     measure: Callable | None = None
@@ -295,7 +296,7 @@ class Body:
     forces: tuple[str, ...] = ()
     """The terms that its velocity is the sum of."""
     explain: Callable | None = None
-    """Compiled: (me, near, ground, p, out). The forces one by one, out (len(forces), 3)."""
+    """Compiled: (me, near, surroundings, p, out). The forces one by one, out (len(forces), 3)."""
     lasts: Callable[[Any], float] = one_tick
     """The time that a tick stands for, from the parameters."""
     unit: str = "ticks"

@@ -181,11 +181,11 @@ class Flock(Motion, mesa.Model):
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
         now = self.snapshot(copy=False, signals=True)
-        return inspect(now, self.engine.ground, self.law, row, self.interpret)
+        return inspect(now, self.engine.surroundings, self.context, row, self.interpret)
 
     def warm(self) -> None:
         """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
-        warm(self.snapshot(copy=False), self.engine.ground, self.law, self.interpret)
+        warm(self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret)
 
     @property
     def members(self) -> list[Member]:

@@ -108,7 +108,7 @@ class Log:
         first = self.ticks + 1
         by_axis = np.ascontiguousarray(trace.transpose(0, 2, 1))
         nearest_pairs(by_axis, self.pairs2)
-        least_clearances(by_axis, flock.engine.ground, self.clearance)
+        least_clearances(by_axis, flock.engine.surroundings, self.clearance)
         late = by_axis[max(0, SINCE - first) :]
         if flock.informed.any() and len(late):
             keep_following(late, flock.informed, flock.reach, self.follows, *self.working)
@@ -166,10 +166,17 @@ def fly(
 
 def end_of_path(flock: Flock, trace: np.ndarray) -> int | None:
     """Index in a trace at which the last information agent came to its last waypoint, or None."""
-    path = flock.engine.ground.path
+    path = flock.engine.surroundings.path
     legs = flock.arrays.leg[flock.informed]
-    if not len(path) or not len(legs) or flock.engine.ground.closed or (legs < len(path)).any():
+    if (
+        not len(path)
+        or not len(legs)
+        or flock.engine.surroundings.closed
+        or (legs < len(path)).any()
+    ):
         return None
     goal = path[-1, : flock.world.dim]
-    near = np.linalg.norm(trace[:, flock.informed] - goal, axis=2) <= flock.engine.ground.switch
+    near = (
+        np.linalg.norm(trace[:, flock.informed] - goal, axis=2) <= flock.engine.surroundings.switch
+    )
     return int(near.argmax(axis=0).max())

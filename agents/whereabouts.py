@@ -9,7 +9,7 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.engine.cache import kept
 from worlds.queries.crossing import skin
-from worlds.queries.ground import Ground, signed_distance
+from worlds.queries.surroundings import Surroundings, signed_distance
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Stray:
 
 
 @kept
-def strays(ground, position, fate):
+def strays(surroundings, position, fate):
     """The first row that is inside something solid or -1, how far, and how many rows are.
 
     Rounding is none of it; those that have crashed lie where they lie.
@@ -45,7 +45,7 @@ def strays(ground, position, fate):
     for i in range(position.shape[0]):
         x, y = position[i, 0], position[i, 1]
         z = position[i, 2] if position.shape[1] == 3 else 0.0
-        d = signed_distance(ground, x, y, z)
+        d = signed_distance(surroundings, x, y, z)
         flies = fate.shape[0] == 0 or fate[i, 0] < 0.0
         if flies and d < -skin(x, y, z):
             number += 1
@@ -54,9 +54,9 @@ def strays(ground, position, fate):
     return first, depth, number
 
 
-def stray(ground: Ground, arrays: Arrays, tick: int) -> Stray | None:
+def stray(surroundings: Surroundings, arrays: Arrays, tick: int) -> Stray | None:
     """The first agent that is inside something solid, None if nobody is."""
-    row, depth, number = strays(ground, arrays.position, arrays.fate)
+    row, depth, number = strays(surroundings, arrays.position, arrays.fate)
     if row < 0:
         return None
     place = arrays.position[row].copy()

@@ -25,7 +25,7 @@ from agents.model import Model
 from agents.rules.sums import mean_heading, sum_of
 from agents.rules.vicsek import VEM, Vicsek
 from worlds.compiled import compiled
-from worlds.queries.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 from worlds.refusal import Refusal
 
 __all__ = [

@@ -81,7 +81,7 @@ def test_least_clearances_are_shapelys():
     flock = Flock("hwvem-nav", world=SCENE, rng=1)
     trace = np.random.default_rng(5).uniform((15.5, 7.5), (19.5, 10.5), (40, 7, 2))
     least = np.full(7, np.inf)
-    least_clearances(by_axis(trace), flock.engine.ground, least)
+    least_clearances(by_axis(trace), flock.engine.surroundings, least)
     naive = np.min([clearance(flock.world, position) for position in trace], axis=0)
     assert (naive < 0.0).any()
     np.testing.assert_allclose(least, naive, rtol=0.0, atol=1e-9)

@@ -25,7 +25,7 @@ class Pulled(Parameters):
 
 
 @compiled
-def decide(me, near, ground, p):  # noqa: ARG001
+def decide(me, near, surroundings, p):  # noqa: ARG001
     """A spring to the origin, and a constant force along x."""
     return Wish(p.f - p.k * me.x, -p.k * me.y, -p.k * me.z)
 

@@ -9,7 +9,7 @@ import math
 
 from worlds.compiled import compiled
 from worlds.queries.crossing import is_crossed
-from worlds.queries.ground import signed_distance
+from worlds.queries.surroundings import signed_distance
 
 
 @compiled
@@ -76,26 +76,26 @@ def nearest_car(me, near, x, y, ux, uy, p):
 
 
 @compiled
-def nearest_solid(ground, x, y, ux, uy, p):
+def nearest_solid(surroundings, x, y, ux, uy, p):
     """Least signed distance (m) of the corners of a car at (x, y) from what is solid, or inf."""
-    if ground.solids == 0:
+    if surroundings.solids == 0:
         return math.inf
     ax, ay = 0.5 * p.length * ux, 0.5 * p.length * uy
     bx, by = -0.5 * p.width * uy, 0.5 * p.width * ux
     return min(
         min(
-            signed_distance(ground, x + ax + bx, y + ay + by, 0.0),
-            signed_distance(ground, x + ax - bx, y + ay - by, 0.0),
+            signed_distance(surroundings, x + ax + bx, y + ay + by, 0.0),
+            signed_distance(surroundings, x + ax - bx, y + ay - by, 0.0),
         ),
         min(
-            signed_distance(ground, x - ax + bx, y - ay + by, 0.0),
-            signed_distance(ground, x - ax - bx, y - ay - by, 0.0),
+            signed_distance(surroundings, x - ax + bx, y - ay + by, 0.0),
+            signed_distance(surroundings, x - ax - bx, y - ay - by, 0.0),
         ),
     )
 
 
 @compiled
-def is_stopped(me, near, ground, x, y, ux, uy, p):
+def is_stopped(me, near, surroundings, x, y, ux, uy, p):
     """Whether a car or something solid stops the car from going on to (x, y) along (ux, uy).
 
     It does where they would overlap, and more than they do already: a car can always get away. And
@@ -104,7 +104,7 @@ def is_stopped(me, near, ground, x, y, ux, uy, p):
     gap = nearest_car(me, near, x, y, ux, uy, p)
     if gap <= 0.0 and gap < nearest_car(me, near, me.x, me.y, me.ux, me.uy, p):
         return True
-    gap = nearest_solid(ground, x, y, ux, uy, p)
-    if gap <= 0.0 and gap < nearest_solid(ground, me.x, me.y, me.ux, me.uy, p):
+    gap = nearest_solid(surroundings, x, y, ux, uy, p)
+    if gap <= 0.0 and gap < nearest_solid(surroundings, me.x, me.y, me.ux, me.uy, p):
         return True
-    return is_crossed(ground, me.x, me.y, 0.0, x, y, 0.0)
+    return is_crossed(surroundings, me.x, me.y, 0.0, x, y, 0.0)

@@ -58,13 +58,13 @@ def patience(me, p, base):
 
 
 @compiled
-def command(me, near, ground, want, p, base, out):
+def command(me, near, surroundings, want, p, base, out):
     """The wheel angle (rad) and throttle (share of full, below 0 backwards) for this frame."""
     wheel = wheel_for(me, want, p)
     time = patience(me, p, base)
     out[base + STUCK] = time
     if p.yields > 0.0:
-        return yielded(me, near, ground, wheel, throttle_for(wheel, p), time, p, base)
+        return yielded(me, near, surroundings, wheel, throttle_for(wheel, p), time, p, base)
     if time < 0.0:
         return -wheel, BACK
     return wheel, throttle_for(wheel, p)

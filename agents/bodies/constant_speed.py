@@ -23,7 +23,7 @@ class ConstantSpeed(Parameters):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """x(k+1) = x(k) + v0 u(k+1): (7) and (8)."""
     return Moved(
         me.x + p.v0 * want.x,

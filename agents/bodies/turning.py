@@ -66,7 +66,7 @@ def towards(ux, uy, uz, x, y, z, most):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Turn by at most theta tau towards the wanted heading, then go s tau along the new one."""
     most = math.radians(p.theta) * p.tau
     ux, uy, uz = towards(me.ux, me.uy, me.uz, want.x, want.y, want.z, most)

@@ -13,7 +13,7 @@ from agents.bodies.car_signals import FRESH, PACE, QUEUE, STEERING
 from agents.bodies.chassis import wheelbase
 from agents.engine.noise import cos_sin
 from worlds.compiled import compiled
-from worlds.queries.ground import signed_distance
+from worlds.queries.surroundings import signed_distance
 
 STEPS = 10
 """Looks ahead, evenly over the time that a car looks ahead."""
@@ -53,20 +53,20 @@ def room(me, near, j, base, t, x, y, ux, uy, p):
 
 
 @compiled
-def least_room(me, near, ground, base, t, x, y, ux, uy, p):
+def least_room(me, near, surroundings, base, t, x, y, ux, uy, p):
     """The least gap (m) between this car at (x, y) and any other or what is solid, at time t."""
     least = math.inf
     for j in range(near.n):
         dx, dy = near.x[j] - me.x, near.y[j] - me.y
         gap = room(me, near, j, base, t, x, y, ux, uy, p)
         least = min(least, gap if dx * dx + dy * dy > 0.0 else math.inf)
-    if ground.solids > 0:
-        least = min(least, signed_distance(ground, x, y, 0.0) - 0.5 * p.length)
+    if surroundings.solids > 0:
+        least = min(least, signed_distance(surroundings, x, y, 0.0) - 0.5 * p.length)
     return least
 
 
 @compiled
-def risk(me, near, ground, wheel, throttle, p, base):
+def risk(me, near, surroundings, wheel, throttle, p, base):
     """What is in the way with a command: 0 nothing, up to 2 the sooner and the closer it is.
 
     In the way is what comes nearer than the margin, and nearer than anything is now: a car can
@@ -77,7 +77,7 @@ def risk(me, near, ground, wheel, throttle, p, base):
     bend = math.tan(wheel) / wheelbase(p)
     x, y, ux, uy, speed = me.x, me.y, me.ux, me.uy, me.speed
     worst = 0.0
-    limit = min(p.margin, least_room(me, near, ground, base, 0.0, x, y, ux, uy, p))
+    limit = min(p.margin, least_room(me, near, surroundings, base, 0.0, x, y, ux, uy, p))
     for k in range(STEPS):
         before = speed
         speed = p.v_max * throttle + (speed - p.v_max * throttle) * keep
@@ -87,7 +87,7 @@ def risk(me, near, ground, wheel, throttle, p, base):
         y += gone * (s * ux + c * uy)
         c, s = c * c - s * s, 2.0 * c * s
         ux, uy = c * ux - s * uy, s * ux + c * uy
-        gap = least_room(me, near, ground, base, step * (k + 1), x, y, ux, uy, p)
+        gap = least_room(me, near, surroundings, base, step * (k + 1), x, y, ux, uy, p)
         if gap < limit:
             close = min(1.0, (p.margin - gap) / (p.margin + 0.1))
             worst = max(worst, 1.0 - k / STEPS + close)
@@ -102,14 +102,14 @@ def goes_on(me, wheel, p, base):
 
 
 @compiled
-def yielded(me, near, ground, wheel, throttle, waited, p, base):
+def yielded(me, near, surroundings, wheel, throttle, waited, p, base):
     """The command (wheel rad, throttle) nearest to the wished one that keeps clear of the others.
 
     Where none does, the one that puts it off longest. Backwards the wheels are best turned the
     other way, so that the nose swings to where it shall go. The longer it has stood (waited, s),
     the less it likes to stand.
     """
-    worst = risk(me, near, ground, wheel, throttle, p, base)
+    worst = risk(me, near, surroundings, wheel, throttle, p, base)
     backs = goes_on(me, wheel, p, base)
     best_wheel, best_throttle = wheel, throttle
     if worst == 0.0 and not backs:
@@ -128,7 +128,7 @@ def yielded(me, near, ground, wheel, throttle, waited, p, base):
             cost += 0.0 if back else turns_back
             cost += WAITING * waited if b == PACES - 2 else 0.0
             if cost < least:
-                cost += RISK * risk(me, near, ground, angle, pace, p, base)
+                cost += RISK * risk(me, near, surroundings, angle, pace, p, base)
                 if cost < least:
                     least, best_wheel, best_throttle = cost, angle, pace
     return best_wheel, best_throttle

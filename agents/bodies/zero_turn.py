@@ -30,7 +30,7 @@ class ZeroTurn(Tracking):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """x(t + dt) = x(t) + g D dt; it looks where it goes, and keeps its heading at rest."""
     d = p.gain * p.dt
     x, y = me.x + d * want.x, me.y + d * want.y

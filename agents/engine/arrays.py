@@ -1,4 +1,4 @@
-"""What the compiled loop works on: the flock's arrays, the law, the place, and working space."""
+"""What the compiled loop works on: the flock's arrays, its context and place, and a workspace."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.engine.cells import Grid, Slots, Space
-from worlds.queries.ground import Ground
+from worlds.queries.surroundings import Surroundings
 
 
 class Arrays(NamedTuple):
@@ -45,8 +45,8 @@ def empty_slots(n: int, dim: int, signals: int) -> Slots:
     )
 
 
-class Law(NamedTuple):
-    """What every agent goes by in a tick."""
+class Context(NamedTuple):
+    """Parameters and constants that every agent goes by in a tick."""
 
     parameters: Any
     """The rule's and the body's parameters as floats: the loop's `P`."""
@@ -58,8 +58,8 @@ class Law(NamedTuple):
     """How much time a tick stands for."""
 
 
-class Desk(NamedTuple):
-    """One thread's working space."""
+class Workspace(NamedTuple):
+    """One thread's scratch buffers."""
 
     block: np.ndarray
     """A neighbourhood block: positions, headings, positions of nearest images; (9, room)."""
@@ -78,9 +78,9 @@ class Desk(NamedTuple):
     """Their coordinates and a spare row, (3, room)."""
 
 
-def empty_desk(room: int, signals: int, private: int, measures: int, points: int) -> Desk:
-    """A desk for blocks of up to `room` agents, with up to `points` boundary points around one."""
-    return Desk(
+def empty_workspace(room: int, signals: int, private: int, measures: int, points: int) -> Workspace:
+    """A workspace for blocks of at most `room` agents and `points` boundary points around one."""
+    return Workspace(
         np.zeros((9, room)),
         np.zeros((signals, room)),
         np.zeros(signals),
@@ -126,4 +126,4 @@ class Place(NamedTuple):
     """The world as compiled code sees it: its edges, and what stands in it."""
 
     space: Space
-    ground: Ground
+    surroundings: Surroundings

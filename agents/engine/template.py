@@ -34,12 +34,12 @@ def holds(flock, numbers):
 
 
 @compiled
-def perceive(me, near, ground, p):
+def perceive(me, near, surroundings, p):
     """Take note of nothing."""
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Keep the heading."""
     return Wish(0.0, 0.0, 0.0)
 
@@ -65,7 +65,7 @@ def measure(me, near, p, out):
 
 
 @compiled
-def touches(me, near, ground, p):
+def touches(me, near, surroundings, p):
     """Touch nothing."""
     return 0.0
 
@@ -77,6 +77,6 @@ def passes(p):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Stand still."""
     return Moved(me.x, me.y, me.z, want.x, want.y, want.z, 0.0)

@@ -117,7 +117,7 @@ def missed(me, x, y, z, sigma):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
     s = sums(me, near, p)
     if s.n_r > 0.0:

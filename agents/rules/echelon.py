@@ -158,7 +158,7 @@ def levelled(x, y, z, climb):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Repulsion first; else by weight w the slot, or dropping back if none is free, and the zones.
 
     A bird that sees nobody ahead leads and follows the zones alone. Obstacles push as in the
@@ -181,7 +181,7 @@ def decide(me, near, ground, p):
     pace = math.sqrt(to.x * to.x + to.y * to.y + to.z * to.z)
     to = missed(me, to.x, to.y, to.z, p.sigma)
     z = levelled(to.x, to.y, to.z, p.climb)
-    fx, fy, fz = push(me, ground, p)
+    fx, fy, fz = push(me, surroundings, p)
     share = p.tau / p.m
     return Wish(pace * to.x + share * fx, pace * to.y + share * fy, pace * z + share * fz)
 

@@ -24,7 +24,7 @@ import math
 from typing import NamedTuple
 
 from worlds.compiled import compiled
-from worlds.queries.ground import signed_distance
+from worlds.queries.surroundings import signed_distance
 
 OUT_X, OUT_Y, OUT_Z, RADIUS = range(4)
 """Rows of `near.signal`: from an agent to the centre of its room; the radius of the room."""
@@ -148,7 +148,7 @@ def beside(u, v):
 
 
 @compiled
-def overlap(me, near, ground, own, then, p):
+def overlap(me, near, surroundings, own, then, p):
     """By how much the room `then` is over the planes around the room `own`, and in solids; length.
 
     The sum over all others, and the nearest surface. 0: the step to it is safe. Nobody beyond
@@ -173,5 +173,7 @@ def overlap(me, near, ground, own, then, p):
         gap = e - apart - radius[j]
         over = (vx * ex + vy * ey + vz * ez) / e + grown - 0.5 * gap
         total += over if (d2 > 0.0) & (over > ENOUGH) else 0.0
-    clear = signed_distance(ground, then.x, then.y, then.z) - then.radius - 0.5 * p.body - SKIN
+    clear = (
+        signed_distance(surroundings, then.x, then.y, then.z) - then.radius - 0.5 * p.body - SKIN
+    )
     return total - (clear if clear < -ENOUGH else 0.0)

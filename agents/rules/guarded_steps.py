@@ -147,7 +147,7 @@ def onward(me, of, own):
 
 
 @compiled
-def safe_step(me, near, ground, wish, pace, p):
+def safe_step(me, near, surroundings, wish, pace, p):
     """The first safe step for an agent that wishes a heading (unit vector) and a speed.
 
     If none is safe, which happens only while rooms overlap as a run starts, the least unsafe.
@@ -162,7 +162,7 @@ def safe_step(me, near, ground, wish, pace, p):
         if number < TRIES and (leaves(of.flat, number % SIDES) or leaves(of.flat, aside)):
             continue
         step = tried(me, of, number, p) if number < TRIES else onward(me, of, own)
-        over = overlap(me, near, ground, own, step.room, p)
+        over = overlap(me, near, surroundings, own, step.room, p)
         if over < least:
             least, best = over, step
         if over == 0.0 or p.guard == 0.0:

@@ -154,7 +154,7 @@ def called(me, near, p):
 
 
 @compiled
-def wished(me, near, ground, p):
+def wished(me, near, surroundings, p):
     """The velocity that flocking asks for, of length v0."""
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, ALL_ROUND, edge_of(p.alpha))
     fx, fy, fz = s.ox + p.w_a * s.ax, s.oy + p.w_a * s.ay, s.oz + p.w_a * s.az
@@ -165,18 +165,18 @@ def wished(me, near, ground, p):
     y = s.ry + share * fy + p.w_c * cy
     z = s.rz + share * fz + p.w_c * cz
     to = missed(me, x, y, z, p.sigma)
-    return bent(me, to.x, to.y, to.z, ground, p)
+    return bent(me, to.x, to.y, to.z, surroundings, p)
 
 
 @compiled
-def perceive(me, near, ground, p):
+def perceive(me, near, surroundings, p):
     """Choose a step by the wish and by the guard; keep it and the room after it in mind."""
-    x, y, z = wished(me, near, ground, p)
+    x, y, z = wished(me, near, surroundings, p)
     speed = math.sqrt(x * x + y * y + z * z)
     wish = Direction(me.ux, me.uy, me.uz)
     if speed > 0.0:
         wish = Direction(x / speed, y / speed, z / speed)
-    step = safe_step(me, near, ground, wish, speed, p)
+    step = safe_step(me, near, surroundings, wish, speed, p)
     asked = max(step.speed, STOPPED)
     me.memory[WISH] = asked * step.u.x
     me.memory[WISH + 1] = asked * step.u.y
@@ -189,7 +189,7 @@ def perceive(me, near, ground, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """The velocity of the step that was chosen."""
     return Wish(me.memory[WISH], me.memory[WISH + 1], me.memory[WISH + 2])
 

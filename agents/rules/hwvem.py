@@ -82,7 +82,7 @@ def survey(me, near, r):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Weighted mean heading of the neighbours (9), (18), summed layer by layer."""
     layer = near.signal[LAYER]
     nearest, neighbours = survey(me, near, p.r)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.queries.ground import solids_around, surface
+from worlds.queries.surroundings import solids_around, surface
 
 NEAREST = 0.05
 """An obstacle that is touched pushes as one at this distance does, length."""
 
 
 @compiled
-def push(me, ground, p):
+def push(me, surroundings, p):
     """The sum of the forces of the obstacles ahead, (x, y, z), mass length/s^2.
 
     Each solid, walls among them, pushes from its nearest place with -grad U of (4.1): U =
@@ -20,9 +20,9 @@ def push(me, ground, p):
     if that place lies within 90 degrees of the heading. The print has +grad U, which would pull.
     """
     x = y = z = 0.0
-    around = solids_around(ground, me.x, me.y)
+    around = solids_around(surroundings, me.x, me.y)
     for k in range(around.number):
-        at = surface(ground, around, k, me.x, me.y, me.z)
+        at = surface(surroundings, around, k, me.x, me.y, me.z)
         d = max(at.distance - 0.5 * p.body, NEAREST)
         # The nearest place lies against the normal, which points away from the solid.
         ahead = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz <= 0.0
@@ -35,12 +35,12 @@ def push(me, ground, p):
 
 
 @compiled
-def bent(me, x, y, z, ground, p):
+def bent(me, x, y, z, surroundings, p):
     """The velocity (4.2) of a wished direction (x, y, z) of length v0, bent by the field.
 
     v = v0 d + (tau / m) sum of forces; it is brought back to length v0, the speed being the body's.
     """
-    fx, fy, fz = push(me, ground, p)
+    fx, fy, fz = push(me, surroundings, p)
     share = p.tau / p.m
     x, y, z = p.v0 * x + share * fx, p.v0 * y + share * fy, p.v0 * z + share * fz
     length = math.sqrt(x * x + y * y + z * z)

@@ -75,12 +75,12 @@ def pulls(me, near, p):
 
 
 @compiled
-def injected(me, ground, p):
+def injected(me, surroundings, p):
     """sigma of the injected car, which is known without error; (0, 0) in a world without one."""
-    if ground.route.shape[0] == 0:
+    if surroundings.route.shape[0] == 0:
         return 0.0, 0.0
-    dx = ground.goal[0, 0] - (me.x + me.signal[ERROR_X])
-    dy = ground.goal[0, 1] - (me.y + me.signal[ERROR_Y])
+    dx = surroundings.goal[0, 0] - (me.x + me.signal[ERROR_X])
+    dy = surroundings.goal[0, 1] - (me.y + me.signal[ERROR_Y])
     r = math.sqrt(dx * dx + dy * dy)
     pull = p.c_goal * squashed(r, p.beta, p.C, p.gamma) / r if r > 0.0 else 0.0
     return pull * dx, pull * dy

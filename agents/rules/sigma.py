@@ -278,9 +278,9 @@ def weigh(me, near, p, out):
 
 
 @compiled
-def has_goal(ground):
+def has_goal(surroundings):
     """Whether there is a gamma agent."""
-    return ground.route.shape[0] > 0
+    return surroundings.route.shape[0] > 0
 
 
 @compiled

@@ -129,20 +129,20 @@ class Squashing(Tracking):
 
 
 @compiled
-def desired(me, near, ground, p):
+def desired(me, near, surroundings, p):
     """D of (2) without its derivative."""
     if is_hunter(me, p):
         return chase(me, near, p)
     cx, cy, px, py, ax, ay = pulls(me, near, p)
-    ix, iy = injected(me, ground, p)
+    ix, iy = injected(me, surroundings, p)
     return cx + ix + px + ax, cy + iy + py + ay
 
 
 @compiled
-def perceive(me, near, ground, p):
+def perceive(me, near, surroundings, p):
     """How fast D changes, by its value of the tick before."""
     if p.derivative > 0.0:
-        x, y = desired(me, near, ground, p)
+        x, y = desired(me, near, surroundings, p)
         known = me.memory[KNOWN]
         me.memory[RATE_X] = known * (x - me.memory[LAST_X]) / p.dt
         me.memory[RATE_Y] = known * (y - me.memory[LAST_Y]) / p.dt
@@ -152,9 +152,9 @@ def perceive(me, near, ground, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """D of (2), with the derivative term if there is one."""
-    x, y = desired(me, near, ground, p)
+    x, y = desired(me, near, surroundings, p)
     if p.derivative > 0.0:
         x += p.derivative * me.memory[RATE_X]
         y += p.derivative * me.memory[RATE_Y]
@@ -162,14 +162,14 @@ def decide(me, near, ground, p):
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The terms of D, in the order of FORCES; the chase of a predator is its pull by cars."""
     out[:, :] = 0.0
     if is_hunter(me, p):
         out[0, 0], out[0, 1] = chase(me, near, p)
     else:
         out[0, 0], out[0, 1], out[2, 0], out[2, 1], out[3, 0], out[3, 1] = pulls(me, near, p)
-        out[1, 0], out[1, 1] = injected(me, ground, p)
+        out[1, 0], out[1, 1] = injected(me, surroundings, p)
     if p.derivative > 0.0:
         out[4, 0] = p.derivative * me.memory[RATE_X]
         out[4, 1] = p.derivative * me.memory[RATE_Y]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.compiled import compiled
-from worlds.queries.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 
 PROBES = 5
 """Points at which a boid looks for surfaces, evenly spaced from its own place to look_ahead."""
@@ -32,7 +32,7 @@ def sideways(me):
 
 
 @compiled
-def avoidance(me, ground, p):
+def avoidance(me, surroundings, p):
     """Across the heading, away from the first surface that the way ahead comes too close to.
 
     The part of the surface normal across the heading (Reynolds 1999, containment), as a unit
@@ -41,7 +41,9 @@ def avoidance(me, ground, p):
     """
     for k in range(PROBES):
         way = p.look_ahead * k / (PROBES - 1)
-        at = nearest_surface(ground, me.x + way * me.ux, me.y + way * me.uy, me.z + way * me.uz)
+        at = nearest_surface(
+            surroundings, me.x + way * me.ux, me.y + way * me.uy, me.z + way * me.uz
+        )
         towards = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz
         if at.distance < p.clearance and towards <= SLIGHT:
             x, y, z = at.nx - towards * me.ux, at.ny - towards * me.uy, at.nz - towards * me.uz
@@ -55,13 +57,13 @@ def avoidance(me, ground, p):
 
 
 @compiled
-def seek(me, ground, p):
+def seek(me, surroundings, p):
     """Towards the goal at full speed: the wanted change of velocity over max_speed, at most 1."""
-    if ground.route.shape[0] == 0:
+    if surroundings.route.shape[0] == 0:
         return 0.0, 0.0, 0.0
-    dx = ground.goal[0, 0] - me.x
-    dy = ground.goal[0, 1] - me.y
-    dz = ground.goal[0, 2] - me.z
+    dx = surroundings.goal[0, 0] - me.x
+    dy = surroundings.goal[0, 1] - me.y
+    dz = surroundings.goal[0, 2] - me.z
     d = math.sqrt(dx * dx + dy * dy + dz * dz)
     d = d if d > 0.0 else 1.0
     v = me.speed / p.max_speed

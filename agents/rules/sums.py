@@ -21,7 +21,7 @@ def mean_heading(weight: Callable) -> dict[str, Any]:
     """
 
     @compiled
-    def decide(me, near, ground, p):
+    def decide(me, near, surroundings, p):
         n = me.own_weight
         x, y, z = n * me.ux, n * me.uy, n * me.uz
         for j in range(near.n):
@@ -57,13 +57,13 @@ def sum_of(**terms: Callable) -> dict[str, Any]:
 
 
 @compiled
-def nothing(me, near, ground, p):
+def nothing(me, near, surroundings, p):
     """No force."""
     return Wish(0.0, 0.0, 0.0)
 
 
 @compiled
-def nothing_told(me, near, ground, p, out):
+def nothing_told(me, near, surroundings, p, out):
     """No force to tell."""
 
 
@@ -72,8 +72,8 @@ def added(before: Callable | None, term: Callable) -> Callable:
     first = nothing if before is None else before
 
     @compiled
-    def decide(me, near, ground, p):
-        so_far = first(me, near, ground, p)
+    def decide(me, near, surroundings, p):
+        so_far = first(me, near, surroundings, p)
         x, y, z = so_far.x, so_far.y, so_far.z
         for j in range(near.n):
             force = term(me, near, j, p)
@@ -90,8 +90,8 @@ def told(before: Callable | None, term: Callable, row: int) -> Callable:
     first = nothing_told if before is None else before
 
     @compiled
-    def explain(me, near, ground, p, out):
-        first(me, near, ground, p, out)
+    def explain(me, near, surroundings, p, out):
+        first(me, near, surroundings, p, out)
         for j in range(near.n):
             force = term(me, near, j, p)
             out[row, 0] += force.x

@@ -50,7 +50,7 @@ def weight(layer, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Weighted mean heading of the neighbours, itself left out."""
     layer = near.signal[LAYER]
     x = y = z = total = 0.0

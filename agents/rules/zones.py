@@ -110,7 +110,7 @@ class Zones(Parameters):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Repulsion first (3.9); else orientation (3.10), attraction (3.11) or their mean (3.12)."""
     edge = edge_of(p.alpha)
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, edge, edge)
@@ -118,7 +118,7 @@ def decide(me, near, ground, p):
         to = missed(me, s.rx, s.ry, s.rz, p.sigma)
     else:
         to = missed(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
-    x, y, z = bent(me, to.x, to.y, to.z, ground, p)
+    x, y, z = bent(me, to.x, to.y, to.z, surroundings, p)
     return Wish(x, y, z)
 
 

@@ -78,7 +78,7 @@ def along_line(line: np.ndarray, spacing: float) -> np.ndarray:
 def sorted_points(
     points: np.ndarray, reach: float
 ) -> tuple[np.ndarray, np.ndarray, float, float, float, int, int, np.ndarray, int]:
-    """Points (M, 2) sorted by cells of side >= reach / 2: nine fields of the ground.
+    """Points (M, 2) sorted by cells of side >= reach / 2: nine fields of the surroundings.
 
     They are x, y, left, front, inverse, columns, rows, first point of each cell, and room for all
     that can lie within reach of any place.

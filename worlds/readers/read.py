@@ -276,13 +276,13 @@ def in_metres(
                 problems.append(f"{refusal} (in m, rounded to {digits} decimals)")
     if problems:
         raise refusal_of(problems)
-    ground = [shape.obstacle(None, digits).footprint() for _, shape in found[WALKABLE]]
+    walkable = [shape.obstacle(None, digits).footprint() for _, shape in found[WALKABLE]]
     return Geometry(
         file=contents.path.name,
         obstacles=tuple(
             named(shape, layer).obstacle(thickness, digits) for layer, shape in found[OBSTACLE]
         ),
-        walkable=shapely.union_all(ground) if ground else None,
+        walkable=shapely.union_all(walkable) if walkable else None,
         layers=tuple(rows),
         changes=tuple(taken.changes),
         starts=tuple(found[START]),

@@ -118,8 +118,8 @@ class Camera:
             self.points = self.surveyed = None
         elif self.surveyed is not self.flock.world:
             self.surveyed = self.flock.world
-            ground = self.flock.engine.ground
-            self.points = np.column_stack([ground.point_x, ground.point_y])
+            surroundings = self.flock.engine.surroundings
+            self.points = np.column_stack([surroundings.point_x, surroundings.point_y])
 
     def inspect(self) -> None:
         """Look at the wanted agent and at whom it listens to."""

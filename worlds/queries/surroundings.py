@@ -1,22 +1,22 @@
-"""The ground: what compiled code sees of a world. `worlds.queries.survey.survey` makes it.
+"""A world as compiled code sees it: its solids, boundary points, path and goal.
 
-Everything has three coordinates; flat worlds have z = 0. A *solid* is one connected outline (the
-union of flat obstacles that overlap), one sphere or one solid edge of the box. Queries, all
-compiled:
+`worlds.queries.survey.survey` makes it. Everything has three coordinates; flat worlds have
+z = 0. A *solid* is one connected outline (the union of flat obstacles that overlap), one sphere or
+one solid edge of the box. Queries, all compiled:
 
-    at = nearest_surface(ground, x, y, z)        the nearest surface of all, a `Surface`
-    d = signed_distance(ground, x, y, z)         its distance only
-    free = line_of_sight(ground, ax, ay, az, bx, by, bz)
-    n = points_within(ground, x, y, r, found)    boundary points
-    set_goal(ground, time)                       moves the goal in ground.goal
+    at = nearest_surface(surroundings, x, y, z)        the nearest surface of all, a `Surface`
+    d = signed_distance(surroundings, x, y, z)         its distance only
+    free = line_of_sight(surroundings, ax, ay, az, bx, by, bz)
+    n = points_within(surroundings, x, y, r, found)    boundary points
+    set_goal(surroundings, time)                       moves the goal in surroundings.goal
 
 and one surface for each solid around, without any memory of its own:
 
-    around = solids_around(ground, x, y)
+    around = solids_around(surroundings, x, y)
     for k in range(around.number):
-        at = surface(ground, around, k, x, y, z)
-        if at.distance < math.inf:               # else it is out of ground.reach
-            ... solid_of(ground, around, k)      its id, 0 to the number of solids - 1
+        at = surface(surroundings, around, k, x, y, z)
+        if at.distance < math.inf:               # else it is out of surroundings.reach
+            ... solid_of(surroundings, around, k)      its id, 0 to the number of solids - 1
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ from worlds.queries.surface import (
 
 __all__ = [
     "Around",
-    "Ground",
     "Surface",
+    "Surroundings",
     "line_of_sight",
     "nearest_surface",
     "points_within",
@@ -53,13 +53,13 @@ __all__ = [
 ]
 
 
-class Ground(NamedTuple):
+class Surroundings(NamedTuple):
     """A world's solids, boundary points, path and goal; arrays are C-contiguous."""
 
     reach: float
     """Distance up to which surfaces and boundary points are found, length."""
     solids: int
-    """Number of edges, spheres and solid planes; 0 means empty ground."""
+    """Number of edges, spheres and solid planes; 0 means that nothing is solid."""
 
     plane: np.ndarray
     """Solid edges of the box: unit normal into the box and offset, float64 (P, 4)."""
@@ -136,65 +136,68 @@ def band(low, high, origin, inverse, number):
 
 
 @compiled
-def points_within(ground, x, y, r, found):
-    """Fill `found` (int32) with the boundary points within r <= ground.reach; returns how many.
+def points_within(surroundings, x, y, r, found):
+    """Fill `found` (int32) with the boundary points within r of (x, y); returns how many.
 
-    `found` needs room for ground.most_points. The points are ground.point_x, ground.point_y.
+    r is at most surroundings.reach; `found` needs room for surroundings.most_points. The points
+    are (surroundings.point_x, surroundings.point_y).
     """
-    if ground.point_x.shape[0] == 0:
+    if surroundings.point_x.shape[0] == 0:
         return 0
-    inverse, columns = ground.point_inverse, ground.point_columns
-    left, right = band(x - r, x + r, ground.point_left, inverse, columns)
-    front, back = band(y - r, y + r, ground.point_front, inverse, ground.point_rows)
+    inverse, columns = surroundings.point_inverse, surroundings.point_columns
+    left, right = band(x - r, x + r, surroundings.point_left, inverse, columns)
+    front, back = band(y - r, y + r, surroundings.point_front, inverse, surroundings.point_rows)
     n = 0
     if left >= right:
         return n
     for row in range(front, back):
-        first = ground.point_start[row * columns + left]
-        last = ground.point_start[row * columns + right]
+        first = surroundings.point_start[row * columns + left]
+        last = surroundings.point_start[row * columns + right]
         for k in range(first, last):
-            dx, dy = ground.point_x[k] - x, ground.point_y[k] - y
+            dx, dy = surroundings.point_x[k] - x, surroundings.point_y[k] - y
             found[n] = k
             n += 1 if dx * dx + dy * dy <= r * r else 0
     return n
 
 
 @compiled
-def leg_of(ground, k):
+def leg_of(surroundings, k):
     """The k-th leg of the gamma agent's route: vector and length. The last leg closes it."""
-    points = ground.route.shape[0]
+    points = surroundings.route.shape[0]
     then = (k + 1) % points
-    dx = ground.route[then, 0] - ground.route[k, 0]
-    dy = ground.route[then, 1] - ground.route[k, 1]
-    dz = ground.route[then, 2] - ground.route[k, 2]
+    dx = surroundings.route[then, 0] - surroundings.route[k, 0]
+    dy = surroundings.route[then, 1] - surroundings.route[k, 1]
+    dz = surroundings.route[then, 2] - surroundings.route[k, 2]
     return dx, dy, dz, math.sqrt(dx * dx + dy * dy + dz * dz)
 
 
 @compiled
-def set_goal(ground, time):
-    """Write position and velocity of the gamma agent at a time >= 0 into ground.goal.
+def set_goal(surroundings, time):
+    """Write position and velocity of the gamma agent at a time >= 0 into surroundings.goal.
 
     It goes along its route at constant speed and stays at the end, or goes round a closed one.
     """
-    points = ground.route.shape[0]
+    points = surroundings.route.shape[0]
     if points == 0:
         return
-    gone = ground.route_speed * time
+    gone = surroundings.route_speed * time
     last = points - 1
-    if ground.route_closed:
-        _, _, _, back = leg_of(ground, last)
-        total = ground.route_length[last] + back
+    if surroundings.route_closed:
+        _, _, _, back = leg_of(surroundings, last)
+        total = surroundings.route_length[last] + back
         gone = gone - total * math.floor(gone / total) if total > 0.0 else 0.0
     k = 0
-    while k < last and gone >= ground.route_length[k + 1]:
+    while k < last and gone >= surroundings.route_length[k + 1]:
         k += 1
-    dx, dy, dz, length = leg_of(ground, k)
-    moves = length > 0.0 and ground.route_speed > 0.0 and (k < last or ground.route_closed)
-    share = (gone - ground.route_length[k]) / length if moves else 0.0
-    speed = ground.route_speed / length if moves else 0.0
-    ground.goal[0, 0] = ground.route[k, 0] + share * dx
-    ground.goal[0, 1] = ground.route[k, 1] + share * dy
-    ground.goal[0, 2] = ground.route[k, 2] + share * dz
-    ground.goal[1, 0] = speed * dx
-    ground.goal[1, 1] = speed * dy
-    ground.goal[1, 2] = speed * dz
+    dx, dy, dz, length = leg_of(surroundings, k)
+    moves = (
+        length > 0.0 and surroundings.route_speed > 0.0 and (k < last or surroundings.route_closed)
+    )
+    share = (gone - surroundings.route_length[k]) / length if moves else 0.0
+    speed = surroundings.route_speed / length if moves else 0.0
+    surroundings.goal[0, 0] = surroundings.route[k, 0] + share * dx
+    surroundings.goal[0, 1] = surroundings.route[k, 1] + share * dy
+    surroundings.goal[0, 2] = surroundings.route[k, 2] + share * dz
+    surroundings.goal[1, 0] = speed * dx
+    surroundings.goal[1, 1] = speed * dy
+    surroundings.goal[1, 2] = speed * dz
