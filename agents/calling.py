@@ -1,4 +1,4 @@
-"""Calls of a model's compiled functions; what its author got wrong is told in one line."""
+"""Calls of a model's compiled functions; what its author got wrong is reported in one line."""
 
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def call(model: Model, interpret: bool, function: Callable, *arguments: Any) -> 
         if fault is None and not (interpret or DISABLED):
             raise
         if fault is None:  # the engine met what it was given, such as a place that is no number
-            said = f"{type(error).__name__}: {error}"
-            fault = Fault(f"model {model.name!r}, as plain Python: {said[:LONGEST]}")
+            message = f"{type(error).__name__}: {error}"
+            fault = Fault(f"model {model.name!r}, as plain Python: {message[:LONGEST]}")
         raise fault from error
 
 
@@ -75,13 +75,13 @@ def fault_of(model: Model, error: Exception) -> Fault | None:
     if isinstance(error, NumbaError):
         return wrong_answer(model) or uncompiled(model, error)
     own = dict(codes(model))
-    said = f"{type(error).__name__}: {error}"
+    message = f"{type(error).__name__}: {error}"
     for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
         if frame.f_code in own:
-            return at_fault(own, frame.f_code, line, in_words(said, model, frame.f_code))
+            return at_fault(own, frame.f_code, line, in_words(message, model, frame.f_code))
     code = getattr(getattr(error, "uncompiled", None), "__code__", None)
     if code in own:  # numba lets some exceptions pass as they are, without a line
-        return at_fault(own, code, line_of(code, said), in_words(said, model, code))
+        return at_fault(own, code, line_of(code, message), in_words(message, model, code))
     return wrong_answer(model)
 
 
@@ -132,20 +132,20 @@ def wrong_answer(model: Model) -> Fault | None:
 
 def uncompiled(model: Model, error: NumbaError) -> Fault:
     """The innermost function of a model that numba could not compile, the line and the reason."""
-    message = str(error)
-    reasons = re.sub(r"Failed in \w+ mode pipeline.*", "", message)
-    said = re.split(r'\nDuring: |\nFile "|\nThere are |\nReturn of: ', reasons.strip())[0]
-    said = " ".join(said.split())
+    report = str(error)
+    reasons = re.sub(r"Failed in \w+ mode pipeline.*", "", report)
+    message = re.split(r'\nDuring: |\nFile "|\nThere are |\nReturn of: ', reasons.strip())[0]
+    message = " ".join(message.split())
     own = dict(codes(model))
-    at = re.search(r"\nDuring: .* at (.+) \((\d+)\)", message)
-    callee = re.search(r"<function (\w+) at", message)
+    at = re.search(r"\nDuring: .* at (.+) \((\d+)\)", report)
+    callee = re.search(r"<function (\w+) at", report)
     for code in own:
         if at is not None and code.co_filename == at[1] and int(at[2]) in lines(code):
-            return at_fault(own, code, int(at[2]), in_words(said, model, code))
+            return at_fault(own, code, int(at[2]), in_words(message, model, code))
     for code in own:
         if callee is not None and code.co_name == callee[1]:
-            return at_fault(own, code, line_of(code, said), in_words(said, model, code))
-    return Fault(f"model {model.name!r} cannot be compiled: {said[:LONGEST]}")
+            return at_fault(own, code, line_of(code, message), in_words(message, model, code))
+    return Fault(f"model {model.name!r} cannot be compiled: {message[:LONGEST]}")
 
 
 def lines(code: CodeType) -> set[int]:
@@ -153,35 +153,35 @@ def lines(code: CodeType) -> set[int]:
     return {line for _, _, line in code.co_lines() if line}
 
 
-def line_of(code: CodeType, said: str) -> int:
+def line_of(code: CodeType, message: str) -> int:
     """The first line of a function with the longest name of a message, the last of several."""
     found: dict[str, int] = {}
     for one in dis.get_instructions(code):
         if one.opname.startswith("LOAD_") and one.positions and one.positions.lineno:
             found.setdefault(str(one.argval), one.positions.lineno)
-    named = [word for word in re.findall(r"\w+", said) if word in found]
+    named = [word for word in re.findall(r"\w+", message) if word in found]
     return found[max(reversed(named), key=len)] if named else code.co_firstlineno
 
 
-def in_words(said: str, model: Model, code: CodeType) -> str:
-    """What numba or Python said, in the words of a rule."""
+def in_words(message: str, model: Model, code: CodeType) -> str:
+    """A message of numba or of Python, in the words of a rule."""
     for pattern in UNKNOWN:
-        if found := re.search(pattern, said):
+        if found := re.search(pattern, message):
             kind, name = found["kind"], found["name"]
             if kind == "P":
                 return f"no parameter {name!r}{nearest(name, model.parameters.model_fields)}"
             if kind in GIVEN:
                 given, made = GIVEN[kind]
                 return f"{given} has no {name!r}{nearest(name, made._fields)}"
-    if found := re.search(r"name '(\w+)' is not defined", said):
+    if found := re.search(r"name '(\w+)' is not defined", message):
         known = {*code.co_varnames, *code.co_names} - {found[1]}
         return f"no name {found[1]!r}{nearest(found[1], sorted(known))}"
-    if called := re.search(r"Untyped global name '(\w+)': .* of <class '(\w+)'>", said):
+    if called := re.search(r"Untyped global name '(\w+)': .* of <class '(\w+)'>", message):
         why = "is not @compiled" if called[2] == "function" else "works in plain Python only"
         return f"{called[1]!r} {why}"
-    if "NRT required" in said:
+    if "NRT required" in message:
         return "a compiled function cannot make a list, an array or anything else of its own"
-    return said[:LONGEST]
+    return message[:LONGEST]
 
 
 def nearest(name: str, known: Any) -> str:

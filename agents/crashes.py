@@ -31,15 +31,15 @@ class Crashes:
 
 def crashes(arrays: Arrays) -> Crashes:
     """The crashes that a flock's arrays tell of."""
-    fate = arrays.fate
-    row = np.flatnonzero(fate[:, 0] >= 0.0)
-    row = row[np.argsort(fate[row, 0], kind="stable")]
-    tick, cause = fate[row, :2].astype(int).T
-    return Crashes(tick, arrays.ids[row], row, fate[row, 2:], cause)
+    crash_record = arrays.crash_record
+    row = np.flatnonzero(crash_record[:, 0] >= 0.0)
+    row = row[np.argsort(crash_record[row, 0], kind="stable")]
+    tick, cause = crash_record[row, :2].astype(int).T
+    return Crashes(tick, arrays.ids[row], row, crash_record[row, 2:], cause)
 
 
 def active(arrays: Arrays) -> np.ndarray:
     """Which agents have not crashed, (N,) bool."""
-    if not len(arrays.fate):
+    if not len(arrays.crash_record):
         return np.ones(len(arrays.ids), bool)
-    return arrays.fate[:, 0] < 0.0
+    return arrays.crash_record[:, 0] < 0.0

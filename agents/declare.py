@@ -261,7 +261,7 @@ class Body:
     move: Callable
     """Compiled: (me, near, surroundings, want, p, out) -> Moved; `out` receives its signals."""
     takes: Wished = "heading"
-    """What it is told."""
+    """What it is given to follow: a rule's wish."""
     signals: tuple[str, ...] = ()
     """What bodies tell each other; they follow the rule's signals."""
     size: str = ""

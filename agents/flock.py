@@ -20,7 +20,7 @@ from agents.member import FlockSpace, Member
 from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder, read_state
-from agents.rows import begun, chosen, demand_room, joined
+from agents.rows import begun, chosen, demand_memory_for, joined
 from agents.sources import cite
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
 from agents.start import Start, free_positions, given_start, random_headings, random_start
@@ -98,7 +98,7 @@ class Flock(Motion, mesa.Model):
         agents = whole("agents", self.model.agents if agents is None else agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.threads = whole("threads", threads, 1, MOST_THREADS)
-        demand_room(self.model, agents + informed, self.threads)
+        demand_memory_for(self.model, agents + informed, self.threads)
         self.interpret = interpret
         self.parameters = checked(self.model.parameters, parameters)
         self.world = find_world(self.model, world, dim, size, agents + informed, seed)

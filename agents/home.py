@@ -1,4 +1,4 @@
-"""The world that a flock lives in: found by name, drawn from the run's seed, told in its spec."""
+"""The world that a flock lives in: found by name, drawn from a seed, written into the spec."""
 
 from __future__ import annotations
 

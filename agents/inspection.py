@@ -95,10 +95,10 @@ def as_near(
         if axis < dim:
             at[:] = flock.position[row, axis] + apart[:, axis]
             turned[:] = flock.heading[rows, axis]
-    told = np.ascontiguousarray(signals[:shared, rows])
-    heard = told[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
+    sent = np.ascontiguousarray(signals[:shared, rows])
+    heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(seen.T)
-    return Near(len(rows), x, y, z, ux, uy, uz, told, heard, len(seen), px, py, np.zeros(len(seen)))
+    return Near(len(rows), x, y, z, ux, uy, uz, sent, heard, len(seen), px, py, np.zeros(len(seen)))
 
 
 def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:

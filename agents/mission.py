@@ -25,7 +25,7 @@ SINCE = 50
 
 
 @dataclass(frozen=True)
-class Course:
+class MissionRecord:
     """How a mission went."""
 
     position: np.ndarray
@@ -119,13 +119,13 @@ class Log:
             self.centre.append(np.linalg.norm(trace.mean(axis=1) - goal, axis=1))
         self.ticks += len(trace)
 
-    def course(self, arrived: bool) -> Course:
+    def record(self, arrived: bool) -> MissionRecord:
         """What has been measured."""
         flock = self.flock
         away = np.empty(0)
         if self.has_goal:
             away = np.linalg.norm(flock.position - flock.goal_at([self.ticks])[0], axis=1)
-        return Course(
+        return MissionRecord(
             np.concatenate(self.kept),
             self.every,
             self.ticks,
@@ -142,7 +142,7 @@ class Log:
 
 def fly(
     flock: Flock, limit: int, every: int = 1, between: Callable[[], None] = lambda: None
-) -> Course:
+) -> MissionRecord:
     """Run a flock that has not begun until its information agents are at the end of their path.
 
     At most `limit` ticks; without a path just these. Keeps the positions of every `every`-th tick.
@@ -159,9 +159,9 @@ def fly(
         end = end_of_path(flock, trace)
         if end is not None:
             log.take(trace[: end + 1])
-            return log.course(True)
+            return log.record(True)
         log.take(trace)
-    return log.course(False)
+    return log.record(False)
 
 
 def end_of_path(flock: Flock, trace: np.ndarray) -> int | None:

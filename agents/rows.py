@@ -20,7 +20,7 @@ BYTES_OF_A_THREAD = 4
 """Of each agent and thread: a thread counts the cells by itself."""
 
 
-def demand_room(model: Model, agents: int, threads: int) -> None:
+def demand_memory_for(model: Model, agents: int, threads: int) -> None:
     """Refuse more agents than can be. Raises Refusal naming how much memory they would need."""
     if agents > MOST_AGENTS:
         raise Refusal(f"agents = {agents} is not allowed: the largest is {MOST_AGENTS}")
@@ -39,12 +39,12 @@ def begun(start: Start, model: Model, first_id: int) -> Arrays:
         np.arange(first_id, first_id + n),
         np.zeros(n, np.int32),
         np.tile(model.beginning[:, None], n),
-        unhurt(n if model.body.touches else 0, start.position.shape[1]),
+        no_crashes(n if model.body.touches else 0, start.position.shape[1]),
     )
 
 
-def unhurt(n: int, dim: int) -> np.ndarray:
-    """The fate (n, 2 + dim) of agents that have not crashed."""
+def no_crashes(n: int, dim: int) -> np.ndarray:
+    """The crash records (n, 2 + dim) of agents that have not crashed."""
     return np.full((n, 2 + dim), -1.0)
 
 
@@ -59,10 +59,10 @@ def joined(arrays: Arrays, more: Arrays) -> Arrays:
 
 def chosen(arrays: Arrays, rows: np.ndarray) -> Arrays:
     """The arrays of some rows, copies."""
-    there = rows if len(arrays.fate) else np.empty(0, int)
+    there = rows if len(arrays.crash_record) else np.empty(0, int)
     taken = {
         name: np.take(column, rows, axis=int(name == "memory"))
         for name, column in arrays._asdict().items()
-        if name != "fate"
+        if name != "crash_record"
     }
-    return Arrays(**taken, fate=np.take(arrays.fate, there, axis=0))
+    return Arrays(**taken, crash_record=np.take(arrays.crash_record, there, axis=0))

@@ -54,9 +54,9 @@ def fault_in(file: Path, whole: str, error: BaseException) -> Refusal:
     """What is wrong with a file that could not be run: file, line and reason."""
     frames = traceback.extract_tb(error.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == whole]
-    line, said = (lines[-1] if lines else None), f"{type(error).__name__}: {error}"
+    line, reason = (lines[-1] if lines else None), f"{type(error).__name__}: {error}"
     if isinstance(error, SyntaxError) and error.filename == whole:
-        line, said = error.lineno, f"{error.msg}"
+        line, reason = error.lineno, f"{error.msg}"
     elif isinstance(error, Refusal):
-        said = str(error)
-    return Refusal(f"{file}, line {line}: {' '.join(said.split())[:300]}")
+        reason = str(error)
+    return Refusal(f"{file}, line {line}: {' '.join(reason.split())[:300]}")

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from worlds.checks import demand_free, demand_in_box
-from worlds.mission import Start as Region
+from worlds.mission import StartRegion
 from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -154,7 +154,7 @@ def too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
     return close
 
 
-def start_box(region: Region, n: int) -> tuple[np.ndarray, np.ndarray]:
+def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Lower corner and sides of a start region for n agents, (dim,) each, length."""
     low = np.array(region.low)
     if region.density is None:

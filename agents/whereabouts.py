@@ -36,7 +36,7 @@ class Stray:
 
 
 @kept
-def strays(surroundings, position, fate):
+def strays(surroundings, position, crash_record):
     """The first row that is inside something solid or -1, how far, and how many rows are.
 
     Rounding is none of it; those that have crashed lie where they lie.
@@ -46,7 +46,7 @@ def strays(surroundings, position, fate):
         x, y = position[i, 0], position[i, 1]
         z = position[i, 2] if position.shape[1] == 3 else 0.0
         d = signed_distance(surroundings, x, y, z)
-        flies = fate.shape[0] == 0 or fate[i, 0] < 0.0
+        flies = crash_record.shape[0] == 0 or crash_record[i, 0] < 0.0
         if flies and d < -skin(x, y, z):
             number += 1
             if first < 0:
@@ -56,7 +56,7 @@ def strays(surroundings, position, fate):
 
 def stray(surroundings: Surroundings, arrays: Arrays, tick: int) -> Stray | None:
     """The first agent that is inside something solid, None if nobody is."""
-    row, depth, number = strays(surroundings, arrays.position, arrays.fate)
+    row, depth, number = strays(surroundings, arrays.position, arrays.crash_record)
     if row < 0:
         return None
     place = arrays.position[row].copy()

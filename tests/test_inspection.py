@@ -181,6 +181,6 @@ def test_the_crashed_are_nobodys_neighbours_and_listen_to_nobody():
     flock.run(1)
     assert flock.active.tolist() == [False, False, True]
     assert flock.inspect(2).neighbours.tolist() == []
-    fallen = flock.inspect(0)
-    assert len(fallen.neighbours) == len(fallen.weights) == len(fallen.zone) == 0
-    assert (fallen.forces, fallen.shells) == ({}, ())
+    crashed = flock.inspect(0)
+    assert len(crashed.neighbours) == len(crashed.weights) == len(crashed.zone) == 0
+    assert (crashed.forces, crashed.shells) == ({}, ())

@@ -224,7 +224,7 @@ class Sphere(Shape):
         return [(self.centre, self.radius)]
 
     def footprint(self) -> shapely.Geometry:
-        """Its shadow on the plan."""
+        """Its projection on the plan."""
         return shapely.Polygon(circle(self.centre[:2], self.radius))
 
     def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:

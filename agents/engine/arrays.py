@@ -23,7 +23,7 @@ class Arrays(NamedTuple):
     memory: np.ndarray
     """Signals of the rule, signals of the body, what the rule keeps to itself, what is measured;
     shape (K, N)."""
-    fate: np.ndarray
+    crash_record: np.ndarray
     """Of agents that can crash the tick at which they did, or -1, what they touched, and where;
     (N, 2 + dim), or no rows at all. See `agents.crashes`."""
 

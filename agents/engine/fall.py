@@ -14,10 +14,10 @@ GRAVITY = 9.81
 @compiled
 def crash(flock, i, tick, cause):
     """Note when, by touching what and where the agent of row i crashed; it stops there."""
-    flock.fate[i, 0] = tick
-    flock.fate[i, 1] = cause
+    flock.crash_record[i, 0] = tick
+    flock.crash_record[i, 1] = cause
     for axis in range(flock.position.shape[1]):
-        flock.fate[i, 2 + axis] = flock.position[i, axis]
+        flock.crash_record[i, 2 + axis] = flock.position[i, axis]
     flock.speed[i] = 0.0
 
 

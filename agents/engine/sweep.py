@@ -102,7 +102,7 @@ def act(flock, space, surroundings, i, me, near, context, workspace):
     An information agent listens to nobody: it follows the mission's path, or keeps its heading.
     """
     p = context.parameters
-    if CRASHES and flock.fate[i, 0] >= 0.0:
+    if CRASHES and flock.crash_record[i, 0] >= 0.0:
         fall(flock, space, surroundings, i, context.lasts)
         return
     out = workspace.out

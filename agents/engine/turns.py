@@ -178,7 +178,7 @@ def advance(
             return first, bad
     for at in range(first, order.shape[0]):
         i = order[at]
-        if CRASHES and flock.fate[i, 0] >= 0.0:
+        if CRASHES and flock.crash_record[i, 0] >= 0.0:
             fall(flock, space, surroundings, i, context.lasts)
             continue
         m = gather(flock, space, grid, slots, workspace, p, i, tick, key)

@@ -1,7 +1,7 @@
 """Flocking with obstacle avoidance of Olfati-Saber 2006, as Wu et al. 2023, 2.2, repeat it.
 
 Every agent knows the gamma agent. Each obstacle within r is a beta agent at its nearest point,
-which moves along the surface as the agent's shadow: p_hat = P p, for walls and curves alike.
+which moves along the surface as the agent's projection: p_hat = P p, for walls and curves alike.
 Obstacles that touch are one obstacle. Printed, the push of a beta agent is at most 2 c_1^beta where
 flock-mates push with up to 19, and agents are pushed through obstacles; so by default it pushes as
 an agent does (see the parameter `beta`).
@@ -67,7 +67,7 @@ def printed_push(d2, p):
 
 
 @compiled
-def shadows(me, surroundings, p):
+def beta_terms(me, surroundings, p):
     """Gradient and consensus (10) summed over the solids within r, without the gains.
 
     With n the normal of a solid's nearest surface, P = I - n n^T, and so p_hat - p = P p - p =
@@ -114,7 +114,7 @@ def lead(me, surroundings, p):
 def terms(me, near, surroundings, p):
     """The terms of u_i (7), a row (x, y, z) for each of FORCES, m/s^2."""
     fx, fy, fz, cx, cy, cz = flockmates(me, near, p, 0.0, 1.0, 1.0, 1.0)
-    bx, by, bz, ex, ey, ez = shadows(me, surroundings, p)
+    bx, by, bz, ex, ey, ez = beta_terms(me, surroundings, p)
     return (
         (p.c1a * fx, p.c1a * fy, p.c1a * fz),
         (p.c2a * cx, p.c2a * cy, p.c2a * cz),

@@ -1,4 +1,4 @@
-"""A rule that is a sum over its neighbours, said once: what is listened to follows from it.
+"""A rule that is a sum over its neighbours, written once: what is listened to follows from it.
 
 `mean_heading` makes a rule of how much each neighbour weighs, `sum_of` one of the forces between
 two. What they return goes into a `Rule`: `Rule(..., **mean_heading(weight))`.
@@ -51,7 +51,7 @@ def sum_of(**terms: Callable) -> dict[str, Any]:
     decide = explain = None
     for row, term in enumerate(terms.values()):
         decide = added(decide, term)
-        explain = told(explain, term, row)
+        explain = explained(explain, term, row)
     forces = tuple(name.replace("_", " ") for name in terms)
     return {"decide": decide, "explain": explain, "forces": forces, "wish": "acceleration"}
 
@@ -63,7 +63,7 @@ def nothing(me, near, surroundings, p):
 
 
 @compiled
-def nothing_told(me, near, surroundings, p, out):
+def nothing_explained(me, near, surroundings, p, out):
     """No force to tell."""
 
 
@@ -85,9 +85,9 @@ def added(before: Callable | None, term: Callable) -> Callable:
     return decide
 
 
-def told(before: Callable | None, term: Callable, row: int) -> Callable:
+def explained(before: Callable | None, term: Callable, row: int) -> Callable:
     """The forces of the terms `before`, and of one more in a row of `out` (forces, 3)."""
-    first = nothing_told if before is None else before
+    first = nothing_explained if before is None else before
 
     @compiled
     def explain(me, near, surroundings, p, out):

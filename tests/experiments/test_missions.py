@@ -76,10 +76,10 @@ def test_its_numbers_are_those_of_the_flights(done):
     experiment, made, _ = done
     for one in made.measured:
         for k, seed in enumerate((1, 2)):
-            course = fly(flock_of(one.cell, experiment.settings, seed), 150)
-            assert one.values["success"][k] == 100.0 * course.success
-            assert one.values["d_least"][k] == min(course.least_pair, course.least_obstacle)
-            assert one.values["ticks"][k] == course.ticks == 150
+            record = fly(flock_of(one.cell, experiment.settings, seed), 150)
+            assert one.values["success"][k] == 100.0 * record.success
+            assert one.values["d_least"][k] == min(record.least_pair, record.least_obstacle)
+            assert one.values["ticks"][k] == record.ticks == 150
             assert one.values["arrived"][k] == 0
             assert one.values["settled"][k] is one.values["through"][k] is None
 

@@ -213,7 +213,7 @@ def test_the_injected_car_keeps_its_own_name_in_a_simulation_only():
     for one, named in ((frame(), True), (live_frame(), False)):
         scene = Stand()
         car, made = InjectedCar(scene, "/goal"), shown(one)
-        for handle, prop, value in car.draw(made, made.frame.errand.goal):
+        for handle, prop, value in car.draw(made, made.frame.progress.goal):
             setattr(handle, prop, value)
         assert node(scene, "/car/hulls").visible
         assert node(scene, "/goal/name").visible is named

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from shapely.affinity import translate
 
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.queries.clearance import clearance
 from worlds.readers.read import Geometry
 from worlds.readers.roles import GOAL, PATH, START
@@ -49,7 +49,7 @@ def free_space(world: World) -> shapely.Geometry:
 
 def start_of(
     geometry: Geometry, free: shapely.Geometry, dx: float, dy: float, notes: list[str]
-) -> Start | None:
+) -> StartRegion | None:
     """The start region: the box around what is drawn, if no other free space lies in it."""
     if not geometry.starts:
         return None
@@ -71,7 +71,7 @@ def start_of(
         return None
     low, high = (low_x, low_y), (high_x, high_y)
     notes.append(f"{START}: {where} is the start of the mission, {at(low)} to {at(high)}")
-    return Start(low=low, high=high)
+    return StartRegion(low=low, high=high)
 
 
 def goal_of(
@@ -127,9 +127,9 @@ def path_of(
             notes.append(f"{PATH}: {where} is not used: {at(place)} is solid or outside")
             return None
     switch = min((one.radius for one in circles), default=SWITCH)
-    said = "as its circles say" if circles else "which the drawing does not say"
+    why = "as its circles say" if circles else "which the drawing does not say"
     notes.append(f"{PATH}: {where} is the path of the mission, {len(moved)} waypoints, each taken "
-                 f"at a distance of {switch:g} m, {said}")  # fmt: skip
+                 f"at a distance of {switch:g} m, {why}")  # fmt: skip
     return Path(waypoints=tuple(moved), switch=switch)
 
 

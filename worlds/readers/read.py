@@ -36,7 +36,7 @@ READERS: dict[str, Callable[[Path], Contents]] = {
 }  # fmt: skip
 """By the ending of the file's name."""
 FEW = 3
-"""Most open lines of a layer that are told one by one."""
+"""Most open lines of a layer that are reported one by one."""
 DIGITS = 14
 """Digits of the largest coordinate that are kept: behind them a double holds rounding errors."""
 Made = dict[str, list[tuple[str, Solid]]]

@@ -40,7 +40,7 @@ def draw_duel(figure: Any, experiment: Experiment, seed: int) -> None:
 
 def shared_box(flights: list[Flight]) -> tuple[np.ndarray, np.ndarray]:
     """The part of the plane that holds all trajectories, obstacles and the goal."""
-    boxes = [extent(flight.flock.world, flight.course.position, 2.0) for flight in flights]
+    boxes = [extent(flight.flock.world, flight.record.position, 2.0) for flight in flights]
     lows, highs = zip(*boxes, strict=True)
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
@@ -49,7 +49,7 @@ def draw_flight(axes: Any, flight: Flight, colour: str) -> None:
     """Draw a run: trajectories, and the agents with their links at the end."""
     flock = flight.flock
     draw_world(axes, flock.world)
-    draw_trails(axes, flight.course.position, [colour] * len(flock.ids))
+    draw_trails(axes, flight.record.position, [colour] * len(flock.ids))
     draw_links(axes, flock.position, flock.links())
     draw_agents(axes, flock.position, ["#c0392b"] * len(flock.ids), 16.0)
 
@@ -57,7 +57,7 @@ def draw_flight(axes: Any, flight: Flight, colour: str) -> None:
 def through(experiment: Experiment, flight: Flight) -> str:
     """How many agents came to the goal, in words."""
     n = len(flight.flock.ids)
-    share = flight.course.through(experiment.settings.spacing)  # type: ignore[attr-defined]
+    share = flight.record.through(experiment.settings.spacing)  # type: ignore[attr-defined]
     return f"{round(share * n)} of {n} through"
 
 
@@ -65,10 +65,10 @@ def draw_times(axes: Any, experiment: Experiment, flights: list[Flight], labels:
     """Draw the distance of the flock's centre to the goal over time, with the settling times."""
     near = experiment.settings.within  # type: ignore[attr-defined]
     for flight, label, colour in zip(flights, labels, COLOURS, strict=False):
-        centre, dt = flight.course.centre, flight.course.dt
+        centre, dt = flight.record.centre, flight.record.dt
         step = max(1, len(centre) // 1500)
         time = dt * np.arange(len(centre))
-        settled = flight.course.settled(near)
+        settled = flight.record.settled(near)
         words = "never settles" if settled is None else f"settles at {settled:.0f} s"
         axes.plot(
             time[::step], centre[::step], color=colour, linewidth=1.8, label=f"{label}: {words}"
@@ -76,7 +76,7 @@ def draw_times(axes: Any, experiment: Experiment, flights: list[Flight], labels:
         if settled is not None:
             axes.plot([settled], [near], "o", color=colour, markeredgecolor="white", zorder=5)
     axes.axhline(near, color="#7a828c", linewidth=1.0, linestyle=(0, (4, 3)))
-    axes.set_xlim(0, max(f.course.ticks * f.course.dt for f in flights))
+    axes.set_xlim(0, max(f.record.ticks * f.record.dt for f in flights))
     axes.set_ylim(bottom=0)
     axes.set_xlabel("time / s")
     axes.set_ylabel("centre to goal / m")

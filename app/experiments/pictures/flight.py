@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from agents import Flock
-from agents.mission import Course, fly
+from agents.mission import MissionRecord, fly
 from app.experiments.experiment import Cell, Experiment
 from app.experiments.kinds.mission import Mission
 from app.experiments.trial import flock_of
@@ -18,7 +18,7 @@ class Flight(NamedTuple):
     """A flock at the end of its mission, and how it went."""
 
     flock: Flock
-    course: Course
+    record: MissionRecord
 
 
 def flown(experiment: Experiment, cell: Cell, seed: int) -> Flight:

@@ -9,7 +9,7 @@ import numpy as np
 from app.experiments.experiment import Experiment
 from app.experiments.kinds.gathering import Gathering
 from app.experiments.pictures.boxes import came, explain
-from app.experiments.pictures.room import FALLEN, GROUPS, draw_room
+from app.experiments.pictures.room import CRASHED, GROUPS, draw_room
 from app.experiments.trial import flock_of
 from app.experiments.verdict import Verdict, of
 
@@ -74,5 +74,5 @@ def signs(axes: Any) -> list[Any]:
 
     handles = axes.get_legend_handles_labels()[0]
     flies = Line2D([], [], color=GROUPS[0], marker=">", linestyle="none", label="largest group")
-    lies = Line2D([], [], color=FALLEN, marker="x", linestyle="none", label="crashed")
+    lies = Line2D([], [], color=CRASHED, marker="x", linestyle="none", label="crashed")
     return [*handles, flies, lies]

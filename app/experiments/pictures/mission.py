@@ -37,12 +37,12 @@ def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
     whole, setup, detail = panels["all"], panels["setup"], panels["detail"]
     for axes in panels.values():
         draw_world(axes, flight.flock.world)
-        draw_trails(axes, flight.course.position, colours(flight))
-        leaders = flight.course.position[:, flight.course.informed]
+        draw_trails(axes, flight.record.position, colours(flight))
+        leaders = flight.record.position[:, flight.record.informed]
         draw_trails(axes, leaders, [INFORMED] * leaders.shape[1], 2.0, 1.0)
-        draw_agents(axes, flight.course.position[0], colours(flight), 5.0)
-    draw_agents(whole, flight.course.position[-1], colours(flight), 10.0)
-    kept = flight.course
+        draw_agents(axes, flight.record.position[0], colours(flight), 5.0)
+    draw_agents(whole, flight.record.position[-1], colours(flight), 10.0)
+    kept = flight.record
     show_box(whole, *extent(flight.flock.world, kept.position[:, kept.follows], 1.0))
     whole.set_title(
         f"{cell.label}, N = {cell.agents}, seed {seed}: {kept.success:.0%} follow to the end, "
@@ -64,10 +64,10 @@ def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
 
 def colours(flight: Flight) -> list[str]:
     """A colour for each agent: informed, following or lost."""
-    course = flight.course
+    record = flight.record
     return [
         INFORMED if informed else AGENT if follows else LOST
-        for informed, follows in zip(course.informed, course.follows, strict=True)
+        for informed, follows in zip(record.informed, record.follows, strict=True)
     ]
 
 
@@ -83,11 +83,11 @@ def busiest(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
 
 def closest(flight: Flight) -> tuple[int, np.ndarray]:
     """The agent that followed and came closest to an obstacle, and where (2,)."""
-    course = flight.course
-    ordinary = course.follows & ~course.informed
-    rows = np.flatnonzero(ordinary if ordinary.any() else course.follows)
-    row = int(rows[course.clearance[rows].argmin()])
-    track = course.position[:, row]
+    record = flight.record
+    ordinary = record.follows & ~record.informed
+    rows = np.flatnonzero(ordinary if ordinary.any() else record.follows)
+    row = int(rows[record.clearance[rows].argmin()])
+    track = record.position[:, row]
     return row, track[clearance(flight.flock.world, track).argmin(), :2]
 
 

@@ -11,7 +11,7 @@ from app.experiments.kinds.gathering import groups_of
 
 GROUPS = ("#2166ac", "#d9822b", "#1f9d63", "#8e44ad", "#b8860b", "#16808a")
 """Colours of the largest groups; alone are those of one."""
-ALONE, FALLEN = "#7a828c", "#c0392b"
+ALONE, CRASHED = "#7a828c", "#c0392b"
 SOLID, EDGE, FLOOR = "#9fb4cc", "#aab2bd", "#eef1f4"
 LENGTH = 0.06
 """Length of an arrow, of the box's longest side."""
@@ -59,7 +59,7 @@ def draw_flock(axes: Any, flock: Any, length: float) -> None:
     place = np.where(flock.world.wraps, flock.position % flock.world.size, flock.position)
     if not up.all():
         axes.scatter(
-            *place[~up].T, marker="x", s=16, color=FALLEN, linewidths=1.2, depthshade=False
+            *place[~up].T, marker="x", s=16, color=CRASHED, linewidths=1.2, depthshade=False
         )
     fly, way = place[up], flock.heading[up] * length
     if len(fly):

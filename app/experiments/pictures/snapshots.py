@@ -31,7 +31,7 @@ def draw_snapshots(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
     cell = experiment.cells[0]
     assert isinstance(experiment.settings, Mission)
-    end = flown(experiment, cell, seed).course.ticks
+    end = flown(experiment, cell, seed).record.ticks
     figure.set_size_inches(12.4, 10.6)
     figure.get_layout_engine().set(h_pad=0.1)
     panels = figure.subplot_mosaic(

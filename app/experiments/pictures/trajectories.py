@@ -33,9 +33,9 @@ def draw_trajectories(figure: Any, experiment: Experiment, seed: int) -> None:
 
 def draw_over_time(axes: Any, flight: Flight, axis: int, name: str) -> None:
     """Draw one coordinate of all agents over time."""
-    course = flight.course
-    time = course.dt * course.every * np.arange(len(course.position))
-    axes.plot(time, course.position[:, :, axis], color=COLOUR, linewidth=0.6, alpha=0.45)
+    record = flight.record
+    time = record.dt * record.every * np.arange(len(record.position))
+    axes.plot(time, record.position[:, :, axis], color=COLOUR, linewidth=0.6, alpha=0.45)
     goal = flight.flock.goal_at([0])[0, axis]
     axes.axhline(goal, color="#1f9d63", linewidth=1.2, linestyle=(0, (4, 3)), label="goal")
     axes.set_xlim(0, min(time[-1], SHOWN))

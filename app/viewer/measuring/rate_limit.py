@@ -7,17 +7,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-class Ration:
+class RateLimit:
     """Lets work happen at most every `period` s and take at most `share` of all time.
 
     The first time does not count: it may have had to compile.
 
-    >>> ration = Ration(period=0.25, share=0.1)
-    >>> ration.spent(now=-9.0, seconds=3.0)
-    >>> ration.due(now=0.0)
+    >>> rate_limit = RateLimit(period=0.25, share=0.1)
+    >>> rate_limit.spent(now=-9.0, seconds=3.0)
+    >>> rate_limit.due(now=0.0)
     True
-    >>> ration.spent(now=0.0, seconds=0.05)  # took 50 ms: not again before 500 ms have passed
-    >>> ration.due(now=0.4)
+    >>> rate_limit.spent(now=0.0, seconds=0.05)  # took 50 ms: not again before 500 ms have passed
+    >>> rate_limit.due(now=0.4)
     False
     """
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.viewer.editing.refuge import GAP, set_free
+from app.viewer.editing.free_places import GAP, set_free
 from worlds.obstacles import Box, Disc, Polygon, Sphere
 from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal

@@ -12,7 +12,7 @@ FAR = 1e9
 """Beyond all coordinates, m."""
 
 
-def shadow(world: World) -> shapely.Geometry:
+def footprint(world: World) -> shapely.Geometry:
     """The obstacles as one area; what reaches over an edge that wraps comes in on the other."""
     balls = [
         shapely.Point(x, y).buffer(radius, quad_segs=32)

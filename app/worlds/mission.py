@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.worlds.colours import GOAL, PATH, START
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.world import World
 
 AGENTS = 100
@@ -31,7 +31,7 @@ def draw_mission(axes: Any, world: World, plane: tuple[int, int] = (0, 1)) -> li
     return signs
 
 
-def start_box(start: Start, dim: int) -> tuple[np.ndarray, np.ndarray]:
+def start_box(start: StartRegion, dim: int) -> tuple[np.ndarray, np.ndarray]:
     """The corners of the start region, for AGENTS agents where it depends on their number."""
     low = np.array(start.low)
     if start.high is not None:
@@ -52,7 +52,7 @@ def reaches(world: World) -> list[np.ndarray]:
     return found
 
 
-def draw_start(axes: Any, start: Start, dim: int, seen: list[int]) -> Any:
+def draw_start(axes: Any, start: StartRegion, dim: int, seen: list[int]) -> Any:
     """The start region."""
     from matplotlib.patches import Patch, Rectangle
 

@@ -11,61 +11,62 @@ from app.viewer.scene.shown.live import LATE, LOST, Live
 
 HOLD = 0.4
 """Seconds for which a car is still shown as late or lost when it no longer is."""
-AFRESH = 0.25
-"""Seconds after which the age of a car is told afresh."""
+REFRESH = 0.25
+"""Seconds after which the age of a car is brought up to date."""
 BADNESS = {LATE: 1, LOST: 2}
 """Of a state; 0 for the others."""
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Shown:
     state: str
     age: float
-    told: float
-    """When the age was, s."""
+    """Of what was seen last of the car, s."""
+    shown_at: float
+    """When the age was brought up to date, s."""
     true: float
     """When the state was so last, s."""
 
 
-class Calm:
+class Debounce:
     """Remembers what was shown of each car; forgotten when the run changes."""
 
     def __init__(self) -> None:
         self._run: int | None = None
-        self._told: dict[str, _Told] = {}
+        self._shown: dict[str, _Shown] = {}
 
-    def calmed(self, frame: Frame) -> Frame:
-        """The frame with the states and ages that are to be shown; others are as they are."""
+    def debounced(self, frame: Frame) -> Frame:
+        """The frame with the states and ages that are to be shown; a flock's frame as it is."""
         live = frame.live
         if live is None:
-            self._told.clear()
+            self._shown.clear()
             return frame
         if frame.run != self._run:
             self._run = frame.run
-            self._told.clear()
+            self._shown.clear()
         now = frame.tick * frame.dt
-        self._told = {
+        self._shown = {
             name: self._next(name, state, float(age), now)
             for name, state, age in zip(live.names, live.states, live.ages, strict=True)
         }
-        return replace(frame, live=_as_told(live, [self._told[name] for name in live.names]))
+        return replace(frame, live=_as_shown(live, [self._shown[name] for name in live.names]))
 
-    def _next(self, name: str, state: str, age: float, now: float) -> _Told:
-        before = self._told.get(name)
-        if before is None or now < before.told:
-            return _Told(state, age, now, now)
+    def _next(self, name: str, state: str, age: float, now: float) -> _Shown:
+        before = self._shown.get(name)
+        if before is None or now < before.shown_at:
+            return _Shown(state, age, now, now)
         if state == before.state:
-            fresh = now - before.told >= AFRESH
-            return _Told(state, age, now, now) if fresh else replace(before, true=now)
+            fresh = now - before.shown_at >= REFRESH
+            return _Shown(state, age, now, now) if fresh else replace(before, true=now)
         better = BADNESS.get(state, 0) < BADNESS.get(before.state, 0)
         if better and now - before.true < HOLD:
             return before
-        return _Told(state, age, now, now)
+        return _Shown(state, age, now, now)
 
 
-def _as_told(live: Live, told: list[_Told]) -> Live:
+def _as_shown(live: Live, shown: list[_Shown]) -> Live:
     return replace(
         live,
-        states=tuple(one.state for one in told),
-        ages=np.array([one.age for one in told]),
+        states=tuple(one.state for one in shown),
+        ages=np.array([one.age for one in shown]),
     )
