@@ -21,9 +21,9 @@ from agents.bodies import (
     turning,
     zero_turn,
 )
-from agents.declare import Body, Rule, declared
-from agents.model import Model
-from agents.rule_file import thing_in
+from agents.models.declare import Body, Rule, declared
+from agents.models.model import Model
+from agents.models.rule_file import thing_in
 from agents.rules import (
     boundary_points,
     couzin,

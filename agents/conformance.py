@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from agents.calling import Fault
-from agents.declare import declared
 from agents.flock import Flock
-from agents.model import Model
+from agents.models.calling import Fault
+from agents.models.declare import declared
+from agents.models.model import Model
 from worlds.obstacles import Disc
 from worlds.world import World
 

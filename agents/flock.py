@@ -13,17 +13,17 @@ import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.declare import checked
 from agents.home import find_world, is_built_in, world_of
 from agents.inspection import Inspection, inspect, warm
 from agents.member import FlockSpace, Member
+from agents.models.declare import checked
+from agents.models.sources import cite
 from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder, read_state
-from agents.rows import begun, chosen, demand_memory_for, joined
-from agents.sources import cite
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
-from agents.start import Start, free_positions, given_start, random_headings, random_start
+from agents.state.rows import begun, chosen, demand_memory_for, joined
+from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
 

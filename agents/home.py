@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.model import Model
+from agents.models.model import Model
 from agents.spec import Spec
 from worlds.generators import drawn
 from worlds.layout import layout_dim, layout_names, world_from_layout

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from agents.calling import call
 from agents.engine.arrays import Context
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
+from agents.models.calling import call
 from agents.observables.neighbours import separation
 from agents.snapshot import Snapshot, State
 from worlds.compiled import plain_python
@@ -23,7 +23,7 @@ UNSEEN = -1
 
 @dataclass(frozen=True)
 class Shell:
-    """A zone of a rule (`agents.declare.Zone`) with the parameters as they are."""
+    """A zone of a rule (`agents.models.declare.Zone`) with the parameters as they are."""
 
     name: str
     radius: float

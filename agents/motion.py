@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from agents.calling import call
-from agents.declare import as_floats, checked
 from agents.engine.arrays import Arrays, Context, Place, Until
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
-from agents.model import Model
+from agents.models.calling import call
+from agents.models.declare import as_floats, checked
+from agents.models.model import Model
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import Snapshot, State
-from agents.whereabouts import Stray, stray
+from agents.state.whereabouts import Stray, stray
 from worlds.compiled import DISABLED
 from worlds.queries.survey import survey
 from worlds.refusal import Refusal, shortened

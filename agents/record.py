@@ -17,13 +17,13 @@ from typing import Protocol
 import numpy as np
 
 from agents.catalogue import model
-from agents.declare import checked
 from agents.engine.arrays import Arrays
 from agents.home import world_of
-from agents.model import Model
-from agents.rows import no_crashes
+from agents.models.declare import checked
+from agents.models.model import Model
 from agents.snapshot import Snapshot
 from agents.spec import Spec
+from agents.state.rows import no_crashes
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_writable, writing

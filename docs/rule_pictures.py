@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle
 from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
-from agents.model import Model
+from agents.models.model import Model
 from app.worlds.colours import FLOOR, GOAL, INK, LOOK, PALE, PATH, SOLID, SOLID_EDGE
 from app.worlds.footprint import footprint
 from app.worlds.plan import edges, fill, floor

@@ -9,9 +9,9 @@ import pytest
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS
 from agents.conformance import CHECKS, outcome
-from agents.declare import ALL_ALIKE
 from agents.engine.block import Wish
-from agents.model import Model
+from agents.models.declare import ALL_ALIKE
+from agents.models.model import Model
 from worlds.compiled import compiled
 
 NOT_ALIKE = {

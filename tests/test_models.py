@@ -6,8 +6,8 @@ import pytest
 from agents import Flock
 from agents.bodies import constant_speed, double_integrator
 from agents.catalogue import MODELS
-from agents.declare import declared
-from agents.model import Model
+from agents.models.declare import declared
+from agents.models.model import Model
 from agents.rules import hwvem, olfati_saber
 from worlds.layout import world
 from worlds.refusal import Refusal

@@ -14,7 +14,7 @@ from agents.catalogue import MODELS
 from agents.engine.cache import kept
 from agents.observables.energy import potential
 from agents.rules import olfati_saber as rule
-from agents.rules import sigma
+from agents.rules.terms import sigma
 from worlds.compiled import entry
 
 CLEAR = 1e-7

@@ -10,9 +10,9 @@ import pytest
 from agents import Flock
 from agents.bodies import point_mass
 from agents.catalogue import MODELS
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish
-from agents.model import Model
+from agents.models.declare import Parameters, Rule, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
 
 

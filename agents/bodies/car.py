@@ -15,9 +15,9 @@ from agents.bodies.car_signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOP
 from agents.bodies.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
 from agents.bodies.command import command, received, sent
 from agents.bodies.tracking import Tracking
-from agents.declare import Body, Rule, parameter
 from agents.engine.block import Moved
-from agents.model import Model
+from agents.models.declare import Body, Rule, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
 
 CRASHES = 1.0

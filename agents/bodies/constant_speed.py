@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 
 

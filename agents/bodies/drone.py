@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.declare import Body, Parameters, Rule, declared, parameter
 from agents.engine.block import Moved
-from agents.model import Model
+from agents.models.declare import Body, Parameters, Rule, declared, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
 from worlds.queries.surroundings import nearest_surface
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from agents.bodies.turning import towards
 from agents.bodies.upwash import saved
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 from worlds.queries.crossing import skin
 from worlds.queries.surroundings import signed_distance

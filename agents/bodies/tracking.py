@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, parameter
 from agents.engine.noise import cos_sin, uniform
+from agents.models.declare import Parameters, parameter
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, YAW_RADIUS, YAW_ANGLE, SEEN = 4, 5, 6, 7, 8

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from agents.bodies.tracking import Tracking
-from agents.declare import Body, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, parameter
 from worlds.compiled import compiled
 
 

@@ -25,7 +25,7 @@ class Arrays(NamedTuple):
     shape (K, N)."""
     crash_record: np.ndarray
     """Of agents that can crash the tick at which they did, or -1, what they touched, and where;
-    (N, 2 + dim), or no rows at all. See `agents.crashes`."""
+    (N, 2 + dim), or no rows at all. See `agents.state.crashes`."""
 
 
 def empty_slots(n: int, dim: int, signals: int) -> Slots:

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, Zone, parameter
 from agents.engine.block import Wish
 from agents.engine.noise import cos_sin, uniform
-from agents.rules.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
+from agents.models.declare import Parameters, Rule, Zone, parameter
+from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, ROLL = 4, 5, 6

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
+from agents.models.declare import Rule, parameter
 from agents.rules.couzin import missed
-from agents.rules.potential_field import push
-from agents.rules.slots import PACE, closing_up, nearest_slot
-from agents.rules.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
+from agents.rules.terms.potential_field import push
+from agents.rules.terms.slots import PACE, closing_up, nearest_slot
+from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
-from agents.rules.sigma import (
+from agents.models.declare import Rule, parameter
+from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
     bump,

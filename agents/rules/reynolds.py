@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish
-from agents.rules.steering import avoidance, cut, seek
+from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.steering import avoidance, cut, seek
 from worlds.compiled import compiled
 
 PACE = 0

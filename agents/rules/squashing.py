@@ -9,9 +9,18 @@ bounded, sigma(0) = -beta C, and so it is here.
 from __future__ import annotations
 
 from agents.bodies.tracking import Tracking, error_of, left_behind
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.rules.pulls import ERROR_X, ERROR_Y, HUNTS, chase, injected, is_heard, is_hunter, pulls
+from agents.models.declare import Rule, parameter
+from agents.rules.terms.pulls import (
+    ERROR_X,
+    ERROR_Y,
+    HUNTS,
+    chase,
+    injected,
+    is_heard,
+    is_hunter,
+    pulls,
+)
 from worlds.compiled import compiled
 
 LAST_X, LAST_Y, KNOWN, RATE_X, RATE_Y = 0, 1, 2, 3, 4

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish, adjacent
+from agents.models.declare import Parameters, Rule, parameter
 from worlds.compiled import compiled
 
 

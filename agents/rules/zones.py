@@ -6,11 +6,11 @@ Bachelor's thesis on self-organised flocks of flapping-wing aircraft, sections 3
 
 from __future__ import annotations
 
-from agents.declare import Parameters, Rule, Zone, parameter
 from agents.engine.block import Wish
+from agents.models.declare import Parameters, Rule, Zone, parameter
 from agents.rules.couzin import missed
-from agents.rules.potential_field import bent
-from agents.rules.zone_sums import edge_of, weigh_zones, zone_sums
+from agents.rules.terms.potential_field import bent
+from agents.rules.terms.zone_sums import edge_of, weigh_zones, zone_sums
 from worlds.compiled import compiled
 
 

@@ -20,12 +20,12 @@ from agents.bodies.car import driving
 from agents.bodies.car_signals import FRESH, PACE, SIGNALS, STEERING, STUCK
 from agents.bodies.tracking import Tracking
 from agents.catalogue import MODELS
-from agents.declare import Rule, checked
-from agents.model import Model
+from agents.models.declare import Rule, checked
+from agents.models.model import Model
 from agents.motion import Motion
-from agents.rows import begun
 from agents.rules.squashing import SQUASHING
-from agents.start import Start
+from agents.state.rows import begun
+from agents.state.start import Start
 from app.live.control.driver import Companion
 from app.live.control.pose import Pose, Sighting
 from app.live.laboratory.lab import Lab

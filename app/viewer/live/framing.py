@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.model import Model
+from agents.models.model import Model
 from app.live.control.look import Look
 from app.live.laboratory.lab import Lab
 from app.live.operating.squashing_driver import room as world_of

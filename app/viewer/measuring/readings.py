@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from agents.crashes import Crashes
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.following import spread_bound
 from agents.observables.groups import group_sizes
 from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
+from agents.state.crashes import Crashes
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.course import Course
 from app.viewer.measuring.crowd import refuse_too_many_links

@@ -10,7 +10,7 @@ import numpy as np
 from agents.flock import Flock
 from agents.inspection import Inspection, shells
 from agents.observables.of_agents import OF_AGENTS, measured
-from agents.start import start_box
+from agents.state.start import start_box
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.rate_limit import RateLimit

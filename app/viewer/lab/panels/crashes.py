@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.crashes import CAUSES, Crashes
+from agents.state.crashes import CAUSES, Crashes
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.style import block
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.crashes import CAUSES, Crashes
 from agents.inspection import UNSEEN, Inspection
+from agents.state.crashes import CAUSES, Crashes
 from app.viewer.panels.style import block, table
 from app.viewer.run.picture import SAVED
 from app.viewer.scene.draw import palette

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.crashes import Crashes
 from agents.inspection import Inspection
+from agents.state.crashes import Crashes
 from app.viewer.scene.shown.cars import Cars
 from app.viewer.scene.shown.live import Live
 from worlds.world import World

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from agents.engine.arrays import Arrays
-from agents.model import Model
-from agents.start import Start
+from agents.models.model import Model
+from agents.state.start import Start
 from worlds.memory import demand_memory
 from worlds.refusal import Refusal
 

@@ -1,21 +1,22 @@
-"""The room that an agent keeps for itself, so that it always has a way out.
+"""The ball that an agent reserves for itself, so that it always has a way out.
 
 An aircraft that cannot stop can slow down and circle. Its *escape* is to turn by theta_max to one
 side in every tick while its speed goes to v_min, and then to go round in that circle for ever. Its
-*room* is a ball round the centre of that last circle which the whole of the escape lies in; round
-it there must be place for the body. Every agent tells the others where its room is.
+*reserved ball*, round the centre of that last circle, holds the whole of the escape; round it there
+must be space for the body. Every agent tells the others where its ball is.
 
-Between two rooms lies a plane, at right angles to the line through their centres and halfway
-between their surfaces. An agent only makes a step after which its next room lies on its own side of
-the planes to all others, and clear of what is solid. The others do the same, so the next rooms are
+Between two balls lies a plane, at right angles to the line through their centres and halfway
+between their surfaces. An agent only makes a step after which its next ball lies on its own side of
+the planes to all others, and clear of what is solid. The others do the same, so the next balls are
 apart again even if all decide at once; and there always is such a step, since going on with the
-escape leaves the room where it is. So from the moment when all rooms are apart no two bodies ever
+escape leaves the ball where it is. So from the moment when all balls are apart no two bodies ever
 touch, and none touches what is solid, whatever the agents wish.
 
 Cells between planes are those of van den Berg et al. 2011 and Zhou et al. 2017 (buffered Voronoi
 cells), who need agents that can stop; a circle in place of a stop is the loiter of Schouwenaars et
-al. 2004. That the escape comes nearer to its last centre all the time is the theorem of Tait and
-Kneser on curves whose curvature grows.
+al. 2004, and to reserve it the reserved disc of Pallottino et al. 2007. That the escape comes
+nearer to its last centre all the time is the theorem of Tait and Kneser on curves whose curvature
+grows.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from worlds.compiled import compiled
 from worlds.queries.surroundings import signed_distance
 
 OUT_X, OUT_Y, OUT_Z, RADIUS = range(4)
-"""Rows of `near.signal`: from an agent to the centre of its room; the radius of the room."""
+"""Rows of `near.signal`: from an agent to the centre of its reserved ball; the radius of that."""
 SKIN = 0.01
 """Air that is kept around bodies, length."""
 ENOUGH = 1e-9
@@ -44,7 +45,7 @@ class Direction(NamedTuple):
     z: float
 
 
-class Room(NamedTuple):
+class ReservedBall(NamedTuple):
     """A ball that an agent can stay in: centre and radius, length."""
 
     x: float
@@ -106,12 +107,12 @@ def escape(speed, p):
 
 
 @compiled
-def room(at, u, n, way):
-    """The room of an agent at a place `at` with heading u that would take the escape `way` to n.
+def reserved_ball(at, u, n, way):
+    """The ball reserved by an agent at a place with heading u and the escape `way` to the side n.
 
     n is a unit vector at right angles to u.
     """
-    return Room(
+    return ReservedBall(
         at.x + way.along * u.x + way.across * n.x,
         at.y + way.along * u.y + way.across * n.y,
         at.z + way.along * u.z + way.across * n.z,
@@ -120,9 +121,9 @@ def room(at, u, n, way):
 
 
 @compiled
-def own_room(me):
-    """The room that an agent has told the others."""
-    return Room(
+def own_ball(me):
+    """The reserved ball that an agent has told the others."""
+    return ReservedBall(
         me.x + me.signal[OUT_X],
         me.y + me.signal[OUT_Y],
         me.z + me.signal[OUT_Z],
@@ -149,7 +150,7 @@ def beside(u, v):
 
 @compiled
 def overlap(me, near, surroundings, own, then, p):
-    """By how much the room `then` is over the planes around the room `own`, and in solids; length.
+    """By how much the ball `then` is over the planes around the ball `own`, and in solids; length.
 
     The sum over all others, and the nearest surface. 0: the step to it is safe. Nobody beyond
     reach is in the way, see `agents.rules.guarded_zones.GuardedZones.range`.

@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from agents.rules.guarded_room import (
+from agents.rules.terms.reserved_ball import (
     OUT_X,
     OUT_Y,
     OUT_Z,
     Direction,
     Escape,
-    Room,
+    ReservedBall,
     beside,
     escape,
     nearer,
     overlap,
-    own_room,
-    room,
+    own_ball,
+    reserved_ball,
     turn_of,
 )
 from worlds.compiled import compiled
@@ -31,12 +31,12 @@ TRIES = SIDES * PACES * HEADINGS
 
 
 class Step(NamedTuple):
-    """A step, and the room that the agent has after it."""
+    """A step, and the ball that the agent reserves after it."""
 
     u: Direction
     """The new heading."""
     speed: float
-    room: Room
+    ball: ReservedBall
 
 
 class Choice(NamedTuple):
@@ -137,12 +137,12 @@ def tried(me, of, number, p):
     speed = of.slow if slows else of.fast
     d = speed * p.tau
     at = Direction(me.x + d * u.x, me.y + d * u.y, me.z + d * u.z)
-    return Step(u, speed, room(at, u, n, of.slow_way if slows else of.fast_way))
+    return Step(u, speed, reserved_ball(at, u, n, of.slow_way if slows else of.fast_way))
 
 
 @compiled
 def onward(me, of, own):
-    """The last resort, to go on with the escape: the room stays."""
+    """The last resort, to go on with the escape: the ball stays."""
     return Step(towards(Direction(me.ux, me.uy, me.uz), of.out, of.most), of.slow, own)
 
 
@@ -150,11 +150,11 @@ def onward(me, of, own):
 def safe_step(me, near, surroundings, wish, pace, p):
     """The first safe step for an agent that wishes a heading (unit vector) and a speed.
 
-    If none is safe, which happens only while rooms overlap as a run starts, the least unsafe.
-    Without the guard (p.guard) the step that is wished, safe or not.
+    If none is safe, which happens only while reserved balls overlap as a run starts, the least
+    unsafe. Without the guard (p.guard) the step that is wished, safe or not.
     """
     of = choice(me, wish, pace, p)
-    own = own_room(me)
+    own = own_ball(me)
     best = onward(me, of, own)
     least = math.inf
     for number in range(TRIES + 1):
@@ -162,7 +162,7 @@ def safe_step(me, near, surroundings, wish, pace, p):
         if number < TRIES and (leaves(of.flat, number % SIDES) or leaves(of.flat, aside)):
             continue
         step = tried(me, of, number, p) if number < TRIES else onward(me, of, own)
-        over = overlap(me, near, surroundings, own, step.room, p)
+        over = overlap(me, near, surroundings, own, step.ball, p)
         if over < least:
             least, best = over, step
         if over == 0.0 or p.guard == 0.0:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from agents.rules.zone_sums import edge_of
+from agents.rules.terms.zone_sums import edge_of
 from worlds.compiled import compiled
 
 PACE = 0

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from agents.model import Model
+from agents.models.model import Model
 
 
 class Paper(NamedTuple):

@@ -13,10 +13,10 @@ from typing import Any
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 
-from agents.declare import OF_BODIES, OF_RULES, Body, Rule
 from agents.engine.block import Me, Moved, Near, Wish
 from agents.engine.cache import reached
-from agents.model import Model
+from agents.models.declare import OF_BODIES, OF_RULES, Body, Rule
+from agents.models.model import Model
 from worlds.compiled import DISABLED, plain_python
 from worlds.queries.surroundings import Surroundings
 from worlds.refusal import Refusal, suggestion

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from pydantic import create_model
 
-from agents.declare import Body, Parameters, Rule, Symmetry, as_floats
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
+from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 from agents.engine.arrays import Arrays
 
 CAUSES = {1: "another agent", 2: "an obstacle or a wall"}
-"""What an agent can have touched, as `agents.declare.Body.touches` answers it."""
+"""What an agent can have touched, as `agents.models.declare.Body.touches` answers it."""
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, parameter
 from agents.engine.block import adjacent
+from agents.models.declare import Parameters, parameter
 from worlds.compiled import compiled
 
 PACE = 0

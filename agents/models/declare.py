@@ -193,7 +193,7 @@ class Rule:
     equation: str
     """The equation in LaTeX, for the documentation."""
     source: str
-    """Where it is from, in words; papers are cited by how `agents.sources` names them."""
+    """Where it is from, in words; papers are cited by how `agents.models.sources` names them."""
     parameters: type[Parameters]
     decide: Callable
     """Compiled: (me, near, surroundings, p) -> Wish."""
@@ -235,7 +235,7 @@ class Rule:
     led: bool = True
     """Whether there may be information agents."""
     bibtex: str = ""
-    """Entries of its own, for a source that `agents.sources` does not have."""
+    """Entries of its own, for a source that `agents.models.sources` does not have."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
     symmetries: tuple[Symmetry, ...] = ALL_ALIKE
