@@ -47,7 +47,7 @@ def find_world(
 
 
 def is_built_in(world: World, seed: int) -> bool:
-    """Whether the world is the one that its name and the seed make again."""
+    """Whether the name and the seed are enough to make this world again."""
     if world.name not in layout_names():
         return False
     try:

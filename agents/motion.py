@@ -113,7 +113,7 @@ class Motion(State):
 
     @property
     def warning(self) -> str:
-        """What to tell of agents that go through what is solid, or an empty string."""
+        """A warning about agents that go through what is solid, or an empty string."""
         if not self.passing:
             return ""
         return (
@@ -167,7 +167,7 @@ class Motion(State):
             self._engine = None
 
     def change_world(self, world: World) -> None:
-        """Other obstacles, edges or another mission around the running flock.
+        """Put the running flock among other obstacles, edges or another mission.
 
         Raises Refusal if the world has other dimensions; nothing then changes. Agents stay where
         they are: see `worlds.queries.clearance` for those that an obstacle has come upon.
@@ -256,7 +256,7 @@ class Motion(State):
             self.tick += 1
 
     def signals(self) -> np.ndarray:
-        """What agents tell each other and keep to themselves now, (K, N): `model.columns`.
+        """Signals, memories and measures of the agents now, (K, N): `model.columns`.
 
         A layer that is not known is infinite.
         """

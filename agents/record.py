@@ -41,7 +41,7 @@ FLUSH_ROWS = 20_000
 
 
 class Recorded(Protocol):
-    """What is recorded: a flock."""
+    """What a recorder needs of a flock."""
 
     @property
     def spec(self) -> Spec: ...
@@ -138,7 +138,7 @@ class Recorder:
         return Refusal(f"{reason}; it holds {rest}")
 
     def discard(self) -> None:
-        """Leave nothing behind."""
+        """Delete the unfinished recording."""
         with suppress(OSError):
             self.file.close()
         self.part.unlink(missing_ok=True)
@@ -160,7 +160,7 @@ class Recorder:
                 raise self.cut_off(error) from None
 
     def flush(self) -> None:
-        """Bring what waits to the disk."""
+        """Write waiting frames to the disk."""
         import pyarrow as pa
 
         if self.waiting:

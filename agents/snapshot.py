@@ -170,7 +170,7 @@ class Snapshot(State):
         return layers(self._links, self.informed)
 
     def signal(self, name: str) -> np.ndarray:
-        """What agents tell, keep or measure, one of `model.columns`: a copy (N,).
+        """A signal, memory or measure of the agents, one of `model.columns`: a copy (N,).
 
         A layer of N + 1 is unknown. Raises Refusal for a name that is none, and for what agents
         tell each other in a snapshot that was taken without.

@@ -190,7 +190,7 @@ class CShape(Flat):
     """Direction in degrees, 0 is +x, 90 is +y."""
 
     @model_validator(mode="after")
-    def _has_room(self) -> Self:
+    def _is_open(self) -> Self:
         width, height = self.size
         if self.thickness >= width or 2.0 * self.thickness >= height:
             raise ValueError(

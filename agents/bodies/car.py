@@ -182,7 +182,7 @@ class Car(Tracking):
 
 @compiled
 def move(me, near, surroundings, want, p, out):
-    """Command, radio, servo, motor; then roll, unless something is in the way."""
+    """One tick: command, radio delay, servo, motor, then rolling if nothing is in the way."""
     base = out.shape[0] - ROWS
     ready = 1.0 - me.signal[base + FRESH]
     wheel, throttle = command(me, near, surroundings, want, p, base, out)
@@ -245,7 +245,7 @@ STEERED = replace(BODY, name="steered-car", takes="heading")
 
 
 def driving(rule: Rule, **more: Any) -> Model:
-    """The model NAME-cars: cars that go by a rule which wishes a heading or a velocity.
+    """The model NAME-cars: cars driven by a rule that wishes a heading or a velocity.
 
     `more` goes to the model; cars are on a plane, whatever the rule can do.
     """

@@ -44,7 +44,7 @@ def throttle_for(wheel, p):
 
 @compiled
 def patience(me, p, base):
-    """The time (s) that a car has not got on, counted on; from -BACKS up to 0 it backs out.
+    """Time (s) for which a car has been stuck; it counts from -BACKS up to 0 while it backs out.
 
     One that looks ahead stands of its own will, which is counted too, and backs out when it likes.
     """

@@ -1,4 +1,4 @@
-"""The guard: a velocity that would take an agent into an obstacle loses what leads there."""
+"""The guard takes out of a velocity the part that would lead an agent into an obstacle."""
 
 from __future__ import annotations
 

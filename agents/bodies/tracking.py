@@ -1,4 +1,4 @@
-"""What motion capture makes of where cars are: noise, and frames in which a car is not seen."""
+"""Errors of motion capture: noise of positions, and frames in which a car is not seen."""
 
 from __future__ import annotations
 

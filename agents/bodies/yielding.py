@@ -1,4 +1,4 @@
-"""Looking ahead: a car tries what it could do and takes what is nearest to its wish and safe.
+"""Looking ahead: of the commands that are safe a car takes the one nearest to its wish.
 
 Added to Jacobs and Koessler, whose cars go for their wish whatever is in the way. The others are
 taken to go on as they are: at their speed, with their wheels as they stand. Bodies are taken as two
@@ -29,7 +29,7 @@ what is in the way, and of standing on after a second of it."""
 
 
 @compiled
-def room(me, near, j, base, t, x, y, ux, uy, p):
+def gap_to(me, near, j, base, t, x, y, ux, uy, p):
     """Gap (m) between this car at (x, y) along (ux, uy) and car j, at time t (s) from now."""
     known = 1.0 - near.signal[base + FRESH, j]
     speed = known * near.signal[base + PACE, j]
@@ -53,12 +53,12 @@ def room(me, near, j, base, t, x, y, ux, uy, p):
 
 
 @compiled
-def least_room(me, near, surroundings, base, t, x, y, ux, uy, p):
+def least_gap(me, near, surroundings, base, t, x, y, ux, uy, p):
     """The least gap (m) between this car at (x, y) and any other or what is solid, at time t."""
     least = math.inf
     for j in range(near.n):
         dx, dy = near.x[j] - me.x, near.y[j] - me.y
-        gap = room(me, near, j, base, t, x, y, ux, uy, p)
+        gap = gap_to(me, near, j, base, t, x, y, ux, uy, p)
         least = min(least, gap if dx * dx + dy * dy > 0.0 else math.inf)
     if surroundings.solids > 0:
         least = min(least, signed_distance(surroundings, x, y, 0.0) - 0.5 * p.length)
@@ -67,7 +67,7 @@ def least_room(me, near, surroundings, base, t, x, y, ux, uy, p):
 
 @compiled
 def risk(me, near, surroundings, wheel, throttle, p, base):
-    """What is in the way with a command: 0 nothing, up to 2 the sooner and the closer it is.
+    """Risk of a collision under a command: 0 for none, up to 2 the sooner and the closer it is.
 
     In the way is what comes nearer than the margin, and nearer than anything is now: a car can
     always get away.
@@ -77,7 +77,7 @@ def risk(me, near, surroundings, wheel, throttle, p, base):
     bend = math.tan(wheel) / wheelbase(p)
     x, y, ux, uy, speed = me.x, me.y, me.ux, me.uy, me.speed
     worst = 0.0
-    limit = min(p.margin, least_room(me, near, surroundings, base, 0.0, x, y, ux, uy, p))
+    limit = min(p.margin, least_gap(me, near, surroundings, base, 0.0, x, y, ux, uy, p))
     for k in range(STEPS):
         before = speed
         speed = p.v_max * throttle + (speed - p.v_max * throttle) * keep
@@ -87,7 +87,7 @@ def risk(me, near, surroundings, wheel, throttle, p, base):
         y += gone * (s * ux + c * uy)
         c, s = c * c - s * s, 2.0 * c * s
         ux, uy = c * ux - s * uy, s * ux + c * uy
-        gap = least_room(me, near, surroundings, base, step * (k + 1), x, y, ux, uy, p)
+        gap = least_gap(me, near, surroundings, base, step * (k + 1), x, y, ux, uy, p)
         if gap < limit:
             close = min(1.0, (p.margin - gap) / (p.margin + 0.1))
             worst = max(worst, 1.0 - k / STEPS + close)

@@ -29,7 +29,7 @@ class Arrays(NamedTuple):
 
 
 def empty_slots(n: int, dim: int, signals: int) -> Slots:
-    """Room for a sorted copy of n agents."""
+    """Empty arrays for a sorted copy of n agents."""
     n3 = n if dim == 3 else 0
     return Slots(
         np.zeros(n, np.int32),
@@ -62,9 +62,9 @@ class Workspace(NamedTuple):
     """One thread's scratch buffers."""
 
     block: np.ndarray
-    """A neighbourhood block: positions, headings, positions of nearest images; (9, room)."""
+    """A neighbourhood block: positions, headings, positions of nearest images; (9, capacity)."""
     signals: np.ndarray
-    """The block's signals, (K, room)."""
+    """The block's signals, (K, capacity)."""
     mine: np.ndarray
     """One agent's signals as it reads them, (K,), and as it writes them."""
     out: np.ndarray
@@ -75,14 +75,16 @@ class Workspace(NamedTuple):
     found: np.ndarray
     """Boundary points around one agent: indices, int32."""
     points: np.ndarray
-    """Their coordinates and a spare row, (3, room)."""
+    """Their coordinates and a spare row, (3, points)."""
 
 
-def empty_workspace(room: int, signals: int, private: int, measures: int, points: int) -> Workspace:
-    """A workspace for blocks of at most `room` agents and `points` boundary points around one."""
+def empty_workspace(
+    capacity: int, signals: int, private: int, measures: int, points: int
+) -> Workspace:
+    """Buffers for blocks of at most `capacity` agents and `points` boundary points around one."""
     return Workspace(
-        np.zeros((9, room)),
-        np.zeros((signals, room)),
+        np.zeros((9, capacity)),
+        np.zeros((signals, capacity)),
         np.zeros(signals),
         np.zeros(signals),
         np.zeros(private),
@@ -93,15 +95,15 @@ def empty_workspace(room: int, signals: int, private: int, measures: int, points
 
 
 def empty_grid(n: int, parts: int) -> Grid:
-    """Room for as many cells as are worth having for n agents."""
-    room = max(64, n) + 2
+    """An empty grid with as many cells as are worth having for n agents."""
+    capacity = max(64, n) + 2
     return Grid(
         np.zeros(3),
         np.zeros(3),
         np.zeros(3),
         np.ones(3, np.int64),
-        np.zeros(room, np.int32),
-        np.zeros((parts, room), np.int32),
+        np.zeros(capacity, np.int32),
+        np.zeros((parts, capacity), np.int32),
     )
 
 

@@ -65,14 +65,14 @@ class Slots(NamedTuple):
     signal: np.ndarray
     """Shape (K, N)."""
     queue: np.ndarray
-    """Room for a list of slots, int32 (N,); empty for rules without signals."""
+    """Space for a list of slots, int32 (N,); empty for rules without signals."""
 
 
 @compiled
 def plan(grid, space, reach, position):
     """Lay cells of at least `reach` over the box, or over the flock along open axes."""
     n, dim = position.shape
-    room = grid.start.shape[0] - 2
+    capacity = grid.start.shape[0] - 2
     side = reach * MARGIN
     for axis in range(dim):
         if space.wraps[axis]:
@@ -95,9 +95,9 @@ def plan(grid, space, reach, position):
             cells *= number
             grid.shape[axis] = int(min(number, 2.0**30))
             grid.inverse[axis] = number / grid.extent[axis] if number > 1.0 else 0.0
-        if cells <= room:
+        if cells <= capacity:
             return
-        side *= max(1.01, (cells / room) ** (1.0 / dim))
+        side *= max(1.01, (cells / capacity) ** (1.0 / dim))
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""How information agents find their way: waypoint after waypoint along the mission's path."""
+"""The heading of information agents: to the next waypoint of the mission's path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is solid holds: no step goes through it, however long the step and however thin the wall.
+"""Solid surfaces stop agents: no step crosses one, however long the step or thin the wall.
 
 A step is followed from where it begins. Where it enters something solid the agent is put before the
 surface and does what its body does there: it bounces off as light does off a mirror, slides along,

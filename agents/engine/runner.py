@@ -69,10 +69,10 @@ class Engine:
         self.workspaces: list[Workspace] = []
         self.widen(256)
 
-    def widen(self, room: int) -> None:
+    def widen(self, capacity: int) -> None:
         """Larger workspaces."""
         loop = self.module
-        made = room, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.surroundings.most_points
+        made = capacity, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.surroundings.most_points
         self.workspaces = [empty_workspace(*made) for _ in range(self.parts)]
 
     def refuse(self, row: int, tick: int) -> None:
@@ -84,7 +84,7 @@ class Engine:
 
 
 class Synchronous(Engine):
-    """All agents decide on the same instant, then all have moved."""
+    """Synchronous activation: all agents decide on the same state, then all move (two phases)."""
 
     def __init__(
         self,
@@ -191,7 +191,7 @@ class Synchronous(Engine):
 
 
 class InTurn(Engine):
-    """Agents act one after another, each on the flock as those before it have left it."""
+    """Sequential or random activation: agents act one by one, each on what the others left."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""The tick: every agent decides on the flock as it stands, then all of them have moved.
+"""A tick in two phases: every agent decides on the same state, then all of them move.
 
 This file is a template. `agents.engine.loop` loads it once for each rule and body as a module of
 its own, with the names of `agents.engine.template` put in place, because numba caches a kernel on
@@ -254,7 +254,7 @@ def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key
 
 @compiled
 def note(position, into):
-    """Copy the positions (N, dim), without the working space that an array assignment takes."""
+    """Copy the positions (N, dim), without the temporary array of an assignment."""
     for i in range(position.shape[0]):
         for axis in range(DIM):
             into[i, axis] = position[i, axis]

@@ -1,4 +1,4 @@
-"""Turns: agents act one after another, each on the flock as those before it have left it.
+"""Sequential activation: each agent acts on the flock as those before it have left it.
 
 NetLogo's way (`ask turtles`), and Mesa's where agents move at once. Like `sweep.py` this is a
 template that `agents.engine.loop` loads for each rule. Agents are kept in lists by cell, so that a

@@ -86,7 +86,7 @@ def fault_of(model: Model, error: Exception) -> Fault | None:
 
 
 def declared_functions(part: Rule | Body, kind: str) -> Iterator[tuple[str, Any]]:
-    """The compiled functions that a rule or a body declares: `rule 'vem', decide`, and itself."""
+    """The compiled functions that a rule or a body declares, by name: `rule 'vem', decide`."""
     for name in OF_RULES if kind == "rule" else OF_BODIES:
         function = getattr(part, name)
         if function is not None:
@@ -94,7 +94,7 @@ def declared_functions(part: Rule | Body, kind: str) -> Iterator[tuple[str, Any]
 
 
 def codes(model: Model) -> Iterator[tuple[CodeType, str]]:
-    """The code of all functions of a model's rule and body, and of those they call: its name."""
+    """The code of all functions that a model's rule and body reach, with their names."""
     seen: set[int] = set()
     for part, kind in ((model.body, "body"), (model.rule, "rule")):
         left = [(function, title) for title, function in declared_functions(part, kind)]
@@ -149,7 +149,7 @@ def uncompiled(model: Model, error: NumbaError) -> Fault:
 
 
 def lines(code: CodeType) -> set[int]:
-    """The lines of a function that do something."""
+    """The numbers of the lines of a function that hold code."""
     return {line for _, _, line in code.co_lines() if line}
 
 

@@ -33,7 +33,7 @@ def thing_in(path: str | Path) -> object:
 
 
 def run(file: Path, text: str, name: str) -> ModuleType:
-    """The file as a module. Raises Refusal."""
+    """Run the file as a module. Raises Refusal."""
     whole = str(file.resolve())
     module = ModuleType(name)
     module.__file__ = whole

@@ -1,4 +1,4 @@
-"""Couzin's zones: keep away from those too near, else go with the near and to the far.
+"""Couzin's zones: repulsion from agents too near, else alignment and attraction.
 
 Couzin, Krause, James, Ruxton and Franks 2002, Collective memory and spatial sorting in animal
 groups, J. theor. Biol. 218, 1 to 11. Repulsion is felt all round; orientation and attraction only

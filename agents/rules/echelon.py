@@ -202,7 +202,7 @@ def weigh(me, near, p, out):
 
 @compiled
 def show(me, p, out):
-    """Neighbours are told one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

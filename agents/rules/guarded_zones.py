@@ -206,7 +206,7 @@ def show(me, p, out):
 
 @compiled
 def remember(me, near, p, out):
-    """Tell of the ball reserved after the step."""
+    """The signals that others receive: the ball reserved after the step."""
     for k in range(RADIUS + 1):
         out[k] = me.memory[BALL + k]
 

@@ -122,7 +122,7 @@ def prepare(flock, space, grid, slots, p, tick):
 
 @compiled
 def remember(me, near, p, out):
-    """Word of the layers spreads one hop: (5)."""
+    """Layers spread by one hop per tick: (5)."""
     if p.layers != INSTANT:
         out[LAYER] = next_layer(me, near, p.r, LAYER)
 

@@ -33,7 +33,7 @@ class ImprovedVicsekInformed(Vicsek):
 
 @compiled
 def show(me, p, out):
-    """An agent shows its heading as an angle in [0, 2 pi)."""
+    """The signal that neighbours receive: the heading as an angle in [0, 2 pi)."""
     angle = math.atan2(me.uy, me.ux)
     out[ANGLE] = angle + FULL if angle < 0.0 else angle
 

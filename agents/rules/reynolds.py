@@ -236,7 +236,7 @@ def explain(me, near, surroundings, p, out):
 
 @compiled
 def show(me, p, out):
-    """Neighbours see one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

@@ -186,7 +186,7 @@ def explain(me, near, surroundings, p, out):
 
 @compiled
 def show(me, p, out):
-    """Where the tracking takes the car to be, and whether it is a predator."""
+    """The signals that others receive: the tracked position, and whether it is a predator."""
     out[ERROR_X], out[ERROR_Y] = error_of(me, p, me.signal[ERROR_X], me.signal[ERROR_Y])
     out[HUNTS] = 1.0 if is_hunter(me, p) else 0.0
 

@@ -258,7 +258,7 @@ def explain(me, near, surroundings, p, out):
 
 @compiled
 def show(me, p, out):
-    """Neighbours are told one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

@@ -30,7 +30,7 @@ class Crashes:
 
 
 def crashes(arrays: Arrays) -> Crashes:
-    """The crashes that a flock's arrays tell of."""
+    """The crashes in the crash records of a flock's arrays."""
     crash_record = arrays.crash_record
     row = np.flatnonzero(crash_record[:, 0] >= 0.0)
     row = row[np.argsort(crash_record[row, 0], kind="stable")]

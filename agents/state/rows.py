@@ -1,4 +1,4 @@
-"""The rows of a flock's arrays: how many there can be, how they begin, are joined and chosen."""
+"""The rows of a flock's arrays: how many there can be, their first values, joining and choosing."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def demand_memory_for(model: Model, agents: int, threads: int) -> None:
 
 
 def begun(start: Start, model: Model, first_id: int) -> Arrays:
-    """The arrays of agents that begin there, with identities from `first_id` on."""
+    """The arrays of agents at a start, with identities from `first_id` on."""
     n = len(start.position)
     return Arrays(
         np.ascontiguousarray(start.position),
@@ -49,7 +49,7 @@ def no_crashes(n: int, dim: int) -> np.ndarray:
 
 
 def joined(arrays: Arrays, more: Arrays) -> Arrays:
-    """The rows of both; agents are the last axis of the memory and the first of all else."""
+    """The rows of one behind the other's; agents are the memory's last axis, else the first."""
     both = {
         name: np.concatenate(pair, axis=int(name == "memory"))
         for name, *pair in zip(Arrays._fields, arrays, more, strict=True)

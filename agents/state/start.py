@@ -1,4 +1,4 @@
-"""How a flock starts: positions and headings, random from the run's seed or given."""
+"""The start of a flock: positions and headings at tick 0, random from the seed or given."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ TRIES = 300
 
 @dataclass(frozen=True)
 class Start:
-    """Where a flock begins; rows are agents."""
+    """Positions and headings at tick 0, with speeds and information agents; rows are agents."""
 
     position: np.ndarray
     heading: np.ndarray
@@ -106,16 +106,16 @@ def spread(
     not fit, with the number that does.
     """
     before = deepcopy(rng)
-    position, room = tried(world, low, size, n, spacing, rng, gap)
-    if room == n:
+    position, fit = tried(world, low, size, n, spacing, rng, gap)
+    if fit == n:
         return position
-    while room and (found := tried(world, low, size, room, spacing, deepcopy(before), gap)[1]):
-        if found == room:
+    while fit and (found := tried(world, low, size, fit, spacing, deepcopy(before), gap)[1]):
+        if found == fit:
             break
-        room = found
+        fit = found
     apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
     off = f", {gap:g} from them" if gap > 0.0 else ""
-    fits = f"{room} fit" if room > 1 else ("1 fits" if room else "not even one fits")
+    fits = f"{fit} fit" if fit > 1 else ("1 fits" if fit else "not even one fits")
     raise Refusal(
         f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
         f"the obstacles of {world.name}{off}: {fits}"

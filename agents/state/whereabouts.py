@@ -1,4 +1,4 @@
-"""Whether agents are where they can be: not inside an obstacle, not beyond a solid edge."""
+"""Agents that are where none can be: inside an obstacle or beyond a solid edge."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from worlds.queries.surroundings import Surroundings, signed_distance
 
 @dataclass(frozen=True)
 class Stray:
-    """An agent that is where it cannot be, the first row of those that are."""
+    """The first row of the agents that are where none can be, and how many these are."""
 
     id: int
     row: int

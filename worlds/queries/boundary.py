@@ -99,8 +99,8 @@ def sorted_points(
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
     x, y = np.ascontiguousarray(points[order].T)
     least = float(low[0]), float(low[1])
-    room = fullest(count.reshape(rows, columns)) + 1
-    return x, y, *least, inverse, columns, rows, start, room
+    most = fullest(count.reshape(rows, columns)) + 1
+    return x, y, *least, inverse, columns, rows, start, most
 
 
 def fullest(count: np.ndarray) -> int:

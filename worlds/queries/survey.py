@@ -1,4 +1,4 @@
-"""A survey of a world: its obstacles as edges, cells and points that compiled code can ask."""
+"""Turns a world into `Surroundings`: edges, cells and points that compiled code can query."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mission that a drawing's layers of starts, goals and paths make, as far as they make one."""
+"""The mission made of a drawing's layers of starts, goals and paths."""
 
 from __future__ import annotations
 

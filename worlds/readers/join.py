@@ -1,4 +1,4 @@
-"""Lines that meet end to end are joined, and curves drawn by chords, each with a word about it."""
+"""Joins lines that meet end to end and draws curves by chords; reports each change."""
 
 from __future__ import annotations
 

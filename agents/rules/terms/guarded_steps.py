@@ -1,4 +1,4 @@
-"""Of the steps that an agent can make, the nearest to its wish after which it has a way out."""
+"""The step of an agent that is nearest to its wish and leaves it a way out."""
 
 from __future__ import annotations
 

@@ -235,7 +235,7 @@ def level(d2, alarm, d, tau_a, tau_e, tau_s):
 
 @compiled
 def show(me, p, out):
-    """Every agent tells its speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

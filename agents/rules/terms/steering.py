@@ -1,4 +1,4 @@
-"""Steering by oneself: clear of the surfaces ahead, and to a goal (Reynolds 1999)."""
+"""Steering without neighbours: around surfaces ahead, and to a goal (Reynolds 1999)."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def nothing(me, near, surroundings, p):
 
 @compiled
 def nothing_explained(me, near, surroundings, p, out):
-    """No force to tell."""
+    """No force to explain."""
 
 
 def added(before: Callable | None, term: Callable) -> Callable:
