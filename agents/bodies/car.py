@@ -11,9 +11,9 @@ import math
 from dataclasses import replace
 from typing import Any, Literal
 
-from agents.bodies.car_signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOPS
-from agents.bodies.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
-from agents.bodies.command import command, received, sent
+from agents.bodies.cars.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
+from agents.bodies.cars.command import command, received, sent
+from agents.bodies.cars.signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOPS
 from agents.bodies.tracking import Tracking
 from agents.engine.block import Moved
 from agents.models.declare import Body, Rule, parameter

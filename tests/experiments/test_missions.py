@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from agents.mission import fly
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
 from app.experiments.file import Every, Faster, Order
 from app.experiments.kinds import KINDS, Mission
 from app.experiments.pictures.draw import draw
-from app.experiments.report import as_value
-from app.experiments.tables import table_of
+from app.experiments.reports.report import as_value
+from app.experiments.reports.tables import table_of
 from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdict import of, verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import of, verdicts
 from worlds.refusal import Refusal
 
 TEXT = """

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.bodies.chassis import separation
+from agents.bodies.cars.chassis import separation
 from agents.flock import Flock
 from app.live.control.arm import Request
 from app.live.control.control import Control

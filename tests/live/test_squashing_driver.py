@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.bodies.car_signals import SIGNALS
+from agents.bodies.cars.signals import SIGNALS
 from agents.flock import Flock
 from app.live.control.injected import Injected
 from app.live.control.pose import Pose, seen, unseen

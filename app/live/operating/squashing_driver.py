@@ -17,7 +17,7 @@ import numpy as np
 
 from agents.bodies import car
 from agents.bodies.car import driving
-from agents.bodies.car_signals import FRESH, PACE, SIGNALS, STEERING, STUCK
+from agents.bodies.cars.signals import FRESH, PACE, SIGNALS, STEERING, STUCK
 from agents.bodies.tracking import Tracking
 from agents.catalogue import MODELS
 from agents.models.declare import Rule, checked

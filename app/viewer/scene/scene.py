@@ -55,7 +55,7 @@ class Scene:
         other = None if second is None else picture(second, look, Stage.of(second))
         with self._server.atomic():
             changes: Changes = self._gizmo.draw(shown) + self.handles.draw(shown)
-            changes += self._parts.draw_room(shown) + self._beside.draw_room(shown, other)
+            changes += self._parts.draw_box(shown) + self._beside.draw_box(shown, other)
             is_open = self._parts.is_open or self._beside.is_open
             self._fog.draw(shown.stage, is_open, 1 if other is None else 2)
         changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)

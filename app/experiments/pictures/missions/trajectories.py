@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from app.experiments.experiment import Experiment
-from app.experiments.pictures.duel import draw_flight, shared_box, through
-from app.experiments.pictures.flight import Flight, flown
-from app.experiments.pictures.scene import show_box
+from app.experiments.pictures.missions.duel import draw_flight, shared_box, through
+from app.experiments.pictures.missions.flight import Flight, flown
+from app.experiments.pictures.missions.scene import show_box
 
 COLOUR = "#2166ac"
 SHOWN = 120.0

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from app.experiments.pictures.boxes import came, explain
-from app.experiments.pictures.gathering import COLOURS
-from app.experiments.pictures.models import PUBLISHED
-from app.experiments.verdict import Verdict, of
+from app.experiments.pictures.convergence.models import PUBLISHED
+from app.experiments.pictures.gatherings.gathering import COLOURS
+from app.experiments.verdicts.verdict import Verdict, of
 
 WIDTH = 0.3
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.verdict import Verdict, main_ones
+from app.experiments.verdicts.verdict import Verdict, main_ones
 
 COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b")
 SAFE = 1.0

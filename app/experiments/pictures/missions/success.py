@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from app.experiments.pictures.boxes import came, explain
-from app.experiments.pictures.models import MEASURED, PUBLISHED, published
-from app.experiments.verdict import Verdict, main_ones
+from app.experiments.pictures.convergence.models import MEASURED, PUBLISHED, published
+from app.experiments.verdicts.verdict import Verdict, main_ones
 
 WIDTH = 0.36
 

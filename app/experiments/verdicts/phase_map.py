@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.experiments.claim import Claim
 from app.experiments.experiment import Cell
 from app.experiments.file import Found, Lags
-from app.experiments.statistics import Summary
-from app.experiments.verdict import LARGE, Verdict
+from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.statistics import Summary
+from app.experiments.verdicts.verdict import LARGE, Verdict
 
 
 @dataclass(frozen=True)

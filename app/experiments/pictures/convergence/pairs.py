@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from app.experiments.pictures.boxes import WORDS, box, explain
-from app.experiments.verdict import Verdict, name
+from app.experiments.verdicts.verdict import Verdict, name
 
 COLOURS = ("#c0392b", "#2166ac", "#3c434b", "#b07d12")
 """With in red and without in blue, as the paper's figure 6."""

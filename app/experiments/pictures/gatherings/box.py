@@ -17,7 +17,7 @@ LENGTH = 0.06
 """Length of an arrow, of the box's longest side."""
 
 
-def draw_room(axes: Any, flock: Any) -> None:
+def draw_box(axes: Any, flock: Any) -> None:
     """Draw the box, its obstacles and the flock as it stands."""
     from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
         Line3DCollection,

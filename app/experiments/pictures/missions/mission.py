@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from app.experiments.experiment import Experiment
-from app.experiments.pictures.flight import Flight, flown
-from app.experiments.pictures.scene import (
+from app.experiments.pictures.missions.flight import Flight, flown
+from app.experiments.pictures.missions.scene import (
     AGENT,
     INFORMED,
     LOST,

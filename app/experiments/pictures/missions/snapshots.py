@@ -8,8 +8,8 @@ import numpy as np
 
 from app.experiments.experiment import Experiment
 from app.experiments.kinds.mission import Mission
-from app.experiments.pictures.flight import flown
-from app.experiments.pictures.scene import (
+from app.experiments.pictures.missions.flight import flown
+from app.experiments.pictures.missions.scene import (
     INFORMED,
     LOST,
     draw_links,

@@ -9,9 +9,9 @@ import numpy as np
 from app.experiments.experiment import Experiment
 from app.experiments.kinds.gathering import Gathering
 from app.experiments.pictures.boxes import came, explain
-from app.experiments.pictures.room import CRASHED, GROUPS, draw_room
+from app.experiments.pictures.gatherings.box import CRASHED, GROUPS, draw_box
 from app.experiments.trial import flock_of
-from app.experiments.verdict import Verdict, of
+from app.experiments.verdicts.verdict import Verdict, of
 
 COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#8e44ad")
 CURVES = (("groups", "groups"), ("largest", "in the largest group / %"), ("p", "polarisation"))
@@ -21,8 +21,8 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
     """Draw the curves of all rows above, the first row's run of that seed below."""
     settings = experiment.settings
     assert isinstance(settings, Gathering)
-    said = {int(tick): text for tick, text in settings.words.items()}
-    letters = "abcdef"[: len(said)]
+    captions = {int(tick): text for tick, text in settings.words.items()}
+    letters = "abcdef"[: len(captions)]
     figure.set_size_inches(12.8, 8.0)
     above, below = figure.subfigures(2, 1, height_ratios=[1.0, 1.25])
     panels = above.subplots(1, 3)
@@ -30,17 +30,17 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
         draw_curve(axes, of(made, measure), experiment)
         axes.set_title(title, loc="left")
         axes.set_xlabel("tick")
-        for tick in said:
+        for tick in captions:
             axes.axvline(tick, color="#c3ccd6", linewidth=0.9, zorder=0.5)
     panels[0].set_ylim(0.0, None)
     panels[1].set_ylim(0.0, 104.0)
     panels[2].set_ylim(0.0, 1.04)
     cell = experiment.cells[0]
     flock = flock_of(cell, settings, seed)
-    rooms = below.subplots(1, len(said), subplot_kw={"projection": "3d"}, squeeze=False)[0]
-    for axes, letter, (tick, text) in zip(rooms, letters, said.items(), strict=True):
+    boxes = below.subplots(1, len(captions), subplot_kw={"projection": "3d"}, squeeze=False)[0]
+    for axes, letter, (tick, text) in zip(boxes, letters, captions.items(), strict=True):
         flock.run(tick - flock.tick)
-        draw_room(axes, flock)
+        draw_box(axes, flock)
         axes.set_title(f"({letter}) tick {tick}\n{text}", loc="left", fontsize=9)
     explain(
         figure,

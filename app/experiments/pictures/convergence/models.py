@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from app.experiments.pictures.boxes import WORDS, box, explain
-from app.experiments.verdict import Verdict
+from app.experiments.verdicts.verdict import Verdict
 
 MEASURED = "#2166ac"
 KNOWN = "#b07d12"

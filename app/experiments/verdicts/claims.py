@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from app.experiments.claim import Claim
 from app.experiments.file import Every, Faster, Found, Lags, Order, Said, Sweep
-from app.experiments.phase_map import found_claim, lag_claim
-from app.experiments.statistics import difference
-from app.experiments.verdict import LARGE, Verdict, name, of, sweeps_of
+from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.phase_map import found_claim, lag_claim
+from app.experiments.verdicts.statistics import difference
+from app.experiments.verdicts.verdict import LARGE, Verdict, name, of, sweeps_of
 from worlds.counting import counted
 
 

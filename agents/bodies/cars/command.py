@@ -1,15 +1,15 @@
 """From a wish to the wheels of a car: what the computer commands, the radio, what the car does.
 
-The signals of the body are the rows of `out` from `base` on: see `agents.bodies.car_signals`.
+The signals of the body are the rows of `out` from `base` on: see `agents.bodies.cars.signals`.
 """
 
 from __future__ import annotations
 
 import math
 
-from agents.bodies.car_signals import FRESH, LONGEST, QUEUE, STUCK, THROTTLE, WHEEL
+from agents.bodies.cars.signals import FRESH, LONGEST, QUEUE, STUCK, THROTTLE, WHEEL
+from agents.bodies.cars.yielding import BACK, yielded
 from agents.bodies.tracking import is_seen, yaw_error
-from agents.bodies.yielding import BACK, yielded
 from agents.engine.noise import uniform
 from worlds.compiled import compiled
 

@@ -10,7 +10,7 @@ from app.experiments.conduct import Measured
 from app.experiments.experiment import Cell, Experiment
 from app.experiments.file import Published, Sweep
 from app.experiments.kinds.settings import Measure, Number
-from app.experiments.statistics import Summary, summary, welch, z_score
+from app.experiments.verdicts.statistics import Summary, summary, welch, z_score
 
 LARGE = 3.0
 """|z| from which on a row counts as different."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.experiments.verdict import Verdict
+from app.experiments.verdicts.verdict import Verdict
 
 STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from app.experiments.pictures.boxes import explain
-from app.experiments.verdict import Verdict, sweeps_of
+from app.experiments.verdicts.verdict import Verdict, sweeps_of
 
 COLOURS = ("#7fb3d5", "#2166ac", "#0b2545", "#b07d12", "#c0392b")
 MARKERS = ("o", "s", "^", "D", "v")

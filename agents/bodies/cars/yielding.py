@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from agents.bodies.car_signals import FRESH, PACE, QUEUE, STEERING
-from agents.bodies.chassis import wheelbase
+from agents.bodies.cars.chassis import wheelbase
+from agents.bodies.cars.signals import FRESH, PACE, QUEUE, STEERING
 from agents.engine.noise import cos_sin
 from worlds.compiled import compiled
 from worlds.queries.surroundings import signed_distance

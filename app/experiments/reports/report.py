@@ -7,11 +7,11 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.experiments.claim import Claim
 from app.experiments.experiment import Experiment
-from app.experiments.statistics import INTERVAL_NOTE, NOTE, WELCH_NOTE
-from app.experiments.tables import STYLES, table_of
-from app.experiments.verdict import Verdict, of
+from app.experiments.reports.tables import STYLES, table_of
+from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.statistics import INTERVAL_NOTE, NOTE, WELCH_NOTE
+from app.experiments.verdicts.verdict import Verdict, of
 from worlds.counting import counted
 from worlds.writing import write_text
 

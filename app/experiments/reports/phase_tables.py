@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.experiments.phase_map import Spot, map_of, ways_of
-from app.experiments.statistics import Summary
-from app.experiments.verdict import Verdict
+from app.experiments.verdicts.phase_map import Spot, map_of, ways_of
+from app.experiments.verdicts.statistics import Summary
+from app.experiments.verdicts.verdict import Verdict
 
 SHORT = {
     "fragments": "frag",

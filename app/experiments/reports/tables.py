@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from app.experiments.file import Published
-from app.experiments.gathering_table import gathering_table
-from app.experiments.phase_tables import phase_tables
-from app.experiments.verdict import Verdict, main_ones, name
+from app.experiments.reports.gathering_table import gathering_table
+from app.experiments.reports.phase_tables import phase_tables
+from app.experiments.verdicts.verdict import Verdict, main_ones, name
 
 STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
 
