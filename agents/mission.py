@@ -19,7 +19,7 @@ from agents.observables.following import (
 from worlds.refusal import Refusal
 
 CHUNK = 500
-"""Ticks between two looks at the world outside."""
+"""Ticks that are run and measured at a time."""
 SINCE = 50
 """Tick from which an agent has to follow: Liu et al. 2021, section 3.2, as read."""
 

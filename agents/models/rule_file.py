@@ -13,7 +13,7 @@ from worlds.reading import read_text
 from worlds.refusal import Refusal
 
 NAMES = ("MODEL", "RULE")
-"""What such a file is looked for, in this order."""
+"""Names that a file is searched for, in this order."""
 
 
 def thing_in(path: str | Path) -> object:

@@ -70,7 +70,7 @@ def solid_of(surroundings, around, k):
 def side_of(surroundings, edge, t, x, y):
     """> 0 if a place is on the free side of the edge that it is nearest to, at the share t of it.
 
-    Beyond an end that is the side of the corner, told by the sum of the normals there.
+    Beyond an end that is the side of the corner, found by the sum of the normals there.
     """
     at = surroundings.edge[edge]
     if t <= 0.0:

@@ -122,7 +122,7 @@ def reserved_ball(at, u, n, way):
 
 @compiled
 def own_ball(me):
-    """The reserved ball that an agent has told the others."""
+    """The reserved ball that an agent has sent to the others."""
     return ReservedBall(
         me.x + me.signal[OUT_X],
         me.y + me.signal[OUT_Y],
