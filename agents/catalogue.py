@@ -21,9 +21,9 @@ from agents.bodies import (
     turning,
     zero_turn,
 )
-from agents.declare import Body, Rule, declared
-from agents.model import Model
-from agents.rule_file import thing_in
+from agents.models.declare import Body, Rule, declared
+from agents.models.model import Model
+from agents.models.rule_file import thing_in
 from agents.rules import (
     boundary_points,
     couzin,
@@ -164,7 +164,7 @@ FILES: dict[str, Path] = {}
 
 
 def from_file(path: str) -> Model:
-    """The model of a rule file, which has its place among the models from then on. Or Refusal.
+    """Load the model of a rule file and add it to the catalogue. Raises Refusal.
 
     An edited file replaces what it brought before; none replaces a model of anything else.
     """
@@ -181,7 +181,7 @@ def from_file(path: str) -> Model:
 
 
 def model(name: str) -> Model:
-    """The model of that name; `NAME-cars` is the rule of the model NAME at the wheel of cars.
+    """The model of that name; `NAME-cars` has the rule of the model NAME drive cars.
 
     So `NAME-BODY` is that rule with one of `BODIES`. Raises Refusal with the nearest name, or for a
     rule that cannot drive cars. A name is never that of a file, which would be run: names come from
@@ -198,7 +198,7 @@ def model(name: str) -> Model:
 
 
 def with_body(name: str) -> None:
-    """Take the model `RULE-BODY` into the catalogue, if there are such. Raises Refusal."""
+    """Add the model `RULE-BODY` to the catalogue if both exist. Raises Refusal."""
     for body in BODIES.values():
         rule = name.removesuffix(f"-{body.name}")
         if rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
@@ -210,7 +210,7 @@ def with_body(name: str) -> None:
 
 
 def on_wheels(rule: Rule) -> Model:
-    """The cars that go by a rule, on a floor without an end. Raises Refusal if it cannot be.
+    """The model of cars driven by a rule, on an unbounded floor. Raises Refusal if it cannot be.
 
     Cars of another rule that wishes a velocity are declared one by one: it may need its own body.
     """

@@ -1,7 +1,7 @@
-"""What every model keeps to, built in or anybody's own, with few agents and few ticks.
+"""Checks that every model has to pass, built in or not, with few agents and few ticks.
 
-Each check is a fact about a model at home or in empty space. It returns None, raises `Skipped` for
-a model that the fact is not about, or `Failed` with what was seen instead.
+Each check states a fact about a model in its own world or in empty space. It returns None, raises
+`Skipped` for a model to which it does not apply, or `Failed` with what was seen instead.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from agents.calling import Fault
-from agents.declare import declared
 from agents.flock import Flock
-from agents.model import Model
+from agents.models.calling import Fault
+from agents.models.declare import declared
+from agents.models.model import Model
 from worlds.obstacles import Disc
 from worlds.world import World
 
@@ -32,11 +32,11 @@ in lengths of their reach."""
 
 
 class Skipped(Exception):
-    """The fact is not about this model."""
+    """The check does not apply to this model."""
 
 
 class Failed(Exception):
-    """The model does not keep to the fact."""
+    """The model does not pass the check."""
 
 
 def demand(holds: Any, seen: str) -> None:
@@ -47,7 +47,7 @@ def demand(holds: Any, seen: str) -> None:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one check."""
+    """The result of one check."""
 
     check: str
     fact: str
@@ -56,14 +56,14 @@ class Outcome:
 
 
 def at_home(model: Model, **given: Any) -> Flock:
-    """A small flock of a model in the world that it is at home in."""
+    """A small flock of a model in the model's own world."""
     return Flock(model.name, **{"agents": AGENTS, "rng": 7, **given})
 
 
 def empty_space(model: Model, dim: int | None = None) -> World:
-    """A world with nothing in sight, by default for the loop that the model has at home.
+    """A world with nothing in sight; with a solid far away if the model's own world has solids.
 
-    A loop for worlds with something solid in them is another one than that for worlds without.
+    The loop for worlds with something solid in them is another one than that for worlds without.
     """
     home = at_home(model, agents=1)
     reach = max(home.reach, home.sight)
@@ -115,7 +115,7 @@ def demand_same(one: Flock, other: Flock, seen: str) -> None:
 
 
 def demand_sound(flock: Flock, seen: str) -> None:
-    """Raise Failed unless all are somewhere, with a unit heading and a speed."""
+    """Raise Failed unless positions are finite, headings unit vectors and speeds >= 0."""
     for name in ("position", "heading", "speed"):
         demand(np.isfinite(getattr(flock, name)).all(), f"{seen}: a {name} that is no number")
     length = np.linalg.norm(flock.heading, axis=1)
@@ -160,7 +160,7 @@ def saved(model: Model) -> None:
 
 
 def plain(model: Model) -> None:
-    """As plain Python it comes to the same numbers up to rounding."""
+    """Run as plain Python it gives the same numbers up to rounding."""
     compiled, python = in_space(model), in_space(model, interpret=True)
     for flock in (compiled, python):
         flock.run(2)
@@ -177,7 +177,7 @@ def demand_close(flock: Flock, position: np.ndarray, heading: np.ndarray, seen: 
 
 
 def symmetric(model: Model, name: str, there: Callable, turned: Callable) -> None:
-    """Raise Failed unless moved agents do the same, moved; `there` of places, `turned` of ways."""
+    """Raise Failed unless moved agents move alike; `there` moves places, `turned` headings."""
     if name not in model.symmetries:
         raise Skipped(f"{model.name} declares that a {name} makes a difference")
     start = crowd(model)
@@ -189,7 +189,7 @@ def symmetric(model: Model, name: str, there: Callable, turned: Callable) -> Non
 
 
 def shift(model: Model) -> None:
-    """Elsewhere in empty space, agents do the same."""
+    """Shifted in empty space, agents do the same."""
     symmetric(model, "shift", lambda x: x + 0.7, lambda u: u)
 
 
@@ -213,7 +213,7 @@ def mirror(model: Model) -> None:
 
 
 def inside(model: Model) -> None:
-    """At home, agents stay in the box and out of what is solid."""
+    """In the model's own world, agents stay in the box and out of what is solid."""
     flock = at_home(model)
     for _ in range(4):
         flock.run(TICKS)
@@ -225,7 +225,7 @@ def inside(model: Model) -> None:
 
 
 def alone(model: Model) -> None:
-    """One agent flies, and a flock that all have left goes on."""
+    """A flock of one agent runs, and so does one that all agents have left."""
     flock = at_home(model, agents=1, informed=0)
     flock.run(TICKS)
     demand_sound(flock, "one agent")
@@ -235,7 +235,7 @@ def alone(model: Model) -> None:
 
 
 def one_spot(model: Model) -> None:
-    """Agents that all begin in one spot are somewhere afterwards."""
+    """Agents that all start in one spot have finite positions afterwards."""
     start = crowd(model)
     start["position"] = np.repeat(start["position"][:1], AGENTS, axis=0)
     flock = in_space(model, start)
@@ -244,7 +244,7 @@ def one_spot(model: Model) -> None:
 
 
 def other_dimensions(model: Model) -> None:
-    """In all dimensions that it is declared for, agents are somewhere afterwards."""
+    """In all dimensions that it is declared for, positions stay finite."""
     for dim in model.dimensions:
         world, start = empty_space(model, dim), crowd(model, dim)
         at_hand = dim == at_home(model, agents=1).world.dim  # another loop takes long to compile
@@ -254,7 +254,7 @@ def other_dimensions(model: Model) -> None:
 
 
 def bounds(model: Model) -> None:
-    """With any one parameter at an end of its range, agents are somewhere afterwards."""
+    """With any one parameter at an end of its range, positions stay finite."""
     for one in declared(model.parameters):
         ends = (False, True) if one.kind == "switch" else one.choices or (one.low, one.high)
         for value in ends:
@@ -280,7 +280,7 @@ CHECKS: dict[str, Callable[[Model], None]] = {
 
 
 def outcome(model: Model, name: str) -> Outcome:
-    """What comes of a check. Raises Refusal for a model that cannot be run at all."""
+    """Run a check. Raises Refusal for a model that cannot be run at all."""
     check = CHECKS[name]
     fact = (check.__doc__ or "").splitlines()[0]
     try:

@@ -13,17 +13,17 @@ import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.declare import checked
 from agents.home import find_world, is_built_in, world_of
 from agents.inspection import Inspection, inspect, warm
 from agents.member import FlockSpace, Member
+from agents.models.declare import checked
+from agents.models.sources import cite
 from agents.motion import Motion, positive, whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder, read_state
-from agents.rows import begun, chosen, demand_room, joined
-from agents.sources import cite
 from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
-from agents.start import Start, free_positions, given_start, random_headings, random_start
+from agents.state.rows import begun, chosen, demand_memory_for, joined
+from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
 
@@ -98,7 +98,7 @@ class Flock(Motion, mesa.Model):
         agents = whole("agents", self.model.agents if agents is None else agents, 1)
         informed = self.model.informed if informed is None else whole("informed", informed, 0)
         self.threads = whole("threads", threads, 1, MOST_THREADS)
-        demand_room(self.model, agents + informed, self.threads)
+        demand_memory_for(self.model, agents + informed, self.threads)
         self.interpret = interpret
         self.parameters = checked(self.model.parameters, parameters)
         self.world = find_world(self.model, world, dim, size, agents + informed, seed)
@@ -181,11 +181,11 @@ class Flock(Motion, mesa.Model):
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
         now = self.snapshot(copy=False, signals=True)
-        return inspect(now, self.engine.ground, self.law, row, self.interpret)
+        return inspect(now, self.engine.surroundings, self.context, row, self.interpret)
 
     def warm(self) -> None:
         """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
-        warm(self.snapshot(copy=False), self.engine.ground, self.law, self.interpret)
+        warm(self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret)
 
     @property
     def members(self) -> list[Member]:

@@ -1,4 +1,4 @@
-"""The world that a flock lives in: found by name, drawn from the run's seed, told in its spec."""
+"""The world that a flock lives in: found by name, drawn from a seed, written into the spec."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.model import Model
+from agents.models.model import Model
 from agents.spec import Spec
 from worlds.generators import drawn
 from worlds.layout import layout_dim, layout_names, world_from_layout
@@ -47,7 +47,7 @@ def find_world(
 
 
 def is_built_in(world: World, seed: int) -> bool:
-    """Whether the world is the one that its name and the seed make again."""
+    """Whether the name and the seed are enough to make this world again."""
     if world.name not in layout_names():
         return False
     try:

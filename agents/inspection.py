@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from agents.calling import call
-from agents.engine.arrays import Law
+from agents.engine.arrays import Context
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
+from agents.models.calling import call
 from agents.observables.neighbours import separation
 from agents.snapshot import Snapshot, State
 from worlds.compiled import plain_python
-from worlds.queries.ground import Ground, points_within, set_goal
+from worlds.queries.surroundings import Surroundings, points_within, set_goal
 
 NO_POINTS = np.empty((0, 2))
 UNSEEN = -1
@@ -23,7 +23,7 @@ UNSEEN = -1
 
 @dataclass(frozen=True)
 class Shell:
-    """A zone of a rule (`agents.declare.Zone`) with the parameters as they are."""
+    """A zone of a rule (`agents.models.declare.Zone`) with the parameters as they are."""
 
     name: str
     radius: float
@@ -95,34 +95,34 @@ def as_near(
         if axis < dim:
             at[:] = flock.position[row, axis] + apart[:, axis]
             turned[:] = flock.heading[rows, axis]
-    told = np.ascontiguousarray(signals[:shared, rows])
-    heard = told[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
+    sent = np.ascontiguousarray(signals[:shared, rows])
+    heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(seen.T)
-    return Near(len(rows), x, y, z, ux, uy, uz, told, heard, len(seen), px, py, np.zeros(len(seen)))
+    return Near(len(rows), x, y, z, ux, uy, uz, sent, heard, len(seen), px, py, np.zeros(len(seen)))
 
 
-def perceived(flock: State, ground: Ground, row: int) -> np.ndarray:
+def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:
     """The boundary points that an agent's rule sees, (P, 2), length."""
     if not flock.model.rule.sees_points:
         return NO_POINTS
-    found = np.zeros(ground.most_points, np.int32)
+    found = np.zeros(surroundings.most_points, np.int32)
     x, y = (float(c) for c in flock.position[row, :2])
-    n = points_within(ground, x, y, flock.reach, found)
-    return np.column_stack([ground.point_x[found[:n]], ground.point_y[found[:n]]])
+    n = points_within(surroundings, x, y, flock.reach, found)
+    return np.column_stack([surroundings.point_x[found[:n]], surroundings.point_y[found[:n]]])
 
 
 def forces_on(
-    flock: State, ground: Ground, law: Law, me: Me, near: Near, interpret: bool
+    flock: State, surroundings: Surroundings, context: Context, me: Me, near: Near, interpret: bool
 ) -> dict[str, np.ndarray]:
     """The terms of the rule's next wish and of its body's velocity, by name, (dim,) each."""
-    p, rule, body = law.parameters, flock.model.rule, flock.model.body
+    p, rule, body = context.parameters, flock.model.rule, flock.model.body
     if rule.perceive is not None and (rule.explain or body.explain):
-        call(flock.model, interpret, rule.perceive, me, near, ground, p)
+        call(flock.model, interpret, rule.perceive, me, near, surroundings, p)
     found: dict[str, np.ndarray] = {}
     for part in (rule, body):
         if part.explain is not None:
             out = np.zeros((len(part.forces), 3))
-            call(flock.model, interpret, part.explain, me, near, ground, p, out)
+            call(flock.model, interpret, part.explain, me, near, surroundings, p, out)
             found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
     return found
 
@@ -163,38 +163,42 @@ def zones_of(
     return found
 
 
-def warm(flock: Snapshot, ground: Ground, law: Law, interpret: bool = False) -> None:
+def warm(
+    flock: Snapshot, surroundings: Surroundings, context: Context, interpret: bool = False
+) -> None:
     """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
     rule, body = flock.model.rule, flock.model.body
     if not len(flock.ids) or not (rule.weigh or rule.explain or body.explain):
         return
-    ground = ground._replace(goal=ground.goal.copy())
+    surroundings = surroundings._replace(goal=surroundings.goal.copy())
     columns = len(flock.model.columns)
     rows, apart = np.empty(0, int), np.empty((0, flock.world.dim))
     me = as_me(flock, 0, np.zeros(columns))
     near = as_near(flock, 0, rows, apart, np.zeros((columns, 1)), NO_POINTS)
-    set_goal(ground, 0.0)
+    set_goal(surroundings, 0.0)
     if rule.sees_points:
-        points_within(ground, me.x, me.y, 0.0, np.zeros(ground.most_points, np.int32))
+        points_within(surroundings, me.x, me.y, 0.0, np.zeros(surroundings.most_points, np.int32))
     if rule.weigh is not None:
-        call(flock.model, interpret, rule.weigh, me, near, law.parameters, np.empty(0))
-    forces_on(flock, ground, law, me, near, interpret)
+        call(flock.model, interpret, rule.weigh, me, near, context.parameters, np.empty(0))
+    forces_on(flock, surroundings, context, me, near, interpret)
 
 
 def inspect(
-    flock: Snapshot, ground: Ground, law: Law, row: int, interpret: bool = False
+    flock: Snapshot, surroundings: Surroundings, context: Context, row: int, interpret: bool = False
 ) -> Inspection:
     """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come.
 
-    The snapshot is one with signals; `ground` and `law` are what the flock's agents go by, and
-    `interpret` says whether as plain Python. One that has crashed has no neighbours, and is
-    nobody's. Raises Fault.
+    The snapshot is one with signals; `surroundings` and `context` are what the flock's agents go
+    by, and `interpret` says whether as plain Python. One that has crashed has no neighbours, and
+    is nobody's. Raises Fault.
     """
     with plain_python(interpret):
-        return inspected(flock, ground, law, row, interpret)
+        return inspected(flock, surroundings, context, row, interpret)
 
 
-def inspected(flock: Snapshot, ground: Ground, law: Law, row: int, interpret: bool) -> Inspection:
+def inspected(
+    flock: Snapshot, surroundings: Surroundings, context: Context, row: int, interpret: bool
+) -> Inspection:
     """The agent of a row as `inspect` tells it."""
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
@@ -204,20 +208,20 @@ def inspected(flock: Snapshot, ground: Ground, law: Law, row: int, interpret: bo
     apart = apart[rows]
     signals = flock.arrays.memory
     own = signals[:, row].copy()
-    seen = perceived(flock, ground, row)
+    seen = perceived(flock, surroundings, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
     own_shells, view = shells(flock) if active[row] else (), field_of_view(flock)
     if flock.informed[row] or not active[row]:
         weights[:] = 0.0
     else:
-        ground = ground._replace(goal=ground.goal.copy())
-        set_goal(ground, flock.elapsed)
+        surroundings = surroundings._replace(goal=surroundings.goal.copy())
+        set_goal(surroundings, flock.elapsed)
         me = as_me(flock, row, own.copy())
         near = as_near(flock, row, rows, apart, signals, seen)
         if rule.weigh is not None and len(rows):
-            call(flock.model, interpret, rule.weigh, me, near, law.parameters, weights)
-        forces = forces_on(flock, ground, law, me, near, interpret)
+            call(flock.model, interpret, rule.weigh, me, near, context.parameters, weights)
+        forces = forces_on(flock, surroundings, context, me, near, interpret)
     return Inspection(
         int(flock.ids[row]),
         row,

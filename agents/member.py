@@ -14,7 +14,7 @@ from worlds.world import World
 
 
 class Rows(Protocol):
-    """What members are rows of: a flock."""
+    """What a member needs of its flock."""
 
     world: World
     random: Random

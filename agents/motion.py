@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from agents.calling import call
-from agents.declare import as_floats, checked
-from agents.engine.arrays import Arrays, Law, Place, Until
+from agents.engine.arrays import Arrays, Context, Place, Until
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
-from agents.model import Model
+from agents.models.calling import call
+from agents.models.declare import as_floats, checked
+from agents.models.model import Model
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import Snapshot, State
-from agents.whereabouts import Stray, stray
+from agents.state.whereabouts import Stray, stray
 from worlds.compiled import DISABLED
 from worlds.queries.survey import survey
 from worlds.refusal import Refusal, shortened
@@ -44,7 +44,7 @@ class Motion(State):
     next_id: int
     interpret: bool = False
     """Whether the model runs as plain Python, slowly, with `print` and `pdb`."""
-    law: Law
+    context: Context
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
     """The setting with which agents go through what is solid here, or an empty string."""
@@ -58,7 +58,7 @@ class Motion(State):
         """Take these arrays as the flock's state."""
         self.arrays = arrays
         self._engine = None
-        self.law = self._make_law()
+        self.context = self._make_context()
 
     @property
     def loop(self) -> ModuleType:
@@ -92,14 +92,14 @@ class Motion(State):
         """Call a compiled function of the model, as plain Python where that is asked for."""
         return call(self.model, self.interpret, function, *arguments)
 
-    def _make_law(self) -> Law:
+    def _make_context(self) -> Context:
         self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
         noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
         made = {NOISE: 0.0, **as_floats(self.parameters)}
         if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
             made = {name: np.float64(value) for name, value in made.items()}
         numbers = self.loop.P(**made)
-        return Law(numbers, noise, self.reach, self.dt)
+        return Context(numbers, noise, self.reach, self.dt)
 
     def stray(self) -> Stray | None:
         """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is.
@@ -109,11 +109,11 @@ class Motion(State):
         """
         if not self.world.is_solid or self.passing or not len(self.ids):
             return None
-        return stray(self.engine.ground, self.arrays, self.tick)
+        return stray(self.engine.surroundings, self.arrays, self.tick)
 
     @property
     def warning(self) -> str:
-        """What to tell of agents that go through what is solid, or an empty string."""
+        """A warning about agents that go through what is solid, or an empty string."""
         if not self.passing:
             return ""
         return (
@@ -162,12 +162,12 @@ class Motion(State):
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
-        self.law = self._make_law()
-        if self._engine is not None and self.sight > self._engine.ground.reach:
+        self.context = self._make_context()
+        if self._engine is not None and self.sight > self._engine.surroundings.reach:
             self._engine = None
 
     def change_world(self, world: World) -> None:
-        """Other obstacles, edges or another mission around the running flock.
+        """Put the running flock among other obstacles, edges or another mission.
 
         Raises Refusal if the world has other dimensions; nothing then changes. Agents stay where
         they are: see `worlds.queries.clearance` for those that an obstacle has come upon.
@@ -177,7 +177,7 @@ class Motion(State):
         self._end_tick()
         self.world = world
         self._engine = None
-        self.law = self._make_law()
+        self.context = self._make_context()
 
     def advance(self, ticks: int) -> None:
         """Run ticks without collecting anything; frees the GIL while it runs."""
@@ -186,7 +186,7 @@ class Motion(State):
                 self.step_member(row)
             ticks -= 1
         if ticks > 0 and len(self.ids):
-            self.engine.run(self.law, self.tick, ticks)
+            self.engine.run(self.context, self.tick, ticks)
         self.tick += ticks
 
     def trace(self, ticks: int) -> np.ndarray:
@@ -194,7 +194,7 @@ class Motion(State):
         self._end_tick()
         kept = np.empty((ticks, *self.position.shape))
         if ticks > 0:
-            self.engine.run(self.law, self.tick, ticks, trace=kept)
+            self.engine.run(self.context, self.tick, ticks, trace=kept)
         self.tick += ticks
         return kept
 
@@ -226,7 +226,7 @@ class Motion(State):
         while self.tick < limit:
             between()
             ticks = min(CHUNK, limit - self.tick)
-            done, last_off = self.engine.run(self.law, self.tick, ticks, until)
+            done, last_off = self.engine.run(self.context, self.tick, ticks, until)
             self.tick += done
             if done < ticks:
                 return last_off + 1
@@ -243,8 +243,8 @@ class Motion(State):
         if row in self._acted:
             self._end_tick()
         if not self._acted:
-            self.engine.open(self.law, self.tick)
-        self.engine.one(self.law, self.tick, row)
+            self.engine.open(self.context, self.tick)
+        self.engine.one(self.context, self.tick, row)
         self._acted.add(row)
         if len(self._acted) == len(self.ids):
             self._end_tick()
@@ -256,12 +256,12 @@ class Motion(State):
             self.tick += 1
 
     def signals(self) -> np.ndarray:
-        """What agents tell each other and keep to themselves now, (K, N): `model.columns`.
+        """Signals, memories and measures of the agents now, (K, N): `model.columns`.
 
         A layer that is not known is infinite.
         """
         if len(self.model.signals) and len(self.ids) and not self._acted:
-            self.engine.open(self.law, self.tick)
+            self.engine.open(self.context, self.tick)
         return self.arrays.memory
 
     def signal(self, name: str) -> np.ndarray:

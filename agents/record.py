@@ -17,13 +17,13 @@ from typing import Protocol
 import numpy as np
 
 from agents.catalogue import model
-from agents.declare import checked
 from agents.engine.arrays import Arrays
 from agents.home import world_of
-from agents.model import Model
-from agents.rows import unhurt
+from agents.models.declare import checked
+from agents.models.model import Model
 from agents.snapshot import Snapshot
 from agents.spec import Spec
+from agents.state.rows import no_crashes
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_writable, writing
@@ -41,7 +41,7 @@ FLUSH_ROWS = 20_000
 
 
 class Recorded(Protocol):
-    """What is recorded: a flock."""
+    """What a recorder needs of a flock."""
 
     @property
     def spec(self) -> Spec: ...
@@ -116,7 +116,7 @@ class Recorder:
             ) from None
 
     def cut_off(self, failure: OSError) -> Refusal:
-        """End the recording where the disk took no more; what is to be said of it."""
+        """End the recording where the disk took no more; returns the line that reports it."""
         self.over = True
         with suppress(OSError):
             self.file.close()
@@ -125,20 +125,20 @@ class Recorder:
         if not frames:
             self.discard()
             return reason
-        said = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
+        rest = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
         try:
             with open(self.part, "r+b") as file:
                 file.truncate(size)
             finish(self.part, self.path, self.overwrite)
         except (OSError, Refusal):
             return Refusal(
-                f"{reason}; {self.part} holds {said}: `flockscope recover {self.part}` makes a "
+                f"{reason}; {self.part} holds {rest}: `flockscope recover {self.part}` makes a "
                 "recording of them once there is room"
             )
-        return Refusal(f"{reason}; it holds {said}")
+        return Refusal(f"{reason}; it holds {rest}")
 
     def discard(self) -> None:
-        """Leave nothing behind."""
+        """Delete the unfinished recording."""
         with suppress(OSError):
             self.file.close()
         self.part.unlink(missing_ok=True)
@@ -160,7 +160,7 @@ class Recorder:
                 raise self.cut_off(error) from None
 
     def flush(self) -> None:
-        """Bring what waits to the disk."""
+        """Write waiting frames to the disk."""
         import pyarrow as pa
 
         if self.waiting:
@@ -187,15 +187,17 @@ def batch_of(flock: Snapshot):
     if flock.world.mission is not None and flock.world.mission.path is not None:
         columns["leg"] = flock.arrays.leg.copy()
     if flock.can_crash:
-        fate = flock.arrays.fate
-        columns |= {name: fate[:, k].copy() for k, name in enumerate(fates(flock.world.dim))}
+        crash_record = flock.arrays.crash_record
+        columns |= {
+            name: crash_record[:, k].copy() for k, name in enumerate(crash_columns(flock.world.dim))
+        }
     for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
         columns[name] = values.copy()
     return pa.RecordBatch.from_pydict(columns)
 
 
-def fates(dim: int) -> list[str]:
-    """Columns of an agent's fate: the tick of its crash or -1, what it touched, and where."""
+def crash_columns(dim: int) -> list[str]:
+    """Columns of a crash record: the tick of the crash or -1, what it touched, and where."""
     return ["crash_tick", "crash_cause", *("crash_" + letter for letter in AXES[:dim])]
 
 
@@ -307,7 +309,7 @@ def arrays_of(table, spec: Spec, one: Model, path) -> Arrays:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
         signals = [column[name] for name in one.columns]
         mortal = one.body.touches is not None
-        fate = [column[name] for name in fates(spec.dim)] if mortal else []
+        crash_record = [column[name] for name in crash_columns(spec.dim)] if mortal else []
         arrays = Arrays(
             np.column_stack([column[a] for a in axes]),
             np.column_stack([column["u" + a] for a in axes]),
@@ -316,7 +318,7 @@ def arrays_of(table, spec: Spec, one: Model, path) -> Arrays:
             column["id"].copy(),
             column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
-            np.column_stack(fate) if mortal else unhurt(0, spec.dim),
+            np.column_stack(crash_record) if mortal else no_crashes(0, spec.dim),
         )
     except KeyError as missing:
         raise Refusal(f"{str(path)!r} has no column {missing}") from None

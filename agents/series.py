@@ -43,7 +43,7 @@ class Series:
 
 
 class Follower:
-    """Looks at a running flock whenever it is told to."""
+    """Collects observables of a running flock at the ticks at which it is called."""
 
     def __init__(self, flock: Flock, names: Iterable[str]):
         """`names` as `needed` makes them. Raises Refusal."""

@@ -7,15 +7,15 @@ from functools import cached_property
 
 import numpy as np
 
-from agents.crashes import Crashes, active, crashes
-from agents.declare import Parameters
 from agents.engine.arrays import Arrays
-from agents.model import Model
+from agents.models.declare import Parameters
+from agents.models.model import Model
 from agents.observables.checks import is_finite, leave_out, whole_rows
 from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links
-from agents.rows import chosen
+from agents.state.crashes import Crashes, active, crashes
+from agents.state.rows import chosen
 from worlds.mission import along_route
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -170,7 +170,7 @@ class Snapshot(State):
         return layers(self._links, self.informed)
 
     def signal(self, name: str) -> np.ndarray:
-        """What agents tell, keep or measure, one of `model.columns`: a copy (N,).
+        """A signal, memory or measure of the agents, one of `model.columns`: a copy (N,).
 
         A layer of N + 1 is unknown. Raises Refusal for a name that is none, and for what agents
         tell each other in a snapshot that was taken without.

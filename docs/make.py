@@ -13,8 +13,8 @@ from pathlib import Path
 from rule_scenes import flock_of, scene_of
 
 from agents.catalogue import MODELS, Model
-from agents.declare import Declared, declared
 from agents.flock import Flock
+from agents.models.declare import Declared, declared
 from worlds.layout import read_layout
 
 HERE = Path(__file__).parent / "rules"

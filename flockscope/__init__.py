@@ -24,9 +24,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flockscope._flocks import MODELS as MODELS
-    from flockscope._flocks import Course as Course
     from flockscope._flocks import Flock as Flock
     from flockscope._flocks import Member as Member
+    from flockscope._flocks import MissionRecord as MissionRecord
     from flockscope._flocks import Series as Series
     from flockscope._flocks import Spec as Spec
     from flockscope._flocks import fly as fly
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from flockscope.worlds import Refusal as Refusal
     from flockscope.worlds import Ring as Ring
     from flockscope.worlds import Sphere as Sphere
-    from flockscope.worlds import Start as Start
+    from flockscope.worlds import StartRegion as StartRegion
     from flockscope.worlds import Union as Union
     from flockscope.worlds import Wall as Wall
     from flockscope.worlds import World as World
@@ -54,12 +54,12 @@ __all__ = [
     "MODELS",
     "Box",
     "CShape",
-    "Course",
     "Disc",
     "Flock",
     "Goal",
     "Member",
     "Mission",
+    "MissionRecord",
     "Path",
     "Polygon",
     "Prism",
@@ -68,7 +68,7 @@ __all__ = [
     "Series",
     "Spec",
     "Sphere",
-    "Start",
+    "StartRegion",
     "Union",
     "Wall",
     "World",

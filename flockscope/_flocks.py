@@ -6,15 +6,15 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 from agents.catalogue import MODELS, from_file, model
 from agents.flock import Flock
 from agents.member import Member
-from agents.mission import Course, fly
+from agents.mission import MissionRecord, fly
 from agents.series import Series, follow
 from agents.spec import Spec
 
 __all__ = [
     "MODELS",
-    "Course",
     "Flock",
     "Member",
+    "MissionRecord",
     "Series",
     "Spec",
     "fly",

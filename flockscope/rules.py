@@ -18,14 +18,14 @@ from agents.bodies.point_mass import BODY as POINT_MASS
 from agents.bodies.steered import BODY as STEERED
 from agents.bodies.turning import BODY as TURNING
 from agents.bodies.zero_turn import BODY as ZERO_TURN
-from agents.declare import Body, Parameters, Rule, Zone, parameter
 from agents.engine.block import Moved, Wish, adjacent
 from agents.engine.noise import uniform
-from agents.model import Model
-from agents.rules.sums import mean_heading, sum_of
+from agents.models.declare import Body, Parameters, Rule, Zone, parameter
+from agents.models.model import Model
+from agents.rules.terms.sums import mean_heading, sum_of
 from agents.rules.vicsek import VEM, Vicsek
 from worlds.compiled import compiled
-from worlds.queries.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 from worlds.refusal import Refusal
 
 __all__ = [

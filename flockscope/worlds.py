@@ -14,7 +14,7 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 from worlds.checks import Problem, demand_sound, problems
 from worlds.generators import generate
 from worlds.layout import layout_names, read_layout, world, world_from_layout
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, CShape, Disc, Polygon, Prism, Ring, Sphere, Union, Wall
 from worlds.queries.clearance import clearance
 from worlds.readers import Geometry, read_geometry, world_around
@@ -35,7 +35,7 @@ __all__ = [
     "Refusal",
     "Ring",
     "Sphere",
-    "Start",
+    "StartRegion",
     "Union",
     "Wall",
     "World",

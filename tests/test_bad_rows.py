@@ -243,14 +243,14 @@ def test_the_nearest_pairs_are_those_of_the_ticks_at_which_both_are_known():
 
 
 def test_the_least_clearances_are_those_of_the_ticks_at_which_an_agent_is_known():
-    ground = Flock("vem", agents=2, rng=1, world="corridor").engine.ground
+    surroundings = Flock("vem", agents=2, rng=1, world="corridor").engine.surroundings
     whole, spoilt = traces()
     least = np.full(6, math.inf)
-    _, said = quietly(following.least_clearances, spoilt, ground, least)
+    _, said = quietly(following.least_clearances, spoilt, surroundings, least)
     for i in range(6):
         one = np.full(1, math.inf)
         known = np.isfinite(spoilt[:, :, i]).all(axis=1)
-        following.least_clearances(whole[known][:, :, i : i + 1], ground, one)
+        following.least_clearances(whole[known][:, :, i : i + 1], surroundings, one)
         assert one[0] == least[i]
     assert len(said) == 1
 

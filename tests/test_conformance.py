@@ -9,9 +9,9 @@ import pytest
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS
 from agents.conformance import CHECKS, outcome
-from agents.declare import ALL_ALIKE
 from agents.engine.block import Wish
-from agents.model import Model
+from agents.models.declare import ALL_ALIKE
+from agents.models.model import Model
 from worlds.compiled import compiled
 
 NOT_ALIKE = {
@@ -32,20 +32,20 @@ def test_every_model_conforms(model, check):
 
 
 @compiled
-def east(me, near, ground, p):  # noqa: ARG001
+def east(me, near, surroundings, p):  # noqa: ARG001
     """To the east, whatever anybody does."""
     return Wish(1.0, 0.0, 0.0)
 
 
 @compiled
-def restless(me, near, ground, p):  # noqa: ARG001
+def restless(me, near, surroundings, p):  # noqa: ARG001
     """Turns the first of its neighbours around, in the copy that the next one is given."""
     near.ux[0] = -near.ux[0]
     return Wish(near.ux[0], near.uy[0], 0.0)
 
 
 @compiled
-def nowhere(me, near, ground, p):  # noqa: ARG001
+def nowhere(me, near, surroundings, p):  # noqa: ARG001
     """Nowhere: the square root of what is negative."""
     return Wish((me.ux - 9.0) ** 0.5, 0.0, 0.0)
 

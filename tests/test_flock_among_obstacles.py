@@ -184,7 +184,7 @@ def test_the_goal_goes_along_its_route(closed):
     else:
         np.testing.assert_allclose(end, [4.0, 3.0])
     flock.run(9)
-    np.testing.assert_allclose(flock.engine.ground.goal[0, :2], flock.goal_at([8])[0])
+    np.testing.assert_allclose(flock.engine.surroundings.goal[0, :2], flock.goal_at([8])[0])
 
 
 def test_a_goal_that_is_not_there_is_named():

@@ -10,7 +10,7 @@ from oracles import guarded as oracle
 from oracles.solids import box, sphere
 
 from agents import Flock
-from agents.rules.guarded_room import SKIN, spiral
+from agents.rules.terms.reserved_ball import SKIN, spiral
 from worlds.obstacles import Sphere
 from worlds.queries.clearance import clearance
 from worlds.world import World

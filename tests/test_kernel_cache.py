@@ -13,7 +13,7 @@ from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Wish, compiled
 from turning import turn
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     return turn(me)
 
 RULE = Rule("turner", "Turner", "Turns.", "x", "none", Vicsek, decide)

@@ -55,8 +55,8 @@ def test_it_flies_in_three_dimensions(fading):
 
 
 def test_a_rule_may_have_no_noise_at_all(monkeypatch):
-    from agents.declare import Parameters, Rule, parameter
     from agents.engine.template import decide
+    from agents.models.declare import Parameters, Rule, parameter
 
     class Bare(Parameters):
         sight: float = parameter(1.0, "How far", symbol="s", source="none", low=0.1, high=2.0)

@@ -10,9 +10,9 @@ import pytest
 from agents import Flock
 from agents.bodies import point_mass
 from agents.catalogue import MODELS
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish
-from agents.model import Model
+from agents.models.declare import Parameters, Rule, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
 
 
@@ -25,7 +25,7 @@ class Pulled(Parameters):
 
 
 @compiled
-def decide(me, near, ground, p):  # noqa: ARG001
+def decide(me, near, surroundings, p):  # noqa: ARG001
     """A spring to the origin, and a constant force along x."""
     return Wish(p.f - p.k * me.x, -p.k * me.y, -p.k * me.z)
 

@@ -11,8 +11,8 @@ import pytest
 
 from agents import Flock
 from agents.bodies import constant_speed
-from agents.calling import Fault
 from agents.catalogue import MODELS, Model
+from agents.models.calling import Fault
 from worlds.compiled import compiled
 
 PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"

@@ -49,7 +49,7 @@ def test_a_snapshot_of_some_agents_is_as_if_there_were_no_others():
 
 def test_those_that_have_crashed_are_not_measured_but_known():
     flock = Flock("thesis", agents=6, rng=2)
-    flock.arrays.fate[4] = (0.0, 1.0, *flock.position[4])
+    flock.arrays.crash_record[4] = (0.0, 1.0, *flock.position[4])
     seen = flock.snapshot().measurable()
     assert seen.ids.tolist() == [1, 2, 3, 4, 6]
     assert seen.active.all()

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from agents.catalogue import MODELS
-from agents.declare import declared
+from agents.models.declare import declared
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
 from worlds.queries.clearance import clearance
 from worlds.queries.outlines import outlines

@@ -9,9 +9,10 @@ from dataclasses import replace
 import pytest
 from cli.calling import call, refusal
 
-from agents import Flock, sources
+from agents import Flock
 from agents.catalogue import MODELS
-from agents.model import Model
+from agents.models import sources
+from agents.models.model import Model
 
 
 def keys(entries):

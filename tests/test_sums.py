@@ -10,10 +10,10 @@ import pytest
 from agents import Flock
 from agents.bodies import constant_speed, point_mass
 from agents.catalogue import MODELS
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.model import Model
-from agents.rules.sums import mean_heading, sum_of
+from agents.models.declare import Parameters, Rule, parameter
+from agents.models.model import Model
+from agents.rules.terms.sums import mean_heading, sum_of
 from agents.rules.vicsek import Vicsek
 from worlds.compiled import compiled
 

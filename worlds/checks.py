@@ -1,4 +1,4 @@
-"""Whether a world is sound, and whether places are such that agents can be there.
+"""Checks: whether a world is sound, and whether agents can be at given places.
 
 What is wrong is named with its place, never repaired.
 """
@@ -17,7 +17,7 @@ from worlds.world import World
 LEG_STEPS = 1000
 """Places along a leg of a path that are looked at."""
 START_STEPS = 24
-"""Places along each axis at which a start region is looked at for room."""
+"""Places along each axis at which a start region is searched for free space."""
 
 
 class Problem(NamedTuple):
@@ -110,7 +110,7 @@ def dimension_problems(world: World) -> list[Problem]:
 
 
 def start_problems(world: World) -> list[Problem]:
-    """A start region in which there is no room outside the obstacles."""
+    """A start region without free space outside the obstacles."""
     assert world.mission is not None
     start = world.mission.start
     if start is None or start.high is None or not world.is_solid:

@@ -1,4 +1,4 @@
-"""How every compiled function of flockscope is compiled, and how it is run as plain Python.
+"""Compiles the functions of rules, bodies and engine with numba, or runs them as plain Python.
 
 Sums may be reordered, so that a loop over a neighbourhood block becomes vector instructions; NaN
 and infinity keep their meaning, so that a bad number can be found and named. Compiled code counts

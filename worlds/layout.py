@@ -1,4 +1,4 @@
-"""Layouts: how a world is written in a TOML file, and the world that its keys come to."""
+"""Layouts: worlds written as TOML files, built in or anybody's own."""
 
 from __future__ import annotations
 

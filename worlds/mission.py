@@ -23,7 +23,7 @@ class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Start(Part):
+class StartRegion(Part):
     """The box in which a flock starts: [low, high], or a cube from `low` of a given density."""
 
     low: Point
@@ -92,7 +92,7 @@ class Goal(Part):
 class Mission(Part):
     """What a flock is to do in a world; each part may be left out."""
 
-    start: Start | None = None
+    start: StartRegion | None = None
     path: Path | None = None
     goal: Goal | None = None
     success: Literal["connected", "arrived"] | None = None
@@ -105,7 +105,7 @@ class Mission(Part):
         """The mission of a flat world in three dimensions: at half the height of it (length)."""
         start = self.start
         if start is not None and len(start.low) == 2:
-            start = Start(
+            start = StartRegion(
                 low=(*start.low, 0.0),
                 high=None if start.high is None else (*start.high, height),
                 density=start.density,

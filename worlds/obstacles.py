@@ -190,7 +190,7 @@ class CShape(Flat):
     """Direction in degrees, 0 is +x, 90 is +y."""
 
     @model_validator(mode="after")
-    def _has_room(self) -> Self:
+    def _is_open(self) -> Self:
         width, height = self.size
         if self.thickness >= width or 2.0 * self.thickness >= height:
             raise ValueError(
@@ -224,7 +224,7 @@ class Sphere(Shape):
         return [(self.centre, self.radius)]
 
     def footprint(self) -> shapely.Geometry:
-        """Its shadow on the plan."""
+        """Its projection on the plan."""
         return shapely.Polygon(circle(self.centre[:2], self.radius))
 
     def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What other packages bring in by entry points, loaded one by one: none can spoil the rest."""
+"""Plug-ins of other packages, by entry points; one that fails is left out with a warning."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 
 
@@ -49,7 +49,7 @@ class PointMass(Parameters):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """v += dt F / m, |v| <= v_max where that is set, x += dt v. At rest the heading is kept."""
     h = p.dt / p.m
     vx = me.speed * me.ux + h * want.x

@@ -1,11 +1,11 @@
-"""What motion capture makes of where cars are: noise, and frames in which a car is not seen."""
+"""Errors of motion capture: noise of positions, and frames in which a car is not seen."""
 
 from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, parameter
 from agents.engine.noise import cos_sin, uniform
+from agents.models.declare import Parameters, parameter
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, YAW_RADIUS, YAW_ANGLE, SEEN = 4, 5, 6, 7, 8

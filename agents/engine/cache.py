@@ -1,4 +1,4 @@
-"""Compiled kernels on disk, never stale.
+"""A cache of compiled kernels on disk that is never stale.
 
 numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
 named by a hash over the bytecode of every function that it reaches and the value of every constant.
@@ -39,7 +39,7 @@ def describe(value: object) -> str:
 
 
 def describe_code(code: types.CodeType) -> str:
-    """What a code object does, without where it stands."""
+    """What a code object does, without its place in a file."""
     constants = [
         describe_code(c) if isinstance(c, types.CodeType) else describe(c) for c in code.co_consts
     ]

@@ -1,4 +1,4 @@
-"""Columns that are the same wherever they are read, and cost nothing.
+"""Columns of one constant value, which take no memory and no time.
 
 A rule is written once, with three components. In 2-D its `near.z` and `near.uz` are a column of
 zeros, the compiler sees them, and what would be done with them disappears. So with `near.heard`, a

@@ -38,7 +38,7 @@ def models() -> Rows:
 def parameters() -> Rows:
     """All parameters, each once, with the models that have them."""
     from agents.catalogue import MODELS
-    from agents.declare import declared
+    from agents.models.declare import declared
 
     found: dict[tuple, dict[str, Any]] = {}
     for model in MODELS.values():

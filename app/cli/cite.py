@@ -13,8 +13,8 @@ def cite(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Print the sources of a model as BibTeX."""
-    from agents import sources
     from agents.catalogue import model as by_name
+    from agents.models import sources
 
     found = by_name(model)
     entries = sources.cite(found)

@@ -10,7 +10,7 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.declare import checked
+from agents.models.declare import checked
 from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stopping import Stopping, leave

@@ -33,7 +33,7 @@ def things_called(name: str) -> dict[str, Any]:
 def model(name: str) -> Thing:
     """A model with its parameters. Raises Refusal."""
     from agents.catalogue import model as find_model
-    from agents.declare import declared
+    from agents.models.declare import declared
 
     found = find_model(name)
     row = next(row for row in models() if row["name"] == name)

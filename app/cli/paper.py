@@ -90,7 +90,7 @@ def carried_out(
 ) -> Done:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
     from app.experiments.conduct import conduct
-    from app.experiments.pool import cores
+    from app.experiments.workers.pool import cores
 
     begun = time.monotonic()
     try:
@@ -127,9 +127,9 @@ def report(
     quiet: bool,
 ) -> None:
     """Write the files and print the outcome."""
-    from app.experiments.claims import claims
-    from app.experiments.report import as_value, show, write_summary
-    from app.experiments.verdict import verdicts
+    from app.experiments.reports.report import as_value, show, write_summary
+    from app.experiments.verdicts.claims import claims
+    from app.experiments.verdicts.verdict import verdicts
 
     made = verdicts(experiment, done.measured)
     said = claims(made, experiment.said)

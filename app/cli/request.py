@@ -117,7 +117,7 @@ class Request:
 
     def check_parameters(self, model: Any) -> None:
         """Refuse a parameter with its origin. Raises Refusal."""
-        from agents.declare import checked
+        from agents.models.declare import checked
 
         for name, value in self.parameters.items():
             checked(model, {name: value}, self.origins[name])

@@ -16,7 +16,7 @@ from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.request import Request
 from app.cli.rule_option import Rules, by_name, first_of
-from app.experiments.kernels import compile_loop
+from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names, numbers
 from worlds.counting import counted
 from worlds.refusal import Refusal

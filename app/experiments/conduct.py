@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.experiments.costs import Costs, guess
 from app.experiments.experiment import Cell, Experiment
-from app.experiments.kernels import compile_loop
 from app.experiments.kinds.settings import Number
-from app.experiments.pool import run_all
 from app.experiments.store import Key, Store, key_of
 from app.experiments.trial import Result, Trial, fingerprint, flock_of
+from app.experiments.workers.costs import Costs, guess
+from app.experiments.workers.kernels import compile_loop
+from app.experiments.workers.pool import run_all
 from worlds.counting import counted
 from worlds.refusal import Refusal
 

@@ -134,7 +134,7 @@ def fingerprint(cell: Cell, settings: Settings) -> str:
     seen: set[int] = set()
     for kernel in settings.measured_by:
         feed(kernel, digest, seen)
-    for array in flock.engine.ground:
+    for array in flock.engine.surroundings:
         digest.update(np.asarray(array).tobytes())
     digest.update(flock.position.tobytes())
     digest.update(flock.heading.tobytes())

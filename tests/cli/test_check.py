@@ -14,7 +14,7 @@ from agents.rules.vicsek import VEM
 from worlds.compiled import compiled
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     return Wish(1.0, 0.0, 0.0)
 
 RULE = dataclasses.replace(VEM, name="eastwards", decide=decide, dimensions=(2,))

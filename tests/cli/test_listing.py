@@ -6,7 +6,7 @@ import re
 import pytest
 
 from agents.catalogue import MODELS
-from agents.declare import declared
+from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from app.experiments.experiment import experiment_names
 from cli.calling import call, refusal

@@ -10,16 +10,16 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
 from app.experiments.file import Every
 from app.experiments.kinds.gathering import Gathering, groups_of
-from app.experiments.pictures.room import edges_of, faces_of
-from app.experiments.report import show
-from app.experiments.statistics import summary, welch
+from app.experiments.pictures.gatherings.box import edges_of, faces_of
+from app.experiments.reports.report import show
 from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdict import of, verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.statistics import summary, welch
+from app.experiments.verdicts.verdict import of, verdicts
 from worlds.refusal import Refusal
 
 TEXT = """

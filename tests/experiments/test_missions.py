@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from agents.mission import fly
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
 from app.experiments.file import Every, Faster, Order
 from app.experiments.kinds import KINDS, Mission
 from app.experiments.pictures.draw import draw
-from app.experiments.report import as_value
-from app.experiments.tables import table_of
+from app.experiments.reports.report import as_value
+from app.experiments.reports.tables import table_of
 from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdict import of, verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import of, verdicts
 from worlds.refusal import Refusal
 
 TEXT = """
@@ -76,10 +76,10 @@ def test_its_numbers_are_those_of_the_flights(done):
     experiment, made, _ = done
     for one in made.measured:
         for k, seed in enumerate((1, 2)):
-            course = fly(flock_of(one.cell, experiment.settings, seed), 150)
-            assert one.values["success"][k] == 100.0 * course.success
-            assert one.values["d_least"][k] == min(course.least_pair, course.least_obstacle)
-            assert one.values["ticks"][k] == course.ticks == 150
+            record = fly(flock_of(one.cell, experiment.settings, seed), 150)
+            assert one.values["success"][k] == 100.0 * record.success
+            assert one.values["d_least"][k] == min(record.least_pair, record.least_obstacle)
+            assert one.values["ticks"][k] == record.ticks == 150
             assert one.values["arrived"][k] == 0
             assert one.values["settled"][k] is one.values["through"][k] is None
 

@@ -9,14 +9,14 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import read_experiment, read_file
 from app.experiments.file import Found, Lags
 from app.experiments.kinds.phases import PHASES, Phases, bring_in_sight, detects
-from app.experiments.report import as_value, show
-from app.experiments.tables import table_of
-from app.experiments.verdict import verdicts
+from app.experiments.reports.report import as_value, show
+from app.experiments.reports.tables import table_of
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
 
 TEXT = """

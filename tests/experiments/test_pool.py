@@ -6,8 +6,8 @@ import time
 import pytest
 
 from app.experiments.conduct import compile_models
-from app.experiments.pool import run_all
 from app.experiments.trial import Stopped, Trial, run_trial
+from app.experiments.workers.pool import run_all
 from experiments.small import TEXT, small
 
 

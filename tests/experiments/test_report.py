@@ -6,12 +6,12 @@ import io
 import pytest
 from rich.console import Console
 
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured
 from app.experiments.experiment import read_experiment
 from app.experiments.pictures.draw import draw
-from app.experiments.report import as_value, show, write_summary
-from app.experiments.verdict import verdicts
+from app.experiments.reports.report import as_value, show, write_summary
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
 
 NAMES = ("liu2021-table1", "liu2021-fig5", "liu2021-fig6")

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured
 from app.experiments.experiment import Cell
 from app.experiments.file import Row, Sweep
-from app.experiments.statistics import difference, interval_of_mean, summary, z_score
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.statistics import difference, interval_of_mean, summary, z_score
+from app.experiments.verdicts.verdict import verdicts
 from experiments.small import small
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.bodies.chassis import separation
+from agents.bodies.cars.chassis import separation
 from agents.flock import Flock
 from app.live.control.arm import Request
 from app.live.control.control import Control
@@ -141,7 +141,7 @@ def test_they_drive_as_in_a_simulation_to_the_bit_and_hear_the_real_ones():
         driver.drive(0.01 * k, sightings(driver, real), target, True)
         flock.position[:2] = wandering[:, :2]
         flock.heading[:2] = [(math.cos(pose.yaw), math.sin(pose.yaw)) for pose in real]
-        flock.engine.ground.route[0, :2] = target.x, target.y
+        flock.engine.surroundings.route[0, :2] = target.x, target.y
         flock.advance(1)
         assert np.array_equal(driver.position[2:], flock.position[2:])
         assert np.array_equal(driver.heading[2:], flock.heading[2:])

@@ -18,7 +18,7 @@ from viser import _messages as messages
 from viser.infra._messages import wire_field_names
 from websockets.exceptions import ConnectionClosed
 
-from agents.declare import declared
+from agents.models.declare import declared
 from app.live.example import example
 from app.live.operating.choices import links, rules, sources
 from app.viewer.web.server import UNWANTED

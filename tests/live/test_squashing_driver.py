@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.bodies.car_signals import SIGNALS
+from agents.bodies.cars.signals import SIGNALS
 from agents.flock import Flock
 from app.live.control.injected import Injected
 from app.live.control.pose import Pose, seen, unseen
@@ -97,7 +97,7 @@ def simulated(text, tracks, targets):
         flock.position[:] = [(pose.x, pose.y) for pose in cars]
         flock.heading[:] = [(math.cos(pose.yaw), math.sin(pose.yaw)) for pose in cars]
         flock.speed[:] = flock.arrays.memory[first + SIGNALS.index("pace")] = 0.0
-        flock.engine.ground.route[0, :2] = target.x, target.y
+        flock.engine.surroundings.route[0, :2] = target.x, target.y
         flock.advance(1)
         at = first + SIGNALS.index("wheel sent 1")
         most = math.radians(flock.parameters.wheel_max)

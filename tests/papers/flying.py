@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.verdict import verdicts
 
 
 def flown(name, folder, runs, agents=(), **settings):

@@ -6,8 +6,8 @@ import pytest
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.phase_map import map_of, ways_of
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.phase_map import map_of, ways_of
+from app.experiments.verdicts.verdict import verdicts
 
 RUNS = 3
 PLACES = {

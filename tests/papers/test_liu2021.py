@@ -10,7 +10,7 @@ import pytest
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.statistics import difference, summary
+from app.experiments.verdicts.statistics import difference, summary
 
 RUNS = 30
 READING = {"vem": 85.5, "ivem": 55.7, "wvem": 109.2, "hwvem": 12.0, "vem-a": 575.5}

@@ -10,8 +10,8 @@ import pytest
 
 from agents import Flock
 from agents.mission import fly
-from app.experiments.claims import claims
-from app.experiments.verdict import of
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import of
 from papers.flying import flown
 
 RUNS = 24

@@ -7,11 +7,11 @@ import math
 
 import pytest
 
-from app.experiments.claims import claims
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.statistics import summary
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.statistics import summary
+from app.experiments.verdicts.verdict import verdicts
 
 RUNS = 24
 READING = {100: 8.1, 500: 3.8, 1500: 2.0, 3000: 1.3}

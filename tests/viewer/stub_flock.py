@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from agents.crashes import Crashes
-from agents.declare import Parameters, checked, parameter
 from agents.engine.arrays import Arrays
+from agents.models.declare import Parameters, checked, parameter
 from agents.snapshot import Snapshot
+from agents.state.crashes import Crashes
 from app.viewer.run.start import Start
 from worlds.refusal import Refusal
 from worlds.world import World

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.crashes import Crashes
+from agents.state.crashes import Crashes
 from app.viewer.scene.draw.bird import TIP
 from app.viewer.scene.marks.flock.birds import SCALE
 from app.viewer.scene.marks.flock.crashes import FADES, MOST, CrashMarks

@@ -159,7 +159,7 @@ def test_birds_are_no_longer_than_the_distance_they_keep_nor_half_their_length()
 
 def test_a_frame_holds_who_flies_what_is_saved_and_the_distance_kept():
     flock = Flock("thesis", agents=12, rng=1)
-    flock.arrays.fate[3] = (0.0, 1.0, *flock.position[3])
+    flock.arrays.crash_record[3] = (0.0, 1.0, *flock.position[3])
     flock.speed[3] = 1e3
     taken = Camera(flock, 1).take()
     assert np.flatnonzero(taken.down).tolist() == [3]

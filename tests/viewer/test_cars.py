@@ -26,7 +26,7 @@ from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
 from app.viewer.scene.marks.world.injected import InjectedCar, along_route
 from app.viewer.scene.marks.world.mission import MissionMarks
 from app.viewer.scene.shown.cars import LENGTH, WIDTH, cars
-from app.viewer.scene.shown.frame import Errand
+from app.viewer.scene.shown.frame import Progress
 from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_geometry import rotated
@@ -128,7 +128,7 @@ def test_the_injected_car_looks_along_its_route_and_then_where_it_goes():
     car = InjectedCar(scene, "/goal")
 
     def looks(tick: int, *at: float, run: int = 1) -> np.ndarray:
-        one = shown(frame(tick, run=run, errand=Errand(np.array(at))))
+        one = shown(frame(tick, run=run, progress=Progress(np.array(at))))
         for handle, prop, value in car.draw(one, np.array(at)):
             setattr(handle, prop, value)
         hulls = node(scene, "/car/hulls")

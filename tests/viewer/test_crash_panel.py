@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from agents.crashes import Crashes
+from agents.state.crashes import Crashes
 from app.viewer.lab.panels.crashes import LATEST, counted, listed
 
 

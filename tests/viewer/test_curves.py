@@ -112,7 +112,7 @@ def test_a_model_brings_what_matters_for_it():
 def test_crashes_are_plotted_to_the_tick():
     flock = Flock("safe", agents=30, rng=3)
     readings = Readings(flock)
-    flock.arrays.fate[:3, :2] = [[2, 1], [2, 1], [7, 2]]
+    flock.arrays.crash_record[:3, :2] = [[2, 1], [2, 1], [7, 2]]
     flock.tick = 9
     readings.read(at_once=True)
     ticks, count = points(readings, "crashes")

@@ -67,7 +67,7 @@ def turn(client: Any, control: Any, value: Any) -> None:
 
 def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
     from agents.catalogue import MODELS
-    from agents.declare import declared
+    from agents.models.declare import declared
 
     controls = laboratory.parameters.controls
     for one in declared(MODELS["vem-a"].parameters):

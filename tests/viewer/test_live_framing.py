@@ -42,7 +42,7 @@ def test_a_frame_has_the_real_cars_first_then_the_simulated_ones():
     assert frame.cars.steering == pytest.approx(np.radians([-22.5, 22.5, 45.0, 0.0]))
     assert not frame.cars.stuck.any()
     assert not frame.cars.predator.any()
-    assert frame.errand.goal == pytest.approx([2.0, 0.0])
+    assert frame.progress.goal == pytest.approx([2.0, 0.0])
     assert (frame.run, frame.tick, frame.dt, frame.unit) == (3, 42, 0.01, "s")
 
 
@@ -64,7 +64,7 @@ def test_a_lost_car_stays_where_it_was_seen_and_one_never_seen_is_left_out():
 def test_before_anybody_was_seen_a_frame_is_empty():
     frame = framed(look_at(1, 1.0, "safe", [car_look("red", None), car_look("blue", None)]))
     assert frame.position.shape == frame.heading.shape == (0, 2)
-    assert frame.errand.goal is None
+    assert frame.progress.goal is None
     assert frame.live.names == ()
 
 

@@ -7,7 +7,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents.declare import checked
+from agents.models.declare import checked
 from app.live.example import example
 from app.live.operating.choices import links, rules, sources
 from app.live.operating.squashing_driver import NOT_SIMULATED, model_for

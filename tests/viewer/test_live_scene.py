@@ -213,7 +213,7 @@ def test_the_injected_car_keeps_its_own_name_in_a_simulation_only():
     for one, named in ((frame(), True), (live_frame(), False)):
         scene = Stand()
         car, made = InjectedCar(scene, "/goal"), shown(one)
-        for handle, prop, value in car.draw(made, made.frame.errand.goal):
+        for handle, prop, value in car.draw(made, made.frame.progress.goal):
             setattr(handle, prop, value)
         assert node(scene, "/car/hulls").visible
         assert node(scene, "/goal/name").visible is named
@@ -249,7 +249,7 @@ def test_nothing_of_it_is_in_a_simulation():
     parts = Parts(scene)
     for one in (live_frame(), frame(), frame(1, cars=None)):
         made = shown(one)
-        for changes in (parts.draw_room(made), parts.draw_flock(made)):
+        for changes in (parts.draw_box(made), parts.draw_flock(made)):
             for handle, prop, value in changes:
                 setattr(handle, prop, value)
         nodes = [
@@ -260,7 +260,7 @@ def test_nothing_of_it_is_in_a_simulation():
         there = {each.name for each in nodes if getattr(each, "visible", True)}
         assert bool(there) is (one.live is not None), there
     fresh = Parts(empty := Stand())
-    fresh.draw_room(shown(frame()))
+    fresh.draw_box(shown(frame()))
     fresh.draw_flock(shown(frame()))
     assert not [each for each in empty.sent if "/names/" in each.name or "beyond" in each.name]
 

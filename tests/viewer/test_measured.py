@@ -92,7 +92,7 @@ def test_fluctuations_are_of_the_plotted_part_of_the_run():
 
 def test_only_those_that_fly_are_counted():
     flock = Flock("safe", agents=12, rng=4)
-    flock.arrays.fate[:4, :2] = [0, 1]
+    flock.arrays.crash_record[:4, :2] = [0, 1]
     readings = Readings(flock)
     readings.read(at_once=True)
     assert len(readings.crashes) == 4
@@ -108,7 +108,7 @@ def test_only_those_that_fly_are_counted():
 def test_a_flock_that_has_all_crashed_is_told_without_an_error():
     flock = Flock("safe", agents=6, rng=4)
     flock.advance(2)
-    flock.arrays.fate[:, :2] = [0, 1]
+    flock.arrays.crash_record[:, :2] = [0, 1]
     readings = Readings(flock, watched=frozenset(offered(flock)))
     readings.read(at_once=True)
     assert len(readings.crashes) == 6

@@ -11,14 +11,14 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.neighbours import nearest_neighbour
 from app.viewer.lab.panels.inspector import signal_facts
-from app.viewer.lab.panels.monitors import errand_title, headed, mission_numbers, numbers
+from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
 from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
 from app.viewer.measuring.readings import Readings, arrived
 from app.viewer.run.picture import Camera, Wanted
 from app.viewer.run.run import Run
 from app.viewer.run.start import Start, at_home, home, lively_speed, titled, world_titles
 from app.viewer.run.state import State
-from app.viewer.scene.shown.frame import Errand, Frame
+from app.viewer.scene.shown.frame import Frame, Progress
 from tests.viewer.waiting import until
 from worlds.layout import layout_names, world
 from worlds.mission import Goal, Mission, Path
@@ -95,12 +95,12 @@ def test_a_frame_knows_how_the_mission_stands():
     flock = flying("obstacles")
     frame = Camera(flock, 1).take()
     assert frame.world is flock.world
-    assert frame.errand.goal.tolist() == [30.0, 5.0]
-    assert frame.errand.done == 0
+    assert frame.progress.goal.tolist() == [30.0, 5.0]
+    assert frame.progress.done == 0
     assert [corner.tolist() for corner in frame.room] == [[2.0, 2.0], [14.0, 12.0]]
     flock.arrays.leg[flock.informed] = 2
-    assert Camera(flock, 1).take().errand.done == 2
-    assert Camera(Flock("vem", agents=3, rng=1), 1).take().errand == Errand()
+    assert Camera(flock, 1).take().progress.done == 2
+    assert Camera(Flock("vem", agents=3, rng=1), 1).take().progress == Progress()
 
 
 def test_a_start_region_of_a_density_depends_on_the_number_of_agents():
@@ -144,7 +144,7 @@ def frame_of(place: World, **more) -> Frame:
 
 def test_monitors_say_only_what_the_world_has():
     plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    assert (errand_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
+    assert (mission_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
     assert headed("Mission", {}) == ""
     walled = World("box", (5.0, 5.0), ("solid", "solid"))
     told = mission_numbers(frame_of(walled), {"least-clearance": 0.25, "inside": 1.0})
@@ -156,14 +156,14 @@ def test_monitors_say_only_what_the_world_has():
         mission=Mission(path=Path(waypoints=((1.0, 1.0), (2.0, 2.0)), switch=0.1)),
     )
     values = {"goal-distance": 3.14159, "following": 0.5, "least-gap": np.inf}
-    told = mission_numbers(frame_of(sent, errand=Errand(done=1)), values)
+    told = mission_numbers(frame_of(sent, progress=Progress(done=1)), values)
     assert told == {
         "to path's end": "3.14",
         "waypoint": "2 / 2",
         "following": "50 %",
         "closest pair": "far",
     }
-    assert mission_numbers(frame_of(sent, errand=Errand(done=2)), {})["waypoint"] == "all done"
+    assert mission_numbers(frame_of(sent, progress=Progress(done=2)), {})["waypoint"] == "all done"
     sought = World(
         "sought", (5.0, 5.0), ("open", "open"), mission=Mission(goal=Goal(route=((1.0, 1.0),)))
     )

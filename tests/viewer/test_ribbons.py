@@ -15,7 +15,7 @@ from app.viewer.scene.draw.picture import Picture
 from app.viewer.scene.marks.paths.past import Past
 from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
 from app.viewer.scene.shown.cars import LENGTH, WIDTH
-from app.viewer.scene.shown.frame import Errand
+from app.viewer.scene.shown.frame import Progress
 from app.viewer.scene.shown.look import TRAILS, Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -36,7 +36,7 @@ def band(trails: str, ticks: range, length: int = 40, **changes: Any) -> tuple[A
                 "informed": np.zeros(1, bool),
                 "ids": np.array([1]),
                 "cars": known(1),
-                "errand": Errand(),
+                "progress": Progress(),
                 "world": AREA,
             }
             | changes,
@@ -77,7 +77,7 @@ def test_bands_break_at_the_seam_and_are_forgotten():
     part = Ribbons(scene)
     for tick, x in enumerate([5.7, 5.8, 5.9, 0.0, 0.1]):
         place = np.array([[x, 0.0]] * 3)
-        one = frame(tick, world=seam, position=place, errand=Errand(), cars=None)
+        one = frame(tick, world=seam, position=place, progress=Progress(), cars=None)
         draw(part, shown(one, Look(trails="ribbon", trail_length=16)))
     pieces = node(scene, "/pieces")
     assert len(pieces.batched_positions) == 3 * 3

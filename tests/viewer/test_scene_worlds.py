@@ -18,10 +18,10 @@ from app.viewer.scene.marks.world.mission import MissionMarks
 from app.viewer.scene.marks.world.obstacles import Obstacles, drawn_height, the_changed
 from app.viewer.scene.marks.world.points import BoundaryPoints
 from app.viewer.scene.marks.world.walls import Walls
-from app.viewer.scene.shown.frame import Errand, Frame
+from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.look import Look
 from tests.viewer.test_solids import is_closed, volume
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, Disc, Ring, Sphere
 from worlds.world import World
 
@@ -34,7 +34,7 @@ YARD = World(
     obstacles=(*DISCS, Ring(centre=(12.0, 8.0), radius=2.0, width=0.5)),
     height=1.0,
     mission=Mission(
-        start=Start(low=(-3.0, 3.0), high=(-1.0, 5.0)),
+        start=StartRegion(low=(-3.0, 3.0), high=(-1.0, 5.0)),
         path=Path(waypoints=((1.0, 3.0), (6.0, 3.0), (14.0, 3.0)), switch=0.5),
         goal=Goal(route=((14.0, 10.0),)),
     ),
@@ -219,7 +219,7 @@ def test_waypoints_left_behind_are_dim():
     draw(part, shown(YARD))
     ahead = np.array(scene.there("/mission/path/ahead").points)
     assert not scene.there("/mission/path/behind").visible
-    draw(part, shown(YARD, errand=Errand(done=2)))
+    draw(part, shown(YARD, progress=Progress(done=2)))
     left = np.array(scene.there("/mission/path/ahead").points)
     done = np.array(scene.there("/mission/path/behind").points)
     assert len(left) + len(done) == len(ahead)
@@ -234,13 +234,13 @@ def test_the_goal_moves_and_goes_with_the_switch():
     scene = Stand()
     part = MissionMarks(scene)
     at = np.array([14.0, 10.0])
-    draw(part, shown(YARD, errand=Errand(goal=at)))
+    draw(part, shown(YARD, progress=Progress(goal=at)))
     bead = scene.there("/mission/goal/bead")
     assert bead.visible
     assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at)[:2])
-    draw(part, shown(YARD, errand=Errand(goal=at - 1.0)))
+    draw(part, shown(YARD, progress=Progress(goal=at - 1.0)))
     assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at - 1.0)[:2])
-    draw(part, shown(YARD, Look(mission=False), errand=Errand(goal=at)))
+    draw(part, shown(YARD, Look(mission=False), progress=Progress(goal=at)))
     assert not bead.visible
     assert not scene.there("/mission/path/ahead").visible
     assert not any("number" in node.name and node.there for node in scene.sent)

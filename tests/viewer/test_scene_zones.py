@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.crashes import Crashes
 from agents.inspection import Inspection, Shell
+from agents.state.crashes import Crashes
 from app.viewer.lab.panels.inspector import card
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.colouring import MOST_SAVED, agent_colours, legend

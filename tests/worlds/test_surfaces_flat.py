@@ -59,9 +59,9 @@ def test_every_connected_outline_has_a_surface_of_its_own(obstacles, seed, reach
     world = flat(*obstacles, edges=("solid", "open"))
     place = places(seed, 60)
     parts = shapely.get_parts(united(world))
-    ground = survey(world, reach)
-    assert len(ground.span) == len(parts)
-    found = each_solid(ground, place, len(parts) + 2)
+    surroundings = survey(world, reach)
+    assert len(surroundings.span) == len(parts)
+    found = each_solid(surroundings, place, len(parts) + 2)
     assert (found[:, :, 4] <= 1.0).all()
     expected = np.sort([signed(part, place) for part in parts], axis=0)
     expected[expected > reach] = np.inf
@@ -104,9 +104,9 @@ def test_an_outline_is_a_curve_where_it_turns_by_less_than_twenty_degrees():
 
 def test_obstacles_that_meet_become_one_outline():
     left, right = Box(low=(0, 0), high=(2, 2)), Box(low=(2, 0), high=(4, 2))
-    ground = survey(flat(left, right), 3.0)
-    assert len(ground.span) == 1
-    answer = Answer(ground, [(2.0, 1.5), (2.0, 2.5)])
+    surroundings = survey(flat(left, right), 3.0)
+    assert len(surroundings.span) == 1
+    answer = Answer(surroundings, [(2.0, 1.5), (2.0, 2.5)])
     assert answer.distance == pytest.approx([-0.5, 0.5])
     assert answer.smooth.tolist() == [1.0, 1.0]
 
@@ -171,9 +171,9 @@ def test_obstacles_are_seen_across_wrapping_edges(obstacles, seed):
 
 
 def test_nothing_is_near_in_an_empty_world():
-    ground = survey(flat(), 5.0)
-    assert ground.solids == 0
-    assert np.isinf(Answer(ground, places(2)).distance).all()
+    surroundings = survey(flat(), 5.0)
+    assert surroundings.solids == 0
+    assert np.isinf(Answer(surroundings, places(2)).distance).all()
 
 
 def test_a_flat_and_a_tall_ground_have_one_type():
@@ -182,7 +182,7 @@ def test_a_flat_and_a_tall_ground_have_one_type():
     tall = World(
         "tall", (5.0, 5.0, 5.0), ("solid",) * 3, obstacles=(Disc(centre=(1, 1), radius=1),)
     )
-    grounds = [
+    all_surroundings = [
         survey(w, 2.0) for w in (flat(), tall, flat(Wall(start=(0, 0), end=(3, 3), thickness=1)))
     ]
-    assert len({numba.typeof(ground) for ground in grounds}) == 1
+    assert len({numba.typeof(surroundings) for surroundings in all_surroundings}) == 1

@@ -49,7 +49,7 @@ def generate(
     sides = box(dim, size)
     given = checked(one, parameters, origin)
     made = one.make(np.random.default_rng(seed), np.zeros(dim), np.array(sides), given)
-    told = ", ".join(f"{name} = {value:g}" for name, value in given.model_dump().items())
+    values = ", ".join(f"{name} = {value:g}" for name, value in given.model_dump().items())
     return World(
         name=f"{kind}-{seed}",
         size=sides,
@@ -57,7 +57,7 @@ def generate(
         title=f"{one.title}, seed {seed}",
         obstacles=tuple(made.obstacles),
         mission=made.mission,
-        source=f"generator {kind}: seed {seed}, {told}",
+        source=f"generator {kind}: seed {seed}, {values}",
     )
 
 
@@ -86,5 +86,5 @@ def allowed(field: FieldInfo) -> str:
         for name, word in (("gt", ">"), ("ge", ">="), ("le", "<="))
         if getattr(bound, name, None) is not None
     }
-    said = " and".join(f" {word} {value:g}" for word, value in limits.items())
-    return kind + said
+    limited = " and".join(f" {word} {value:g}" for word, value in limits.items())
+    return kind + limited

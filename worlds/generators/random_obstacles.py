@@ -1,4 +1,4 @@
-"""Obstacles that a world draws from the seed of a run: the table [random] of a layout."""
+"""Random obstacles drawn from the seed of a run: the table [random] of a layout."""
 
 from __future__ import annotations
 

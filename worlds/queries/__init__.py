@@ -1,1 +1,1 @@
-"""What a world is asked: how far away surfaces are, what is in sight, where its boundary is."""
+"""Queries: distances to surfaces, lines of sight, crossings and boundary points."""

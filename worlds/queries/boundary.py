@@ -78,7 +78,7 @@ def along_line(line: np.ndarray, spacing: float) -> np.ndarray:
 def sorted_points(
     points: np.ndarray, reach: float
 ) -> tuple[np.ndarray, np.ndarray, float, float, float, int, int, np.ndarray, int]:
-    """Points (M, 2) sorted by cells of side >= reach / 2: nine fields of the ground.
+    """Points (M, 2) sorted by cells of side >= reach / 2: nine fields of the surroundings.
 
     They are x, y, left, front, inverse, columns, rows, first point of each cell, and room for all
     that can lie within reach of any place.
@@ -99,8 +99,8 @@ def sorted_points(
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
     x, y = np.ascontiguousarray(points[order].T)
     least = float(low[0]), float(low[1])
-    room = fullest(count.reshape(rows, columns)) + 1
-    return x, y, *least, inverse, columns, rows, start, room
+    most = fullest(count.reshape(rows, columns)) + 1
+    return x, y, *least, inverse, columns, rows, start, most
 
 
 def fullest(count: np.ndarray) -> int:

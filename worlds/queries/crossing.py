@@ -37,19 +37,19 @@ def skin(x, y, z):
 
 
 @compiled
-def is_far(ground, x, y, z, r):
+def is_far(surroundings, x, y, z, r):
     """True only if nothing solid is within r of a place; where it is False, something may be."""
-    if ground.solids == 0:
+    if surroundings.solids == 0:
         return True
-    if not (r < ground.reach):
+    if not (r < surroundings.reach):
         return False
-    for k in range(ground.plane.shape[0]):
-        at = ground.plane[k]
+    for k in range(surroundings.plane.shape[0]):
+        at = surroundings.plane[k]
         if x * at[0] + y * at[1] + z * at[2] - at[3] <= r:
             return False
-    around = solids_around(ground, x, y)
-    listed = around.number - ground.plane.shape[0]
-    return listed == 0 or ground.entry_least[around.first] > r
+    around = solids_around(surroundings, x, y)
+    listed = around.number - surroundings.plane.shape[0]
+    return listed == 0 or surroundings.entry_least[around.first] > r
 
 
 @compiled
@@ -95,7 +95,7 @@ def entered_ball(ball, close, ax, ay, az, dx, dy, dz):
 
 
 @compiled
-def entered_cap(ground, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz):
+def entered_cap(surroundings, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz):
     """The share at which the way goes in through the top (up = 1) or bottom (-1) of a prism.
 
     Only within the shares [low, high], at which it is in the cell of the entry; else inf.
@@ -106,42 +106,42 @@ def entered_cap(ground, entry, height, up, close, low, high, ax, ay, az, dx, dy,
     t = min(max(before / (-up * dz), 0.0), 1.0)
     if not (low <= t <= high):
         return math.inf
-    d, _, _ = entry_distance(ground, entry, ax + t * dx, ay + t * dy, height)
+    d, _, _ = entry_distance(surroundings, entry, ax + t * dx, ay + t * dy, height)
     return t if d <= close else math.inf
 
 
 @compiled
-def entered(ground, entry, first, close, low, high, ax, ay, az, dx, dy, dz):
+def entered(surroundings, entry, first, close, low, high, ax, ay, az, dx, dy, dz):
     """The earlier of a crossing and that of a solid listed in a cell, crossed at [low, high]."""
-    solid = ground.entry_solid[entry]
-    outlines = ground.span.shape[0]
+    solid = surroundings.entry_solid[entry]
+    outlines = surroundings.span.shape[0]
     best = first
     if solid >= outlines:
-        ball = ground.ball[solid - outlines]
+        ball = surroundings.ball[solid - outlines]
         t = entered_ball(ball, close, ax, ay, az, dx, dy, dz)
         if t < best.share:
             x, y, z = ax + t * dx - ball[0], ay + t * dy - ball[1], az + t * dz - ball[2]
             size = math.sqrt(x * x + y * y + z * z)
             best = Crossing(t, x / size, y / size, z / size)
         return best
-    bottom, top = ground.span[solid, 0], ground.span[solid, 1]
-    for run in range(ground.entry_run[entry], ground.entry_run[entry + 1]):
-        for i in range(ground.run[run, 0], ground.run[run, 1]):
-            at = ground.edge[i]
+    bottom, top = surroundings.span[solid, 0], surroundings.span[solid, 1]
+    for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
+        for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
+            at = surroundings.edge[i]
             t = entered_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz)
             if t < best.share:
                 best = Crossing(t, at[6], at[7], 0.0)
     if dz != 0.0:
         up = -1.0 if dz > 0.0 else 1.0
         height = bottom if dz > 0.0 else top
-        t = entered_cap(ground, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz)
+        t = entered_cap(surroundings, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz)
         if t < best.share:
             best = Crossing(t, 0.0, 0.0, up)
     return best
 
 
 @shared
-def first_crossing(ground, ax, ay, az, dx, dy, dz):
+def first_crossing(surroundings, ax, ay, az, dx, dy, dz):
     """The first surface that the way from a along d (its length is the step's) enters: `Crossing`.
 
     Looks into the cells along the way, row by row, as `worlds.queries.sight.line_of_sight` does.
@@ -151,42 +151,46 @@ def first_crossing(ground, ax, ay, az, dx, dy, dz):
     if not (reach < math.inf):
         return best
     close = CLOSE * (skin(ax, ay, az) + RELATIVE * reach)
-    for k in range(ground.plane.shape[0]):
-        at = ground.plane[k]
+    for k in range(surroundings.plane.shape[0]):
+        at = surroundings.plane[k]
         t = entered_plane(at, close, ax, ay, az, dx, dy, dz)
         if t < best.share:
             best = Crossing(t, at[0], at[1], at[2])
-    if ground.columns == 0:
+    if surroundings.columns == 0:
         return best
     by = ay + dy
-    side = 1.0 / ground.inverse
+    side = 1.0 / surroundings.inverse
     slack = SLACK * side + close
     front, back = min(ay, by) - close, max(ay, by) + close
-    first, last = cells_between(front, back, ground.front, ground.inverse, ground.rows)
+    first, last = cells_between(
+        front, back, surroundings.front, surroundings.inverse, surroundings.rows
+    )
     for row in range(first, last + 1):
-        y = ground.front + row * side
+        y = surroundings.front + row * side
         low, high = shares_within(ay, dy, y - slack, y + side + slack)
         if low > high:
             continue
         one, two = ax + low * dx, ax + high * dx
         left, right = min(one, two) - close, max(one, two) + close
-        left, right = cells_between(left, right, ground.left, ground.inverse, ground.columns)
+        left, right = cells_between(
+            left, right, surroundings.left, surroundings.inverse, surroundings.columns
+        )
         for column in range(left, right + 1):
-            x = ground.left + column * side
+            x = surroundings.left + column * side
             enter, leave = shares_within(ax, dx, x - slack, x + side + slack)
             enter, leave = max(enter, low), min(leave, high)
-            cell = row * ground.columns + column
-            for e in range(ground.cell_start[cell], ground.cell_start[cell + 1]):
-                if ground.entry_least[e] > close:
+            cell = row * surroundings.columns + column
+            for e in range(surroundings.cell_start[cell], surroundings.cell_start[cell + 1]):
+                if surroundings.entry_least[e] > close:
                     break
-                best = entered(ground, e, best, close, enter, leave, ax, ay, az, dx, dy, dz)
+                best = entered(surroundings, e, best, close, enter, leave, ax, ay, az, dx, dy, dz)
     return best
 
 
 @compiled
-def is_crossed(ground, ax, ay, az, bx, by, bz):
+def is_crossed(surroundings, ax, ay, az, bx, by, bz):
     """Whether a step from a to b enters something solid on its way."""
     dx, dy, dz = bx - ax, by - ay, bz - az
-    if is_far(ground, ax, ay, az, math.sqrt(dx * dx + dy * dy + dz * dz)):
+    if is_far(surroundings, ax, ay, az, math.sqrt(dx * dx + dy * dy + dz * dz)):
         return False
-    return first_crossing(ground, ax, ay, az, dx, dy, dz).share <= 1.0
+    return first_crossing(surroundings, ax, ay, az, dx, dy, dz).share <= 1.0

@@ -31,7 +31,7 @@ class Chunks(NamedTuple):
 
 
 class Listing(NamedTuple):
-    """The cells of the ground, see `worlds.queries.ground.Ground`."""
+    """The cells of the surroundings, see `worlds.queries.surroundings.Surroundings`."""
 
     left: float
     front: float

@@ -12,11 +12,11 @@ SLACK = 1e-9
 
 
 @compiled
-def meets_edges(ground, entry, bottom, top, ax, ay, az, dx, dy, dz):
+def meets_edges(surroundings, entry, bottom, top, ax, ay, az, dx, dy, dz):
     """Whether the way from a along d goes through an upright face of an outline in a cell."""
-    for run in range(ground.entry_run[entry], ground.entry_run[entry + 1]):
-        for i in range(ground.run[run, 0], ground.run[run, 1]):
-            at = ground.edge[i]
+    for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
+        for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
+            at = surroundings.edge[i]
             ex, ey = at[2] - at[0], at[3] - at[1]
             wx, wy = at[0] - ax, at[1] - ay
             turn = dx * ey - dy * ex
@@ -30,12 +30,12 @@ def meets_edges(ground, entry, bottom, top, ax, ay, az, dx, dy, dz):
 
 
 @compiled
-def meets_cap(ground, entry, height, low, high, ax, ay, az, dx, dy, dz):
+def meets_cap(surroundings, entry, height, low, high, ax, ay, az, dx, dy, dz):
     """Whether the way goes through the top or bottom face of a prism, within shares [low, high]."""
     t = (height - az) / dz
     if not (low <= t <= high):
         return False
-    d, _, _ = entry_distance(ground, entry, ax + t * dx, ay + t * dy, height)
+    d, _, _ = entry_distance(surroundings, entry, ax + t * dx, ay + t * dy, height)
     return d <= 0.0
 
 
@@ -51,19 +51,19 @@ def meets_ball(ball, ax, ay, az, dx, dy, dz):
 
 
 @compiled
-def meets_entry(ground, entry, low, high, ax, ay, az, dx, dy, dz):
+def meets_entry(surroundings, entry, low, high, ax, ay, az, dx, dy, dz):
     """Whether the way meets a solid listed in a cell that it crosses at the shares [low, high]."""
-    solid = ground.entry_solid[entry]
-    outlines = ground.span.shape[0]
+    solid = surroundings.entry_solid[entry]
+    outlines = surroundings.span.shape[0]
     if solid >= outlines:
-        return meets_ball(ground.ball[solid - outlines], ax, ay, az, dx, dy, dz)
-    bottom, top = ground.span[solid, 0], ground.span[solid, 1]
-    if meets_edges(ground, entry, bottom, top, ax, ay, az, dx, dy, dz):
+        return meets_ball(surroundings.ball[solid - outlines], ax, ay, az, dx, dy, dz)
+    bottom, top = surroundings.span[solid, 0], surroundings.span[solid, 1]
+    if meets_edges(surroundings, entry, bottom, top, ax, ay, az, dx, dy, dz):
         return True
     if dz == 0.0:
         return False
-    return meets_cap(ground, entry, bottom, low, high, ax, ay, az, dx, dy, dz) or meets_cap(
-        ground, entry, top, low, high, ax, ay, az, dx, dy, dz
+    return meets_cap(surroundings, entry, bottom, low, high, ax, ay, az, dx, dy, dz) or meets_cap(
+        surroundings, entry, top, low, high, ax, ay, az, dx, dy, dz
     )
 
 
@@ -85,37 +85,43 @@ def cells_between(low, high, origin, inverse, number):
 
 
 @compiled
-def line_of_sight(ground, ax, ay, az, bx, by, bz):
+def line_of_sight(surroundings, ax, ay, az, bx, by, bz):
     """Whether the segment from a to b meets no obstacle (solid edges of the box are none).
 
     Looks into the cells along the segment, row by row. A segment inside an obstacle meets it.
     """
-    if ground.columns == 0:
+    if surroundings.columns == 0:
         return True
-    d, _, entry, _, _ = nearest_solid(ground, ax, ay, az, ground.plane.shape[0])
+    d, _, entry, _, _ = nearest_solid(surroundings, ax, ay, az, surroundings.plane.shape[0])
     if entry >= 0 and d < 0.0:
         return False
     dx, dy, dz = bx - ax, by - ay, bz - az
-    side = 1.0 / ground.inverse
+    side = 1.0 / surroundings.inverse
     slack = SLACK * side
-    first, last = cells_between(min(ay, by), max(ay, by), ground.front, ground.inverse, ground.rows)
+    first, last = cells_between(
+        min(ay, by), max(ay, by), surroundings.front, surroundings.inverse, surroundings.rows
+    )
     for row in range(first, last + 1):
-        front = ground.front + row * side
+        front = surroundings.front + row * side
         low, high = shares_within(ay, dy, front - slack, front + side + slack)
         if low > high:
             continue
         one, two = ax + low * dx, ax + high * dx
         left, right = cells_between(
-            min(one, two), max(one, two), ground.left, ground.inverse, ground.columns
+            min(one, two),
+            max(one, two),
+            surroundings.left,
+            surroundings.inverse,
+            surroundings.columns,
         )
         for column in range(left, right + 1):
-            x = ground.left + column * side
+            x = surroundings.left + column * side
             enter, leave = shares_within(ax, dx, x - slack, x + side + slack)
             enter, leave = max(enter, low), min(leave, high)
-            cell = row * ground.columns + column
-            for e in range(ground.cell_start[cell], ground.cell_start[cell + 1]):
-                if ground.entry_least[e] > 0.0:
+            cell = row * surroundings.columns + column
+            for e in range(surroundings.cell_start[cell], surroundings.cell_start[cell + 1]):
+                if surroundings.entry_least[e] > 0.0:
                     break
-                if meets_entry(ground, e, enter, leave, ax, ay, az, dx, dy, dz):
+                if meets_entry(surroundings, e, enter, leave, ax, ay, az, dx, dy, dz):
                     return False
     return True

@@ -1,4 +1,4 @@
-"""The nearest place of a solid, found through the cells of a `worlds.queries.ground.Ground`.
+"""The nearest surface to a place, found through the cells of `Surroundings`.
 
 Each cell of the plan lists the solids that come within reach of it, nearest first, and of each
 outline the runs of edges that can be nearest to a place in the cell.
@@ -42,56 +42,56 @@ def nowhere():
 
 
 @compiled
-def solids_around(ground, x, y):
+def solids_around(surroundings, x, y):
     """The solids that may be within reach of a place, `Around`: a cursor for `surface`.
 
     Solid edges of the box come first, then outlines and spheres, by least distance of the cell.
     """
-    planes = ground.plane.shape[0]
-    column = math.floor((x - ground.left) * ground.inverse)
-    row = math.floor((y - ground.front) * ground.inverse)
-    if not (0.0 <= column < ground.columns and 0.0 <= row < ground.rows):
+    planes = surroundings.plane.shape[0]
+    column = math.floor((x - surroundings.left) * surroundings.inverse)
+    row = math.floor((y - surroundings.front) * surroundings.inverse)
+    if not (0.0 <= column < surroundings.columns and 0.0 <= row < surroundings.rows):
         return Around(0, planes)
-    cell = int(row) * ground.columns + int(column)
-    first = ground.cell_start[cell]
-    return Around(first, planes + ground.cell_start[cell + 1] - first)
+    cell = int(row) * surroundings.columns + int(column)
+    first = surroundings.cell_start[cell]
+    return Around(first, planes + surroundings.cell_start[cell + 1] - first)
 
 
 @compiled
-def solid_of(ground, around, k):
+def solid_of(surroundings, around, k):
     """The id of the k-th solid around: outlines 0, 1, ..., then spheres, then solid edges."""
-    planes = ground.plane.shape[0]
+    planes = surroundings.plane.shape[0]
     if k < planes:
-        return ground.span.shape[0] + ground.ball.shape[0] + k
-    return ground.entry_solid[around.first + k - planes]
+        return surroundings.span.shape[0] + surroundings.ball.shape[0] + k
+    return surroundings.entry_solid[around.first + k - planes]
 
 
 @compiled
-def side_of(ground, edge, t, x, y):
+def side_of(surroundings, edge, t, x, y):
     """> 0 if a place is on the free side of the edge that it is nearest to, at the share t of it.
 
-    Beyond an end that is the side of the corner, told by the sum of the normals there.
+    Beyond an end that is the side of the corner, found by the sum of the normals there.
     """
-    at = ground.edge[edge]
+    at = surroundings.edge[edge]
     if t <= 0.0:
-        corner = ground.corner[edge]
+        corner = surroundings.corner[edge]
         return (x - at[0]) * corner[0] + (y - at[1]) * corner[1]
     if t >= 1.0:
-        corner = ground.corner[ground.after[edge]]
+        corner = surroundings.corner[surroundings.after[edge]]
         return (x - at[2]) * corner[0] + (y - at[3]) * corner[1]
     return (x - at[0]) * at[6] + (y - at[1]) * at[7]
 
 
 @compiled
-def nearest_edge(ground, entry, x, y):
+def nearest_edge(surroundings, entry, x, y):
     """Of an outline listed in a cell: the nearest edge, the share t along it, squared distance.
 
     Outlines may touch themselves in a corner; then the side that is free counts.
     """
     best, share, least = -1, 0.0, math.inf
-    for run in range(ground.entry_run[entry], ground.entry_run[entry + 1]):
-        for i in range(ground.run[run, 0], ground.run[run, 1]):
-            at = ground.edge[i]
+    for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
+        for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
+            at = surroundings.edge[i]
             dx, dy = x - at[0], y - at[1]
             t = dx * at[4] + dy * at[5]
             if t >= 1.0:
@@ -101,7 +101,7 @@ def nearest_edge(ground, entry, x, y):
                 d2 = d * d
             else:
                 d2 = dx * dx + dy * dy
-            if d2 < least or (d2 == least and side_of(ground, i, t, x, y) > 0.0):
+            if d2 < least or (d2 == least and side_of(surroundings, i, t, x, y) > 0.0):
                 best, share, least = i, t, d2
     return best, share, least
 
@@ -115,31 +115,31 @@ def combined(flat, above):
 
 
 @compiled
-def plane_distance(ground, k, x, y, z):
+def plane_distance(surroundings, k, x, y, z):
     """Signed distance to the k-th solid edge of the box, negative beyond it."""
-    at = ground.plane[k]
+    at = surroundings.plane[k]
     return x * at[0] + y * at[1] + z * at[2] - at[3]
 
 
 @compiled
-def entry_distance(ground, entry, x, y, z):
+def entry_distance(surroundings, entry, x, y, z):
     """Signed distance to a solid listed in a cell; and for an outline edge and share, else -1."""
-    solid = ground.entry_solid[entry]
-    outlines = ground.span.shape[0]
+    solid = surroundings.entry_solid[entry]
+    outlines = surroundings.span.shape[0]
     if solid >= outlines:
-        ball = ground.ball[solid - outlines]
+        ball = surroundings.ball[solid - outlines]
         dx, dy, dz = x - ball[0], y - ball[1], z - ball[2]
         return math.sqrt(dx * dx + dy * dy + dz * dz) - ball[3], -1, 0.0
-    edge, t, d2 = nearest_edge(ground, entry, x, y)
-    flat = math.copysign(math.sqrt(d2), side_of(ground, edge, t, x, y))
-    above = max(ground.span[solid, 0] - z, z - ground.span[solid, 1])
+    edge, t, d2 = nearest_edge(surroundings, entry, x, y)
+    flat = math.copysign(math.sqrt(d2), side_of(surroundings, edge, t, x, y))
+    above = max(surroundings.span[solid, 0] - z, z - surroundings.span[solid, 1])
     return combined(flat, above), edge, t
 
 
 @compiled
-def plane_surface(ground, k, distance, x, y, z):
+def plane_surface(surroundings, k, distance, x, y, z):
     """The surface of a solid edge of the box."""
-    nx, ny, nz = ground.plane[k, 0], ground.plane[k, 1], ground.plane[k, 2]
+    nx, ny, nz = surroundings.plane[k, 0], surroundings.plane[k, 1], surroundings.plane[k, 2]
     return Surface(
         distance, x - distance * nx, y - distance * ny, z - distance * nz, nx, ny, nz, 1.0
     )
@@ -158,15 +158,19 @@ def ball_surface(ball, distance, x, y, z):
 
 
 @compiled
-def outline_surface(ground, edge, t, x, y):
+def outline_surface(surroundings, edge, t, x, y):
     """The nearest place of an outline on the plan, as a Surface with z = 0 and nz = 0."""
-    at = ground.edge[edge]
+    at = surroundings.edge[edge]
     if (t > 0.0) & (t < 1.0):
         d = (x - at[0]) * at[6] + (y - at[1]) * at[7]
         return Surface(d, x - d * at[6], y - d * at[7], 0.0, at[6], at[7], 0.0, 1.0)
-    here = edge if t <= 0.0 else ground.after[edge]
-    qx, qy = ground.edge[here, 0], ground.edge[here, 1]
-    mx, my, smooth = ground.corner[here, 0], ground.corner[here, 1], ground.corner[here, 2]
+    here = edge if t <= 0.0 else surroundings.after[edge]
+    qx, qy = surroundings.edge[here, 0], surroundings.edge[here, 1]
+    mx, my, smooth = (
+        surroundings.corner[here, 0],
+        surroundings.corner[here, 1],
+        surroundings.corner[here, 2],
+    )
     dx, dy = x - qx, y - qy
     d = math.sqrt(dx * dx + dy * dy)
     if d == 0.0:
@@ -176,9 +180,9 @@ def outline_surface(ground, edge, t, x, y):
 
 
 @compiled
-def prism_surface(ground, solid, flat, x, y, z):
+def prism_surface(surroundings, solid, flat, x, y, z):
     """The nearest place of a prism, from that of its outline on the plan."""
-    bottom, top = ground.span[solid, 0], ground.span[solid, 1]
+    bottom, top = surroundings.span[solid, 0], surroundings.span[solid, 1]
     over = z - top >= bottom - z
     above = z - top if over else bottom - z
     cap = top if over else bottom
@@ -193,72 +197,76 @@ def prism_surface(ground, solid, flat, x, y, z):
 
 
 @compiled
-def entry_surface(ground, entry, edge, t, distance, x, y, z):
+def entry_surface(surroundings, entry, edge, t, distance, x, y, z):
     """The surface of a solid listed in a cell, from what `entry_distance` has found."""
-    solid = ground.entry_solid[entry]
-    outlines = ground.span.shape[0]
+    solid = surroundings.entry_solid[entry]
+    outlines = surroundings.span.shape[0]
     if solid >= outlines:
-        return ball_surface(ground.ball[solid - outlines], distance, x, y, z)
-    return prism_surface(ground, solid, outline_surface(ground, edge, t, x, y), x, y, z)
+        return ball_surface(surroundings.ball[solid - outlines], distance, x, y, z)
+    return prism_surface(surroundings, solid, outline_surface(surroundings, edge, t, x, y), x, y, z)
 
 
 @compiled
-def surface(ground, around, k, x, y, z):
+def surface(surroundings, around, k, x, y, z):
     """The nearest surface of the k-th solid around a place; distance inf if it is out of reach."""
-    planes = ground.plane.shape[0]
+    planes = surroundings.plane.shape[0]
     if k < planes:
-        d = plane_distance(ground, k, x, y, z)
-        return plane_surface(ground, k, d, x, y, z) if d <= ground.reach else nowhere()
+        d = plane_distance(surroundings, k, x, y, z)
+        return plane_surface(surroundings, k, d, x, y, z) if d <= surroundings.reach else nowhere()
     entry = around.first + k - planes
-    d, edge, t = entry_distance(ground, entry, x, y, z)
-    return entry_surface(ground, entry, edge, t, d, x, y, z) if d <= ground.reach else nowhere()
+    d, edge, t = entry_distance(surroundings, entry, x, y, z)
+    return (
+        entry_surface(surroundings, entry, edge, t, d, x, y, z)
+        if d <= surroundings.reach
+        else nowhere()
+    )
 
 
 @compiled
-def nearest_solid(ground, x, y, z, first):
+def nearest_solid(surroundings, x, y, z, first):
     """The solid of least signed distance within reach: distance, plane, entry, edge, t.
 
     `plane` and `entry` are -1 where it is not one, both if there is none. Planes count from the
-    number `first` on: 0 for all of them, ground.plane.shape[0] for obstacles only.
+    number `first` on: 0 for all of them, surroundings.plane.shape[0] for obstacles only.
     """
-    planes = ground.plane.shape[0]
-    least, plane, entry, edge, share = ground.reach, -1, -1, -1, 0.0
+    planes = surroundings.plane.shape[0]
+    least, plane, entry, edge, share = surroundings.reach, -1, -1, -1, 0.0
     for k in range(first, planes):
-        d = plane_distance(ground, k, x, y, z)
+        d = plane_distance(surroundings, k, x, y, z)
         if d <= least:
             least, plane = d, k
-    around = solids_around(ground, x, y)
+    around = solids_around(surroundings, x, y)
     last = around.first + around.number - planes
     for e in range(around.first, last):
-        if ground.entry_least[e] > least:
+        if surroundings.entry_least[e] > least:
             break
-        d, i, t = entry_distance(ground, e, x, y, z)
+        d, i, t = entry_distance(surroundings, e, x, y, z)
         if d < least or (d == least and plane < 0 and entry < 0):
             least, plane, entry, edge, share = d, -1, e, i, t
     return least, plane, entry, edge, share
 
 
 @compiled
-def nearest_surface(ground, x, y, z):
+def nearest_surface(surroundings, x, y, z):
     """The nearest surface to a place, of obstacles and solid edges of the box: a `Surface`.
 
     Where solids overlap, that of the least signed distance: exact outside, and inside a lower bound
-    of how far it is out of all of them. At a distance inf if there is none within ground.reach.
+    of how far it is out of all of them. At a distance inf if none is in reach.
     """
-    if ground.solids == 0:
+    if surroundings.solids == 0:
         return nowhere()
-    d, plane, entry, edge, t = nearest_solid(ground, x, y, z, 0)
+    d, plane, entry, edge, t = nearest_solid(surroundings, x, y, z, 0)
     if plane >= 0:
-        return plane_surface(ground, plane, d, x, y, z)
+        return plane_surface(surroundings, plane, d, x, y, z)
     if entry >= 0:
-        return entry_surface(ground, entry, edge, t, d, x, y, z)
+        return entry_surface(surroundings, entry, edge, t, d, x, y, z)
     return nowhere()
 
 
 @compiled
-def signed_distance(ground, x, y, z):
+def signed_distance(surroundings, x, y, z):
     """Signed distance of a place to the nearest surface, length; see `nearest_surface`."""
-    if ground.solids == 0:
+    if surroundings.solids == 0:
         return math.inf
-    d, plane, entry, _, _ = nearest_solid(ground, x, y, z, 0)
+    d, plane, entry, _, _ = nearest_solid(surroundings, x, y, z, 0)
     return d if plane >= 0 or entry >= 0 else math.inf

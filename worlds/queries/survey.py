@@ -1,4 +1,4 @@
-"""A survey of a world: its obstacles as edges, cells and points that compiled code can ask."""
+"""Turns a world into `Surroundings`: edges, cells and points that compiled code can query."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import shapely
 
 from worlds.mission import Goal, Mission
 from worlds.queries.boundary import boundary_points, sorted_points
-from worlds.queries.ground import Ground
 from worlds.queries.listing import Chunks, list_solids
 from worlds.queries.outlines import outlines, spheres
+from worlds.queries.surroundings import Surroundings
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -22,7 +22,7 @@ CHUNK = 4
 
 
 class Edges(NamedTuple):
-    """The edges of all outlines, see `worlds.queries.ground.Ground`."""
+    """The edges of all outlines, see `worlds.queries.surroundings.Surroundings`."""
 
     edge: np.ndarray
     corner: np.ndarray
@@ -30,8 +30,8 @@ class Edges(NamedTuple):
     chunks: Chunks
 
 
-def survey(world: World, reach: float) -> Ground:
-    """The ground of a world, for queries up to a distance `reach` (length) from a surface.
+def survey(world: World, reach: float) -> Surroundings:
+    """The surroundings of a world, for queries up to a distance `reach` (length) from a surface.
 
     Raises Refusal for an obstacle whose outline crosses itself, and for a world that has not drawn
     its random obstacles.
@@ -54,7 +54,7 @@ def survey(world: World, reach: float) -> Ground:
     if world.dim == 2:
         points = boundary_points(world, list(united.values()), reach)
     mission = world.mission or Mission()
-    return Ground(
+    return Surroundings(
         float(reach),
         len(edges.edge) + len(ball) + len(plane),
         plane,
@@ -148,7 +148,7 @@ def in_space(points: tuple[tuple[float, ...], ...]) -> np.ndarray:
 
 
 def goal_route(goal: Goal | None) -> tuple[np.ndarray, np.ndarray, float, bool, np.ndarray]:
-    """The last five fields of the ground: the gamma agent's route, and where it begins."""
+    """The last five fields of the surroundings: the gamma agent's route, and where it begins."""
     route = in_space(goal.route if goal else ())
     legs = np.linalg.norm(np.diff(route, axis=0), axis=1)
     length = np.concatenate([[0.0], np.cumsum(legs)])[: len(route)]

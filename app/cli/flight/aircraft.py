@@ -10,8 +10,8 @@ from app.cli.outcome import as_json
 
 def aircraft(json_asked: AsJson = False) -> None:
     """List what --set can change: value, range, meaning, and whether the thesis says so."""
-    from agents.declare import declared
     from agents.flight.aircraft import Aircraft
+    from agents.models.declare import declared
 
     values = declared(Aircraft)
     if json_asked:

@@ -34,7 +34,7 @@ def trim(
     asked = request(frequency, twist, settings)
     demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
-    from app.flight.said import as_value, lines
+    from app.flight.report import as_value, lines
     from app.flight.sheet import beat_columns, write_sheet
 
     with Progress("flight trim", quiet) as progress:

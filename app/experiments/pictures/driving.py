@@ -10,7 +10,7 @@ from app.experiments.experiment import Cell, Experiment
 from app.experiments.kinds.driving import Driving
 from app.experiments.pictures.boxes import explain
 from app.experiments.trial import flock_of
-from app.experiments.verdict import Verdict, of
+from app.experiments.verdicts.verdict import Verdict, of
 
 CARS = ("#2166ac", "#1f9d63", "#c0392b", "#8e44ad", "#0b2545", "#5aa9c9", "#7a828c", "#8c510a")
 INJECTED, HUNTER = "#e3b505", "#101418"

@@ -10,7 +10,7 @@ from app.experiments.experiment import Experiment
 from app.experiments.kinds.formation import Formation, followed
 from app.experiments.pictures.boxes import box, explain
 from app.experiments.trial import flock_of
-from app.experiments.verdict import Verdict, of
+from app.experiments.verdicts.verdict import Verdict, of
 
 COLOURS = ("#1f9d63", "#c0392b", "#2166ac", "#b07d12", "#8e44ad")
 INK = "#3c434b"

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.phase_map import Spot, map_of, ways_of
 from app.experiments.pictures.boxes import explain
-from app.experiments.verdict import Verdict
+from app.experiments.verdicts.phase_map import Spot, map_of, ways_of
+from app.experiments.verdicts.verdict import Verdict
 
 P_COLOURS, M_COLOURS = "Blues", "Purples"
 THERE, BACK = "#2166ac", "#c0392b"

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from agents.engine.arrays import Arrays
-from agents.model import Model
-from agents.rows import begun
-from agents.start import Start
+from agents.models.model import Model
+from agents.state.rows import begun
+from agents.state.start import Start
 from app.live.control.driver import NoRoom
 from app.live.control.pose import Pose
 from app.live.laboratory.lab import Lab

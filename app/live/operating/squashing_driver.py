@@ -17,15 +17,15 @@ import numpy as np
 
 from agents.bodies import car
 from agents.bodies.car import driving
-from agents.bodies.car_signals import FRESH, PACE, SIGNALS, STEERING, STUCK
+from agents.bodies.cars.signals import FRESH, PACE, SIGNALS, STEERING, STUCK
 from agents.bodies.tracking import Tracking
 from agents.catalogue import MODELS
-from agents.declare import Rule, checked
-from agents.model import Model
+from agents.models.declare import Rule, checked
+from agents.models.model import Model
 from agents.motion import Motion
-from agents.rows import begun
 from agents.rules.squashing import SQUASHING
-from agents.start import Start
+from agents.state.rows import begun
+from agents.state.start import Start
 from app.live.control.driver import Companion
 from app.live.control.pose import Pose, Sighting
 from app.live.laboratory.lab import Lab
@@ -104,7 +104,7 @@ class FlockDriver(Motion):
         if tell is not None and not self.is_compiled:
             tell(COMPILING.format(self.model.name))
         try:
-            self.engine.open(self.law, 0)
+            self.engine.open(self.context, 0)
         except NumbaError:
             raise Refusal(
                 f"rule {self.model.rule.name} cannot drive cars: it needs the body that it is "
@@ -126,7 +126,7 @@ class FlockDriver(Motion):
         now = self.parameters.model_dump()
         kept = {name: value for name, value in now.items() if name not in NOT_SIMULATED}
         self.parameters = self.agreed(kept | dict(values))
-        self.law = self._make_law()
+        self.context = self._make_context()
 
     def drive(
         self, now: float, sightings: tuple[Sighting, ...], injected: Pose | None, running: bool
@@ -152,9 +152,9 @@ class FlockDriver(Motion):
         self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
         self.signal_row(PACE)[:n] = self.speed[:n]
         if injected is not None and self.follows:
-            self.engine.ground.route[0, :2] = injected.x, injected.y
+            self.engine.surroundings.route[0, :2] = injected.x, injected.y
         self.advance_once(running)
-        most = math.radians(self.law.parameters.wheel_max)
+        most = math.radians(self.context.parameters.wheel_max)
         steer = self.signal_row(WHEEL) / most
         throttle = self.signal_row(THROTTLE)
         rows = [self.names.index(name) for name in seen]
@@ -198,7 +198,7 @@ class FlockDriver(Motion):
         """The simulated cars as they are after the last tick."""
         n = len(self.names)
         wheels = (1.0 - self.signal_row(FRESH)) * self.signal_row(STEERING)
-        share = np.clip(wheels / math.radians(self.law.parameters.wheel_max), -1.0, 1.0)
+        share = np.clip(wheels / math.radians(self.context.parameters.wheel_max), -1.0, 1.0)
         return tuple(
             Companion(named(number), Pose(x, y, math.atan2(uy, ux)), steer)
             for number, ((x, y), (ux, uy), steer) in enumerate(
@@ -233,7 +233,7 @@ class FlockDriver(Motion):
     @property
     def size(self) -> float:
         """The longest line in a car, m."""
-        body = self.law.parameters
+        body = self.context.parameters
         return math.hypot(body.length, body.width)
 
     @property

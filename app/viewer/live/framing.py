@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from agents.model import Model
+from agents.models.model import Model
 from app.live.control.look import Look
 from app.live.laboratory.lab import Lab
 from app.live.operating.squashing_driver import room as world_of
 from app.viewer.scene.shown.cars import LENGTH, WIDTH, Cars
-from app.viewer.scene.shown.frame import Errand, Frame
+from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.live import LOST, SIMULATED, Live
 from worlds.world import World
 
@@ -85,7 +85,7 @@ def frame_of(
         ids=np.array([car.identity for car in cars], int),
         dt=1.0 / lab.rate,
         unit="s",
-        errand=Errand(goal),
+        progress=Progress(goal),
         cars=Cars(
             length=float(values.get("length", LENGTH)),
             width=float(values.get("width", WIDTH)),

@@ -44,7 +44,7 @@ class Hand:
     def draw(self, frame: Frame) -> None:
         """Bring the handle to the injected car, unless somebody drags it."""
         self.stage = Stage.of(frame)
-        goal = frame.errand.goal
+        goal = frame.progress.goal
         if goal is None:
             self.handle.visible = False
         elif self.holder is None and time.monotonic() - self.released > SETTLE:

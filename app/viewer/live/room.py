@@ -11,8 +11,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import Protocol
 
-from agents.declare import Parameters
-from agents.model import Model
+from agents.models.declare import Parameters
+from agents.models.model import Model
 from app.live.control.arm import Request
 from app.live.control.events import Event, Events
 from app.live.control.look import Look

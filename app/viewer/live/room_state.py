@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from agents.model import Model
+from agents.models.model import Model
 
 Status = Literal["opening", "open", "failed", "closed"]
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from agents.declare import checked, describe
-from agents.model import Model
+from agents.models.declare import checked, describe
+from agents.models.model import Model
 from app.live.operating.squashing_driver import NOT_SIMULATED
 from worlds.refusal import Refusal, unknown
 

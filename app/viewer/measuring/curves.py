@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from agents.model import Model
+from agents.models.model import Model
 from app.viewer.measuring.measured import CRASHES, words
 from app.viewer.measuring.readings import Readings
 

@@ -49,7 +49,7 @@ class Extremes:
         by_axis = np.ascontiguousarray(trace.transpose(0, 2, 1))
         if not self.flock.world.images.any():
             nearest_pairs(by_axis, self.pairs)
-        least_clearances(by_axis, self.flock.engine.ground, self.clearance)
+        least_clearances(by_axis, self.flock.engine.surroundings, self.clearance)
 
     def values(self) -> dict[str, float]:
         """What has been seen: least distances over the run, and who is inside something now."""
@@ -63,7 +63,7 @@ class Extremes:
         if self.flock.world.is_solid:
             now = np.full(position.shape[1], np.inf)
             by_axis = np.ascontiguousarray(position.transpose(0, 2, 1))
-            least_clearances(by_axis, self.flock.engine.ground, now)
+            least_clearances(by_axis, self.flock.engine.surroundings, now)
             found["least-clearance"] = float(self.clearance.min(initial=np.inf))
             found["inside"] = float(np.count_nonzero(now < 0.0))
         return found

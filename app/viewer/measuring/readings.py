@@ -9,19 +9,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from agents.crashes import Crashes
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.following import spread_bound
 from agents.observables.groups import group_sizes
 from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
+from agents.state.crashes import Crashes
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.course import Course
 from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.extremes import Extremes
 from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, offered, says
-from app.viewer.measuring.ration import Ration
+from app.viewer.measuring.rate_limit import RateLimit
 from worlds.refusal import Refusal
 
 NOBODY = np.zeros(0, int)
@@ -88,8 +88,8 @@ class Readings:
     extremes: Extremes = field(init=False)
     offered: tuple[str, ...] = field(init=False)
     """What can be measured of this flock."""
-    quick: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.05))
-    slow: Ration = field(default_factory=lambda: Ration(period=1 / 4, share=0.1))
+    quick: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 15, share=0.05))
+    slow: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 4, share=0.1))
     aside: Aside = field(default_factory=Aside)
 
     def __post_init__(self) -> None:
@@ -143,7 +143,7 @@ class Readings:
             self.course(name).add(tick, value)
 
     def study(self) -> Callable[[], Found]:
-        """The work of measuring what is costly of the flock now, which counts against its ration.
+        """A function that makes the costly measurements of the flock now, within a rate limit.
 
         It is done on a snapshot, so that the flock can go on meanwhile.
         """
@@ -178,8 +178,8 @@ class Readings:
         series = self.course(SERIES).arrays(last)[1]
         take = OBSERVABLES[name].over
         assert take is not None
-        fallen = 0 if self.crashes is None else len(self.crashes)
-        return take(series, float(len(self.flock.ids) - fallen)) if len(series) > 1 else math.nan
+        crashed = 0 if self.crashes is None else len(self.crashes)
+        return take(series, float(len(self.flock.ids) - crashed)) if len(series) > 1 else math.nan
 
 
 def arrived(flock: Flock) -> float:

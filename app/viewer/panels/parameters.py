@@ -11,8 +11,8 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.declare import Declared, declared
-from agents.model import Model
+from agents.models.declare import Declared, declared
+from agents.models.model import Model
 from app.viewer.panels.notation import plain
 from app.viewer.panels.style import block
 from app.viewer.run.beside import shared_by

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from viser import uplot
 
-from agents.model import Model
+from agents.models.model import Model
 from app.viewer.measuring.curves import choices, points, together, usual, worded
 from app.viewer.measuring.measured import scale, told
 from app.viewer.measuring.readings import Readings

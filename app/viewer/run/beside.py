@@ -15,8 +15,8 @@ import numpy as np
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.declare import Declared, declared
 from agents.flock import Flock
+from agents.models.declare import Declared, declared
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
 from app.viewer.run.start import Start

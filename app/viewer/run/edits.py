@@ -12,8 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from app.viewer.editing.editor import Editor, Gone
+from app.viewer.editing.free_places import set_free
 from app.viewer.editing.layout_file import layout_of
-from app.viewer.editing.refuge import set_free
 from app.viewer.run.beside import companion
 from app.viewer.run.run import Run
 from app.viewer.run.start import Start

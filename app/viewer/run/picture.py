@@ -10,12 +10,12 @@ import numpy as np
 from agents.flock import Flock
 from agents.inspection import Inspection, shells
 from agents.observables.of_agents import OF_AGENTS, measured
-from agents.start import start_box
+from agents.state.start import start_box
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.crowd import refuse_too_many_links
-from app.viewer.measuring.ration import Ration
+from app.viewer.measuring.rate_limit import RateLimit
 from app.viewer.scene.shown.cars import cars
-from app.viewer.scene.shown.frame import Errand, Frame
+from app.viewer.scene.shown.frame import Frame, Progress
 
 SAVED = "saved"
 """The measure of a body that is the share of its induced drag that each agent saves."""
@@ -56,12 +56,12 @@ class Camera:
     """The world whose boundary points are at hand."""
     warm: bool = False
     aside: Aside = field(default_factory=Aside)
-    ration: Ration = field(default_factory=lambda: Ration(period=1 / 15, share=0.15))
+    rate_limit: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 15, share=0.15))
 
     def want(self, wanted: Wanted) -> None:
         """Change what is wanted; it is in the next frame."""
         self.wanted = wanted
-        self.ration.renew()
+        self.rate_limit.renew()
 
     def take(self) -> Frame:
         """A frame of the flock now; layers, groups and links are as last examined."""
@@ -83,7 +83,7 @@ class Camera:
             dt=now.dt,
             unit=flock.model.body.unit,
             room=room(flock),
-            errand=errand(flock),
+            progress=progress(flock),
             points=self.points,
             layer=self.layer,
             group=self.group,
@@ -99,10 +99,10 @@ class Camera:
     def examine(self) -> None:
         """Find what takes a look at the whole flock, if it is wanted and due."""
         self.survey()
-        if not self.ration.due(time.perf_counter()):
+        if not self.rate_limit.due(time.perf_counter()):
             return
         wanted, flock = self.wanted, self.flock
-        with self.ration.measured():
+        with self.rate_limit.measured():
             self.layer = self.group = self.links = self.measured = None
             if wanted.layers or wanted.groups or wanted.links or wanted.measured in OF_AGENTS:
                 refuse_too_many_links(flock)
@@ -118,8 +118,8 @@ class Camera:
             self.points = self.surveyed = None
         elif self.surveyed is not self.flock.world:
             self.surveyed = self.flock.world
-            ground = self.flock.engine.ground
-            self.points = np.column_stack([ground.point_x, ground.point_y])
+            surroundings = self.flock.engine.surroundings
+            self.points = np.column_stack([surroundings.point_x, surroundings.point_y])
 
     def inspect(self) -> None:
         """Look at the wanted agent and at whom it listens to."""
@@ -143,14 +143,14 @@ def distance_kept(flock: Flock) -> float:
     return inner[0].radius if inner else float("inf")
 
 
-def errand(flock: Flock) -> Errand:
+def progress(flock: Flock) -> Progress:
     """How the flock's mission stands."""
     mission = flock.world.mission
     if mission is None:
-        return Errand()
+        return Progress()
     goal = None if mission.goal is None else np.array(flock.goal_at([flock.tick])[0], float)
     legs = flock.arrays.leg[flock.informed] if mission.path is not None else np.empty(0)
-    return Errand(goal, int(legs.min()) if len(legs) else 0)
+    return Progress(goal, int(legs.min()) if len(legs) else 0)
 
 
 def room(flock: Flock) -> tuple[np.ndarray, np.ndarray] | None:

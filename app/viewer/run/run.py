@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.whereabouts import Stray
+from agents.state.whereabouts import Stray
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.picture import Camera, Wanted

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from agents.declare import Parameters
 from agents.flock import Flock
+from agents.models.declare import Parameters
 from worlds.refusal import Refusal
 
 

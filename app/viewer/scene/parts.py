@@ -65,7 +65,7 @@ class Parts:
         """Whether the flock has left its box."""
         return self._room[0].is_open
 
-    def draw_room(self, picture: Picture) -> Changes:
+    def draw_box(self, picture: Picture) -> Changes:
         """Bring floor, edges and obstacles up to date: nodes come and go."""
         return [change for part in self._room for change in part.draw(picture)]
 

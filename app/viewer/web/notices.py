@@ -8,9 +8,9 @@ import time
 import viser
 
 AGAIN = 5.0
-"""Time in which a notice is not told again, s: somebody may be dragging at what is refused."""
+"""Time in which a notice is not shown again, s: somebody may be dragging at what is refused."""
 AT_ONCE = 3
-"""Notices told at a time."""
+"""Notices shown at a time."""
 
 
 class Notices:
@@ -19,27 +19,27 @@ class Notices:
     def __init__(self, server: viser.ViserServer, waiting: queue.SimpleQueue[str]):
         self.server = server
         self.waiting = waiting
-        self.told: dict[str, float] = {}
-        """When each was told, s."""
+        self.shown: dict[str, float] = {}
+        """When each was shown, s."""
 
     def tell(self) -> None:
         """Show what is waiting, a few at a time and none twice in a row."""
         now = time.monotonic()
-        self.told = {words: then for words, then in self.told.items() if then > now - AGAIN}
+        self.shown = {words: then for words, then in self.shown.items() if then > now - AGAIN}
         fresh = self.fresh()
-        self.told |= dict.fromkeys(fresh, now)
+        self.shown |= dict.fromkeys(fresh, now)
         for client in self.server.get_clients().values() if fresh else ():
             for notice in fresh:
                 client.add_notification("flockscope", notice, color="red", auto_close_seconds=10.0)
 
     def fresh(self) -> set[str]:
-        """What is waiting and has not been told just now."""
+        """What is waiting and has not been shown just now."""
         found: set[str] = set()
         while len(found) < AT_ONCE:
             try:
                 notice = self.waiting.get_nowait()
             except queue.Empty:
                 break
-            if notice not in self.told:
+            if notice not in self.shown:
                 found.add(notice)
         return found

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.crashes import CAUSES, Crashes
+from agents.state.crashes import CAUSES, Crashes
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.style import block
 
@@ -111,8 +111,8 @@ def counted(ticks: np.ndarray, agents: int) -> str:
         f"up to tick {EARLY}": len(ticks) - early - late,
         f"after tick {EARLY}": late,
     }
-    told = ", ".join(f"{count} {words}" for words, count in parts.items() if count)
-    return f"Crashed <b>{len(ticks)}</b> of {agents} ({told})"
+    reported = ", ".join(f"{count} {words}" for words, count in parts.items() if count)
+    return f"Crashed <b>{len(ticks)}</b> of {agents} ({reported})"
 
 
 def place(where: np.ndarray) -> str:

@@ -7,7 +7,7 @@ import html
 import viser
 
 from agents.catalogue import MODELS
-from agents.declare import declared
+from agents.models.declare import declared
 from app.beside import STATIC
 from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.notation import equation_svg

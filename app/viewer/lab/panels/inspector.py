@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.crashes import CAUSES, Crashes
 from agents.inspection import UNSEEN, Inspection
+from agents.state.crashes import CAUSES, Crashes
 from app.viewer.panels.style import block, table
 from app.viewer.run.picture import SAVED
 from app.viewer.scene.draw import palette
@@ -61,13 +61,13 @@ def card(frame: Frame, seen: Inspection) -> str:
     kind = " · information agent" if frame.informed[seen.row] else ""
     crashed = frame.down[seen.row]
     if crashed and frame.crashes is not None:
-        rows["crashed"] = html.escape(fate(frame.crashes, seen.row))
+        rows["crashed"] = html.escape(crash_text(frame.crashes, seen.row))
     heard = "" if crashed else zoned(seen) + pushed(seen) + listened(frame, seen)
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
     return f'<div class="fs-head">Agent {seen.id}{kind}</div>{flock}{table(rows)}{heard}'
 
 
-def fate(crashes: Crashes, row: int) -> str:
+def crash_text(crashes: Crashes, row: int) -> str:
     """When and against what an agent crashed."""
     (place,) = np.flatnonzero(crashes.row == row)
     return f"tick {crashes.tick[place]}, {CAUSES[int(crashes.cause[place])]}"
@@ -102,33 +102,33 @@ def entry(colour: np.ndarray, name: str, extent: str, count: int) -> str:
 def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
     """An agent's state in words, name -> value with unit."""
     ux = frame.heading[seen.row]
-    told = {
+    listed = {
         "position": "(" + ", ".join(f"{value:.2f}" for value in frame.position[seen.row]) + ")",
         "heading": f"{np.degrees(np.arctan2(ux[1], ux[0])) % 360:.0f}°",
     }
     if frame.dim == 3:
-        told["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
-    told["speed"] = f"{frame.speed[seen.row]:.3g} {frame.pace_unit}"
-    return told | signal_facts(seen.signals)
+        listed["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
+    listed["speed"] = f"{frame.speed[seen.row]:.3g} {frame.pace_unit}"
+    return listed | signal_facts(seen.signals)
 
 
 def signal_facts(signals: dict[str, float]) -> dict[str, str]:
     """What an agent tells and keeps; places, which are pairs of columns, as points."""
-    told = {}
+    listed = {}
     for name, value in signals.items():
         stem = name[:-2]
         if (name.endswith("_y") and f"{stem}_x" in signals) or ON_ITS_WAY in name:
             continue
         if name == SAVED:
             known = np.isfinite(value)
-            told["drag saved"] = f"{100.0 * value:+.1f} %" if known else "unknown"
+            listed["drag saved"] = f"{100.0 * value:+.1f} %" if known else "unknown"
         elif name.endswith("_x") and f"{stem}_y" in signals:
-            told[stem] = f"({value:.2f}, {signals[f'{stem}_y']:.2f})"
+            listed[stem] = f"({value:.2f}, {signals[f'{stem}_y']:.2f})"
         else:
-            told[name] = f"{value:.4g}" if np.isfinite(value) else "unknown"
+            listed[name] = f"{value:.4g}" if np.isfinite(value) else "unknown"
     if signals.get("following") == 0.0:
-        told = {name: words for name, words in told.items() if name not in PLACES}
-    return told
+        listed = {name: words for name, words in listed.items() if name not in PLACES}
+    return listed
 
 
 def pushed(seen: Inspection) -> str:

@@ -70,7 +70,7 @@ class Monitors:
 
         show_block(self.compared, table("Flock", without(told, common), without(others, common)))
         tasks = (mission_numbers(one, read.values) for one, read in sides)
-        show_block(self.mission, table(errand_title(frame), *tasks))
+        show_block(self.mission, table(mission_title(frame), *tasks))
         show_block(self.more, table("More", *(more.numbers(read, last) for _, read in sides)))
         named = zip(models, sides, strict=True)
         counts = (crash_count(read, len(one.ids), model) for model, (one, read) in named)
@@ -94,7 +94,7 @@ class Monitors:
         self.titles.visible = self.compared.visible = False
         self.cards.content = cards(numbers(state, frame, readings.values, browsers))
         show_block(
-            self.mission, headed(errand_title(frame), mission_numbers(frame, readings.values))
+            self.mission, headed(mission_title(frame), mission_numbers(frame, readings.values))
         )
         show_block(self.crashes, crash_count(readings, len(frame.ids)))
         show_block(self.more, headed("More numbers", more.numbers(readings, last)))
@@ -170,7 +170,7 @@ def without(values: dict[str, str], names: tuple[str, ...]) -> dict[str, str]:
     return {name: text for name, text in values.items() if name not in names}
 
 
-def errand_title(frame: Frame) -> str:
+def mission_title(frame: Frame) -> str:
     """What the cards of a mission, or of what is solid, are headed; nothing without either."""
     if frame.world.mission is not None:
         return "Mission"
@@ -181,14 +181,14 @@ def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
     """The cards of a mission, name -> text; only what this world and this flock have."""
     mission = frame.world.mission or Mission()
     told: dict[str, str] = {}
-    if not errand_title(frame):
+    if not mission_title(frame):
         return told
     if "goal-distance" in values:
         where = "goal" if mission.goal is not None else "path's end"
         told[f"to {where}"] = length_text(values["goal-distance"])
     if mission.path is not None and frame.informed.any():
         count = len(mission.path.waypoints)
-        here = frame.errand.done + 1
+        here = frame.progress.done + 1
         told["waypoint"] = f"{here} / {count}" if here <= count else "all done"
     if mission.goal is not None and "through" in values:
         told["arrived"] = f"{100 * values['through']:.0f} %"

@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from agents.declare import Declared, declared
+from agents.models.declare import Declared, declared
 from app.live.operating.squashing_driver import NOT_SIMULATED
 from app.viewer.live.panels.state import whose
 from app.viewer.live.room import Room

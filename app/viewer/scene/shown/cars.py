@@ -42,15 +42,15 @@ def cars(flock: Flock) -> Cars | None:
         return None
     parameters = flock.parameters
 
-    def told(name: str) -> np.ndarray:
+    def signal(name: str) -> np.ndarray:
         return np.array(flock.signal(name)) if name in model.columns else np.zeros(count)
 
-    ready = told("fresh") == 0.0
-    stuck = np.where(ready, told("stuck"), 0.0)
+    ready = signal("fresh") == 0.0
+    stuck = np.where(ready, signal("stuck"), 0.0)
     return Cars(
         length=float(getattr(parameters, "length", LENGTH)),
         width=float(getattr(parameters, "width", WIDTH)),
-        steering=np.where(ready, told("steering"), 0.0),
+        steering=np.where(ready, signal("steering"), 0.0),
         stuck=(stuck > HELD) | (stuck < 0.0),
-        predator=told("predator") == 1.0,
+        predator=signal("predator") == 1.0,
     )

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.crashes import Crashes
 from agents.inspection import Inspection
+from agents.state.crashes import Crashes
 from app.viewer.scene.shown.cars import Cars
 from app.viewer.scene.shown.live import Live
 from worlds.world import World
 
 
 @dataclass(frozen=True)
-class Errand:
+class Progress:
     """How a mission stands at one tick."""
 
     goal: np.ndarray | None = None
@@ -54,7 +54,7 @@ class Frame:
     """Unit of time: ticks, or s."""
     room: tuple[np.ndarray, np.ndarray] | None = None
     """Corners (dim,) of the region in which the mission starts."""
-    errand: Errand = Errand()
+    progress: Progress = Progress()
     points: np.ndarray | None = None
     """Boundary points of what is solid, (M, 2), if asked for; one object while they stay."""
     layer: np.ndarray | None = None

@@ -97,7 +97,7 @@ class Flight:
         wxyz = rolled(picture.wxyz, -np.arctan(self._lean))
         phase = 2.0 * np.pi * (self._beats * rhythm(frame.ids) + frame.ids * GOLDEN)
         beat = DIHEDRAL + AMPLITUDE * self._effort * np.sin(phase)
-        self.poses = self._fallen(picture, Poses(wxyz, beat))
+        self.poses = self._lying(picture, Poses(wxyz, beat))
         return self.poses
 
     def _meet(self, ids: np.ndarray, heading: np.ndarray) -> None:
@@ -112,7 +112,7 @@ class Flight:
         self._lean[known], self._effort[known] = lean[rows], effort[rows]
         self._ids = ids.copy()
 
-    def _fallen(self, picture: Picture, poses: Poses) -> Poses:
+    def _lying(self, picture: Picture, poses: Poses) -> Poses:
         """Those that have crashed: nose down while they fall, then flat."""
         frame = picture.frame
         down = frame.down

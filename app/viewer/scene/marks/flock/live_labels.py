@@ -95,8 +95,8 @@ def named(picture: Picture) -> list[Named]:
         )
         for row in rows
     ]
-    if frame.errand.goal is not None and picture.look.mission:
-        cars.append(Named(INJECTED, "injected car", picture.stage.shown(frame.errand.goal)))
+    if frame.progress.goal is not None and picture.look.mission:
+        cars.append(Named(INJECTED, "injected car", picture.stage.shown(frame.progress.goal)))
     return cars
 
 
@@ -108,13 +108,13 @@ def words(name: str, state: str, age: float) -> str:
     """
     if state in (TRACKED, SIMULATED):
         return name
-    return f"{name} · {state} {told(age)}" if state in (LATE, LOST) else f"{name} · {state}"
+    return f"{name} · {state} {age_text(age)}" if state in (LATE, LOST) else f"{name} · {state}"
 
 
-def told(age: float) -> str:
+def age_text(age: float) -> str:
     """An age (s) in steps that can be read: 10 ms, from 0.2 s on 0.1 s, from 10 s on 1 s.
 
-    >>> told(0.199), told(0.2), told(9.99), told(83.0)
+    >>> age_text(0.199), age_text(0.2), age_text(9.99), age_text(83.0)
     ('190 ms', '0.2 s', '9.9 s', '83 s')
     """
     tiny = 1e-9

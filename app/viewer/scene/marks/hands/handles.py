@@ -95,7 +95,7 @@ class Handles:
             changes += self._obstacle.put(marks.key, stage, grip(picture, obstacle), obstacle)
             lines = outline(picture, obstacle)
             changes += segments(self._outline, lines, tone.single(palette.HALO))
-        goal = picture.frame.errand.goal if marks.goal else None
+        goal = picture.frame.progress.goal if marks.goal else None
         if goal is None:
             changes += self._goal.hide()
         else:

@@ -137,9 +137,9 @@ def walkers(picture: Picture) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     frame = picture.frame
     rows = chosen(frame.informed, MOST_AGENTS)
     ids, here, colour = frame.ids[rows], picture.at[rows], picture.colour[rows]
-    if not picture.as_cars or frame.errand.goal is None or not picture.look.mission:
+    if not picture.as_cars or frame.progress.goal is None or not picture.look.mission:
         return ids, here, colour
-    goal = picture.stage.shown(frame.errand.goal)
+    goal = picture.stage.shown(frame.progress.goal)
     return (
         np.append(ids, INJECTED),
         np.concatenate([here, goal[None]]),

@@ -71,11 +71,11 @@ class MissionMarks:
             self._drawn, self._done = drawn, None
             changes += self._draw_start(picture) + self._draw_route(picture, mission)
             self._write(picture, world)
-        done = picture.frame.errand.done
+        done = picture.frame.progress.done
         if done != self._done:
             self._done = done
             changes += self._draw_path(picture, mission, done)
-        goal = picture.frame.errand.goal if look.mission else None
+        goal = picture.frame.progress.goal if look.mission else None
         injected, target = (goal, None) if picture.as_cars else (None, goal)
         changes += self._injected.draw(picture, injected)
         return changes + self._goal.draw(picture, target, mission.settle)
