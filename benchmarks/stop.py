@@ -18,8 +18,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from app.live.example import FILE  # noqa: E402
+from app.live.laboratory.example import FILE  # noqa: E402
 from app.live.laboratory.lab import lab_from_toml  # noqa: E402
+from app.live.operating.choices import Choices  # noqa: E402
 from app.viewer.live.page import LivePage  # noqa: E402
 
 REPEATS, QUICK = 20, 3
@@ -138,7 +139,7 @@ def main(quick: bool) -> None:
     """Measure and print."""
     repeats = QUICK if quick else REPEATS
     lab = lab_from_toml(patient(), "the benchmark")
-    page = LivePage(lab, port=0, source="emulated cars")
+    page = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     try:
         until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
         until(lambda: not page.room.look.reasons, BEGINS)

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from app.live.example import example
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.run.start import Start, at_home
@@ -203,7 +204,7 @@ def take_live() -> None:
     """Two emulated cars and two simulated ones drive for a while, armed in the browser."""
     lab = example()
     lab = lab.model_copy(update={"simulated": lab.simulated.model_copy(update={"cars": 2})})
-    laboratory = LivePage(lab, port=0, source="emulated cars")
+    laboratory = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=ARGUMENTS

@@ -16,7 +16,8 @@ SIMULATED = "simulated"
 """The text of the source of a room in software, and the kind of the link to its cars."""
 DRY = "dry"
 """The kind of the link that leads nowhere, and its text."""
-CALLED = {SIMULATED: "emulated cars", DRY: "dry run"}
+EMULATED = "emulated cars"
+CALLED = {SIMULATED: EMULATED, DRY: "dry run"}
 """What is always there to choose: a text, and its words."""
 FILE = ".py"
 """How the kind of a link ends that is a Python file."""

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 import pytest
 from viser._messages import RunJavascriptMessage
 
-from app.live.example import example
+from app.live.operating.choices import laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.live.room import Room
 from tests.browser.attacker import SCRIPT, Attacker
@@ -36,10 +36,10 @@ def attacker():
 def live():
     """The page of a room, with a desk that answers at once."""
 
-    def opening(lab, source, recording):
-        return Room(lab, source, recording, desk=Desks(), driver=driver)
+    def opening(choices, recording):
+        return Room(choices, recording, desk=Desks(), driver=driver)
 
-    page = LivePage(example(), port=0, opening=opening)
+    page = LivePage(laboratory(), port=0, opening=opening)
     until(lambda: page.room.look is not None)
     yield page
     page.close()

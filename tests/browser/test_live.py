@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
-from app.live.example import FILE
+from app.live.laboratory.example import FILE
 from app.live.laboratory.lab import lab_from_toml
+from app.live.operating.choices import Choices
 from app.viewer.live.page import LivePage
 from tests.browser.conftest import obeyed
 from tests.viewer.waiting import until
@@ -37,7 +38,7 @@ def room_page(chromium):
     """A room with emulated cars and one simulated one."""
     assert chromium.is_connected()
     lab = lab_from_toml(patient(), "the test")
-    page = LivePage(lab, port=0, source=EMULATED)
+    page = LivePage(Choices.of(lab).choosing(source=EMULATED), port=0)
     yield page
     page.close()
 

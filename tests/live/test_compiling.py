@@ -11,7 +11,7 @@ import pytest
 from cli.calling import call
 
 from agents.motion import Motion
-from app.live.example import example
+from app.live.laboratory.example import example
 from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.room_state import RoomState
 from app.viewer.live.standing import standing
@@ -32,7 +32,7 @@ def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
 
 SAYS = """
 import sys
-from app.live.example import example
+from app.live.laboratory.example import example
 from app.live.operating.squashing_driver import FlockDriver
 
 def tell(words):

@@ -19,8 +19,7 @@ from viser.infra._messages import wire_field_names
 from websockets.exceptions import ConnectionClosed
 
 from agents.declare import declared
-from app.live.example import example
-from app.live.operating.choices import links, rules, sources
+from app.live.laboratory.example import example
 from app.viewer.web.server import UNWANTED
 from tests.live.opened_page import opened
 from tests.live.stand_in import CAMERA, StandIn
@@ -145,9 +144,9 @@ def throw(page, said):
 def everything_is_within_its_limits(page):
     state, look, lab = page.room.state, page.room.look, page.lab
     assert state.status == "open"
-    assert state.source in sources(lab)
-    assert state.link in links(lab)
-    assert state.rule in rules(lab)
+    assert state.source in page.room.chosen.sources
+    assert state.link in page.room.chosen.links
+    assert state.rule in page.room.chosen.rules
     for one in declared(state.model.parameters):
         value = state.values[one.name]
         if one.kind == "number":

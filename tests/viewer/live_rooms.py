@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.live.example import example
+from app.live.operating.choices import laboratory
 from app.viewer.live.room import Room
 from tests.viewer.stub_desk import Desks, driver
 from tests.viewer.waiting import until
@@ -29,7 +29,7 @@ class Rooms:
 
     def __call__(self, ready=True, driver=driver, **more) -> Room:
         """A room of the example; `ready`: with its first look."""
-        room = Room(example(), desk=self.desks, driver=driver, **more)
+        room = Room(laboratory(), desk=self.desks, driver=driver, **more)
         self.made.append(room)
         if ready:
             until(lambda: room.look is not None)

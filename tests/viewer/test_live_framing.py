@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.live.control.pose import Pose
-from app.live.example import example
+from app.live.laboratory.example import example
 from app.live.operating.squashing_driver import model_for
 from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted, frame_of

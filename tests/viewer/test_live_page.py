@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from dataclasses import replace
 from typing import Any
@@ -13,7 +14,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from app.live.control.safety import Reason
-from app.live.example import example
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices, laboratory
 from app.live.operating.squashing_driver import NOT_SIMULATED, model_for
 from app.viewer.live.keys import KEYS
 from app.viewer.live.page import LivePage
@@ -39,10 +41,10 @@ def serve(desks):
     made = []
 
     def make(lab=None, ready=True) -> LivePage:
-        def opening(lab, source, recording) -> Room:
-            return Room(lab, source, recording, desk=desks, driver=driver)
+        def opening(choices, recording) -> Room:
+            return Room(choices, recording, desk=desks, driver=driver)
 
-        page = LivePage(lab or example(), port=0, opening=opening)
+        page = LivePage(Choices.of(lab or example()), port=0, opening=opening)
         made.append(page)
         if ready:
             until(lambda: page.drawing.drawn and page.rule.controls)
@@ -282,12 +284,19 @@ def test_simulated_cars_are_asked_for_and_clamped(serve, desks):
 def test_a_busy_port_is_refused_before_anything_is_opened(serve):
     page = serve()
     with pytest.raises(Refusal, match="port"):
-        LivePage(example(), port=page.server.get_port(), opening=pytest.fail)
+        LivePage(laboratory(), port=page.server.get_port(), opening=pytest.fail)
 
 
-def test_an_unknown_source_frees_the_port():
-    with pytest.raises(Refusal, match="unknown source 'elsewhere'"):
-        LivePage(example(), port=0, source="elsewhere")
+def test_a_room_that_cannot_be_made_frees_the_port():
+    def opening(_choices, _recording):
+        raise Refusal("it cannot be made")
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    for _ in range(2):
+        with pytest.raises(Refusal, match="it cannot be made"):
+            LivePage(laboratory(), port=port, opening=opening)
     names = {thread.name for thread in threading.enumerate()}
     assert "room" not in names
 

@@ -15,7 +15,7 @@ import pytest
 from app.live.control.events import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import Reason
-from app.live.example import example
+from app.live.laboratory.example import example
 from app.live.links.link import RUN
 from app.live.operating.squashing_driver import model_for
 from app.viewer.live.course import Course

@@ -8,9 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.live.example import example
-from app.live.operating.choices import rules, sources
-from app.viewer.live.room import Room
+from app.live.operating.choices import laboratory
 from tests.viewer.live_rooms import EMULATED, armed, told
 from tests.viewer.stub_desk import driver
 from tests.viewer.waiting import until
@@ -21,7 +19,7 @@ def test_it_opens_the_file_s_own_room_and_shows_it(enter, desks):
     room = enter()
     state = room.state
     assert (state.status, state.trouble, state.run) == ("open", "", 1)
-    assert (state.source, state.rule) == (next(iter(sources(room.lab))), "squashing")
+    assert (state.source, state.rule) == (next(iter(room.chosen.sources)), "squashing")
     assert state.model.rule.name == "squashing"
     assert state.values["beta"] == 2.0
     assert (len(desks.made), desks.last.recording, state.recording) == (1, None, "")
@@ -32,7 +30,7 @@ def test_it_opens_the_file_s_own_room_and_shows_it(enter, desks):
 
 def test_an_unknown_source_is_refused_at_once():
     with pytest.raises(Refusal, match="unknown source 'emulatd': did you mean 'emulated cars'"):
-        Room(example(), "emulatd")
+        laboratory(source="emulatd")
 
 
 def test_it_arms_disarms_and_resets_and_keeps_all_events(enter):
@@ -86,7 +84,7 @@ def test_an_emergency_stop_lasts_into_the_next_opening(enter, desks):
     assert (room.look.arm, desks.last.wishes()) == ("emergency", ["emergency"])
     room.ask("reset", "browser 1")
     until(lambda: room.look.arm == "safe")
-    room.choose(rule=rules(room.lab)[1])
+    room.choose(rule=room.chosen.rules[1])
     until(lambda: room.state.run == 3 and room.look is not None)
     assert (room.look.arm, desks.last.wishes()) == ("safe", [])
 
@@ -112,14 +110,14 @@ def test_of_several_choices_while_it_opens_only_the_last_is_opened(enter, desks)
     until(lambda: desks.begun)
     room.choose(source=EMULATED)
     room.choose(link="dry run")
-    room.choose(rule=rules(room.lab)[1])
+    room.choose(rule=room.chosen.rules[1])
     desks.gate.set()
     until(lambda: room.look is not None)
-    assert room.state.rule == rules(room.lab)[1]
+    assert room.state.rule == room.chosen.rules[1]
     assert room.state.source == EMULATED  # what is not given stays as it was chosen last
     first, last = desks.made
     assert (first.closed, first.asked, last.closed) == (1, [], 0)
-    assert last.lab.rule == rules(room.lab)[1]
+    assert last.lab.rule == room.chosen.rules[1]
 
 
 def test_a_room_that_is_about_to_be_closed_cannot_be_armed(enter, desks):
@@ -178,7 +176,7 @@ def test_a_driver_that_cannot_be_made_does_not_end_the_room(enter, capsys):
     until(lambda: room.state.status == "failed")
     assert room.state.trouble == "by zero"
     assert "ZeroDivisionError" in capsys.readouterr().err
-    room.choose(rule=rules(room.lab)[1])
+    room.choose(rule=room.chosen.rules[1])
     until(lambda: room.look is not None)
 
 

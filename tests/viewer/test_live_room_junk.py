@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.declare import checked
-from app.live.example import example
-from app.live.operating.choices import links, rules, sources
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices
 from app.live.operating.squashing_driver import NOT_SIMULATED, model_for
 from app.viewer.live.room import Room
 from tests.viewer.stub_desk import Desks, driver
 from tests.viewer.waiting import until
 
-LAB = example()
+CHOICES = Choices.of(example())
 JUNK = st.one_of(
     st.none(),
     st.booleans(),
@@ -35,9 +35,9 @@ CALLS = st.one_of(
     st.tuples(st.just("place"), JUNK, st.one_of(JUNK, st.floats(-1.0, 1.0))),
     st.tuples(
         st.just("choose"),
-        st.one_of(JUNK, st.sampled_from(list(sources(LAB)))),
-        st.one_of(JUNK, st.sampled_from(list(links(LAB)))),
-        st.one_of(JUNK, st.sampled_from(list(rules(LAB)))),
+        st.one_of(JUNK, st.sampled_from(list(CHOICES.sources))),
+        st.one_of(JUNK, st.sampled_from(list(CHOICES.links))),
+        st.one_of(JUNK, st.sampled_from(CHOICES.rules)),
     ),
     st.tuples(st.just("emergency")),
     st.tuples(st.just("reopen")),
@@ -49,7 +49,7 @@ CALLS = st.one_of(
 @given(st.lists(CALLS, max_size=25))
 def test_nothing_raises_and_nothing_exceeds_a_limit(calls):
     desks = Desks()
-    room = Room(LAB, desk=desks, driver=driver)
+    room = Room(CHOICES, desk=desks, driver=driver)
     try:
         until(lambda: room.state.status == "open")
         for name, *values in calls:
@@ -63,8 +63,8 @@ def test_nothing_raises_and_nothing_exceeds_a_limit(calls):
     assert room.state.status == "closed"
     for desk in desks.made:
         assert desk.closed == 1
-        assert desk.lab.source in sources(LAB).values()
-        assert desk.lab.link in {*links(LAB).values(), "simulated"}
+        assert desk.lab.source in CHOICES.sources.values()
+        assert desk.lab.link in {*CHOICES.links.values(), "simulated"}
         model = model_for(desk.lab.rule)
         for values in desk.tuned():
             assert not set(values) & set(NOT_SIMULATED)
@@ -74,6 +74,6 @@ def test_nothing_raises_and_nothing_exceeds_a_limit(calls):
             assert math.isfinite(y)
         for request in desk.asked:
             if request.wish == "accompany":
-                assert 0 <= int(request.words) <= LAB.simulated.most
+                assert 0 <= int(request.words) <= CHOICES.lab.simulated.most
     while not room.notices.empty():
         assert len(room.notices.get()) < 1000

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from app.live.example import example
+from app.live.operating.choices import laboratory
 from app.live.operating.squashing_driver import FlockDriver
 from app.live.recording.replay import replay
 from app.viewer.live.room import Room
@@ -22,7 +22,7 @@ AGAIN = 0.5
 
 @pytest.fixture
 def room(tmp_path):
-    one = Room(example(), "emulated cars", tmp_path)
+    one = Room(laboratory(source="emulated cars"), tmp_path)
     yield one
     one.close()
 

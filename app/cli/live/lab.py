@@ -41,25 +41,17 @@ def lab(
     Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.cli.live.file import laboratory
-    from app.live.example import example
-    from app.live.kinds import SIMULATED
-    from app.live.operating.choices import known, sources
+    from app.live.kinds import EMULATED
+    from app.live.operating.choices import laboratory
     from app.viewer.web.origin import allowed
 
     names = tuple(allowed(name) for name in allow_host or ())
-    if file is None:
-        found = example()
-        source = source or next(word for word, text in sources(found).items() if text == SIMULATED)
-    else:
-        found = laboratory(file)
-    if source is not None:
-        known("source", source, sources(found))
+    choices = laboratory(file, EMULATED if file is None and source is None else source)
 
     def opening() -> LivePage:
         from app.viewer.live.page import LivePage
 
-        return LivePage(found, host, port, source, record, allow=names)
+        return LivePage(choices, host, port, record, allow=names)
 
     serve(opening, open_browser, quiet)
 

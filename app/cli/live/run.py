@@ -39,12 +39,12 @@ def run(
 
     Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.cli.live.file import laboratory
+    from app.live.operating.choices import laboratory
     from app.live.operating.driven import open_driven
 
     if dry and link:
         raise Refusal(f"--dry and --link {link!r} exclude each other")
-    lab = laboratory(file, source, link)
+    lab = laboratory(file, source, link).lab
     if dry:
         lab = lab.altered("--dry", link="dry")
     conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)

@@ -16,9 +16,9 @@ from app.live.control.injected import INJECTED, Injection
 from app.live.control.limits import CarLimits, Limits
 from app.live.control.loop import RATE
 from app.live.control.safety import Safety
-from app.live.laboratory.ends import demand_choices, demand_one_room
+from app.live.kinds import FILE, kind_of
 from app.live.laboratory.lines import line_of
-from app.live.laboratory.misfit import Misfit
+from app.live.laboratory.misfit import Misfit, demand_choices, demand_one_room
 from app.live.laboratory.parts import Kept
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.strict import Strict, Value
@@ -187,8 +187,24 @@ TABLES: dict[str, type[Strict]] = {
 
 
 def read_lab(path: str | Path) -> Lab:
-    """The laboratory of a file. Raises Refusal naming the line that is wrong."""
-    return lab_from_toml(read_text(f"laboratory {str(path)!r}", path), str(path))
+    """The laboratory of a file; links that are Python files lie beside it and get its folder.
+
+    Such a link is run when it is opened, not here. Raises Refusal naming the line that is wrong.
+    """
+    lab = lab_from_toml(read_text(f"laboratory {str(path)!r}", path), str(path))
+    folder = Path(path).parent.resolve()
+    links = {name: in_folder(folder, text) for name, text in lab.links.items()}
+    return lab.model_copy(update={"link": in_folder(folder, lab.link), "links": links})
+
+
+def in_folder(folder: Path, link: str) -> str:
+    """The text of a link; if it is a Python file, that in a folder. Raises Refusal."""
+    kind = kind_of(link)
+    if not kind.endswith(FILE):
+        return link
+    if not (folder / kind).is_file():
+        raise Refusal(f"there is no file {folder / kind} (link {link!r})")
+    return f"{folder / kind}{link.removeprefix(kind)}"
 
 
 def lab_from_toml(text: str, origin: str) -> Lab:

@@ -1,10 +1,16 @@
-"""What does not fit together in a laboratory's file, and where it stands there."""
+"""What a laboratory's file may say of sources and links, as far as their texts show."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 
+from app.live.kinds import CALLED, DRY, SIMULATED, demand_name, kind_of, port_of, words_of
+from app.live.links.links import known_link
+from app.live.sources.opening import known_source
 from worlds.refusal import Refusal
+
+KNOWN = {"sources": known_source, "links": known_link}
 
 
 class Misfit(ValueError):
@@ -21,3 +27,43 @@ def fitted(demand: Callable[[str], object], text: str, *keys: str) -> None:
         demand(text)
     except Refusal as refused:
         raise Misfit(str(refused), *keys) from None
+
+
+def demand_one_room(source: str, link: str, follows_body: bool) -> None:
+    """Source and link are both of a room in software, or neither is; there, nobody is a body.
+
+    Raises Misfit.
+    """
+    if kind_of(source) != SIMULATED:
+        if kind_of(link) == SIMULATED:
+            raise Misfit(f"link = {link!r} needs source = {SIMULATED!r}, not {source!r}", "link")
+        return
+    if source != SIMULATED:
+        raise Misfit(f"source = {source!r} is of software and has no place: {SIMULATED}", "source")
+    if kind_of(link) not in (SIMULATED, DRY):
+        raise Misfit(
+            f"source = {SIMULATED!r} needs link = {SIMULATED!r} or {DRY!r}, not {link!r}", "link"
+        )
+    if kind_of(link) == SIMULATED:
+        fitted(port_of, link, "link")
+    if follows_body:
+        raise Misfit(
+            'injected.path = "body" cannot be emulated: use "circle", "hand" or "none" there',
+            "injected",
+            "path",
+        )
+
+
+def demand_choices(table: str, own: str, others: Mapping[str, str]) -> None:
+    """What else may be chosen can be told apart, and opened as far as its text shows.
+
+    `table` is `sources` or `links`, `own` the one that the file begins with. Raises Misfit.
+    """
+    names = [words_of(own), *CALLED.values()]
+    for name, text in others.items():
+        fitted(partial(demand_name, others=names), name, table, name)
+        names.append(name)
+        if kind_of(text) == SIMULATED:
+            words = f"{text!r} can be chosen anyway, as {CALLED[SIMULATED]!r}"
+            raise Misfit(words, table, name)
+        fitted(KNOWN[table], text, table, name)

@@ -11,10 +11,9 @@ from dataclasses import replace
 from typing import Any
 
 from app.live.control.arm import Request, Wish
-from app.live.laboratory.lab import Lab
-from app.live.operating.choices import chosen, links, rules, sources
+from app.live.operating.choices import Choices
 from app.viewer.live.opened import Opened
-from app.viewer.live.room_state import Choice, RoomState
+from app.viewer.live.room_state import RoomState
 from app.viewer.live.wanted import number, parameter_value, whole_number, word
 from app.viewer.run.words import in_words
 from worlds.refusal import Refusal
@@ -26,25 +25,17 @@ CLOSED = "was not answered: the room was closed"
 
 
 class Asking:
-    """The near side of a room. What is refused becomes a notice.
+    """The near side of a room. What is refused becomes a notice."""
 
-    `source` is one of the words of `app.live.operating.choices.sources`. Raises Refusal for any
-    other, or if it does not fit the laboratory.
-    """
-
-    def __init__(self, lab: Lab, source: str | None):
-        self.lab = lab
-        offered = sources(lab)
-        first = next(iter(offered)) if source is None else word("source", source, offered)
-        choice = Choice(first, next(iter(links(lab))), rules(lab)[0])
-        self.fitting(choice)
-        self.state = RoomState(choice.source, choice.link, choice.rule)
+    def __init__(self, choices: Choices):
+        self.lab = choices.lab
+        self.state = RoomState(choices.source, choices.link, choices.rule)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         """What must be told in browsers."""
-        self.newest = choice
+        self.chosen = choices.choosing()
         """What was chosen last."""
-        self.next: Choice | None = choice
-        """What is to be opened next."""
+        self.next: tuple[Choices, str] | None = self.chosen, ""
+        """What is to be opened next, and who chose it."""
         self.opened: Opened | None = None
         self.changing = threading.Lock()
         """Of the state and of what is chosen; held for moments only."""
@@ -111,9 +102,10 @@ class Asking:
     ) -> None:
         """Close the room and open another; what is not given stays.
 
-        The words are those of `app.live.operating.choices`. Not while the cars are
+        The names are those of `app.live.operating.choices`. Not while the cars are
         armed. Of several choices at once only the last is opened.
         """
+        asked = {"source": source, "link": link, "rule": rule}
         with self.telling():
             opened = self.opened
             if self.closing.is_set():
@@ -121,16 +113,16 @@ class Asking:
             if opened is not None and opened.armed:
                 raise Refusal("no other room is opened while the cars are armed: disarm them first")
             with self.changing:
-                last = self.newest
-            choice = Choice(
-                last.source if source is None else word("source", source, sources(self.lab)),
-                last.link if link is None else word("link", link, links(self.lab)),
-                last.rule if rule is None else word("rule", rule, rules(self.lab)),
-                cause,
+                last = self.chosen
+            made = last.choosing(
+                **{
+                    kind: word(kind, name, last.offered[kind])
+                    for kind, name in asked.items()
+                    if name is not None
+                }
             )
-            self.fitting(choice)
             with self.changing:
-                self.newest = self.next = choice
+                self.chosen, self.next = made, (made, cause)
             self.woken.set()
 
     def reopen(self, cause: str) -> None:
@@ -159,10 +151,6 @@ class Asking:
         if opened is None:
             raise Refusal(f"the room is not open ({self.state.status})")
         return opened
-
-    def fitting(self, choice: Choice) -> Lab:
-        """The laboratory as chosen. Raises Refusal."""
-        return chosen(self.lab, choice.source, choice.link, choice.rule)
 
     def change(self, **changes: Any) -> None:
         """Change the state; a closed room stays closed."""

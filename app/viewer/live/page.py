@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from app.live.laboratory.lab import Lab
-from app.live.operating.choices import links, rules, sources
+from app.live.operating.choices import Choices
 from app.viewer.live.hand import Hand
 from app.viewer.live.keys import KEYS, STOP_KEY
 from app.viewer.live.panels.log import LogPanel
@@ -37,22 +36,21 @@ from app.viewer.web.serving.front import Front
 BANNER = 0.1
 """Time between two looks at how the room stands, s."""
 
-Opening = Callable[[Lab, str | None, Path | None], Room]
+Opening = Callable[[Choices, Path | None], Room]
 
 
 class LivePage:
     """Serves one room to any number of browsers.
 
     Nothing in it can hold up the control loop, which is another process. Raises Refusal if the port
-    is busy, or for a source that the laboratory does not have.
+    is busy.
     """
 
     def __init__(
         self,
-        lab: Lab,
+        choices: Choices,
         host: str = "127.0.0.1",
         port: int = 8080,
-        source: str | None = None,
         recording: Path | None = None,
         opening: Opening = Room,
         allow: tuple[Allowed, ...] = (),
@@ -60,20 +58,20 @@ class LivePage:
         self.front = Front(scripts=(STOP_KEY,), allow=allow)
         self.server = open_server(host, port, self.front)
         self.host = host
-        self.lab = lab
+        self.lab = choices.lab
         try:
-            self.room = opening(lab, source, recording)
+            self.room = opening(choices, recording)
         except BaseException:
             close_server(self.server)
             raise
         stops(self.server, self.room.emergency)
         self.notices = Notices(self.server, self.room.notices)
         self.scene = Scene(self.server)
-        self.hand = Hand(self.server.scene, lab.area, self.room.place)
+        self.hand = Hand(self.server.scene, self.lab.area, self.room.place)
         self.selected: int | None = None
         """Row of the car that was clicked."""
         self.banner_due = self.panels_due = 0.0
-        self.furnish()
+        self.furnish(choices)
         self.listen()
         self.drawing = Drawing(self.scene, self.latest, self.browsers, self.stand, self.measure)
         self.drawing.start()
@@ -94,16 +92,16 @@ class LivePage:
         self.drawing.close()
         close_server(self.server)
 
-    def furnish(self) -> None:
+    def furnish(self, choices: Choices) -> None:
         """Build the panels."""
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
         self.state = StatePanel(gui, self.room)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
-            self.rule = RulePanel(gui, self.room, rules(lab))
+            self.rule = RulePanel(gui, self.room, choices.rules)
         with tabs.add_tab("Room"):
-            self.place = RoomPanel(gui, self.room, sources(lab), links(lab))
+            self.place = RoomPanel(gui, self.room, choices)
         with tabs.add_tab("View"):
             self.view = ViewPanel(gui, LOOK, CONTROLS, self.point, "car")
         with tabs.add_tab("Log"):

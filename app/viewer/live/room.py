@@ -17,6 +17,7 @@ from app.live.control.arm import Request
 from app.live.control.events import Event, Events
 from app.live.control.look import Look
 from app.live.laboratory.lab import Lab
+from app.live.operating.choices import Choices
 from app.live.operating.desk import Desk
 from app.live.operating.driven import open_driven
 from app.live.operating.ends import Opener
@@ -27,7 +28,6 @@ from app.viewer.live.course import Course
 from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted
 from app.viewer.live.opened import Counter, Opened
-from app.viewer.live.room_state import Choice
 from app.viewer.run.words import in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
@@ -51,20 +51,18 @@ class Room(Asking):
     """Opens and closes the desk of a laboratory in a thread of its own and looks at it 50 times a
     second; `frame`, `look`, `course` and `state` are always the latest.
 
-    With `recording`, a folder, each opening is recorded in a new folder in it. For `source`, and
-    what is raised, see `Asking`.
+    With `recording`, a folder, each opening is recorded in a new folder in it.
     """
 
     def __init__(
         self,
-        lab: Lab,
-        source: str | None = None,
+        choices: Choices,
         recording: Path | None = None,
         opener: Opener = open_driven,
         desk: Callable[[Lab, Opener, Path | None], Counter] = Desk,
         driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
     ):
-        super().__init__(lab, source)
+        super().__init__(choices)
         self.folder = recording
         self.opener = opener
         self.make_desk = desk
@@ -72,7 +70,7 @@ class Room(Asking):
         self.frame: Frame | None = None
         self.look: Look | None = None
         """The newest of the desk that is open."""
-        self.course = Course(lab.injected)
+        self.course = Course(self.lab.injected)
         self.events = Events()
         """Those of all openings."""
         self.code = ArmingCode()
@@ -134,8 +132,9 @@ class Room(Asking):
     def turn_to_next(self) -> None:
         """Close what is open, and open what was chosen last."""
         with self.changing:
-            choice, self.next = self.next, None
-        assert choice is not None
+            wanted, self.next = self.next, None
+        assert wanted is not None
+        choices, cause = wanted
         with suppress(Exception):  # what is wrong with the room that is left has been told
             self.poll()
         self.part()
@@ -143,25 +142,24 @@ class Room(Asking):
         self.change(
             status="opening",
             trouble="",
-            source=choice.source,
-            link=choice.link,
-            rule=choice.rule,
+            source=choices.source,
+            link=choices.link,
+            rule=choices.rule,
             model=None,
             values={},
             recording="",
             compiling="",
             run=self.state.run + 1,
         )
-        self.say("room", f"opening {choice.source}, {choice.rule}", choice.cause)
+        self.say("room", f"opening {choices.source}, {choices.rule}", cause)
         try:
-            self.open(choice)
+            self.open(choices.lab, cause)
         except Exception as error:
             self.trace(error)
             self.fail(in_words(error))
 
-    def open(self, choice: Choice) -> None:
-        """Open a choice, unless it is overtaken by another or by the end. Raises Refusal."""
-        lab = self.fitting(choice)
+    def open(self, lab: Lab, cause: str) -> None:
+        """Open a laboratory, unless another is chosen or the room is closed. Raises Refusal."""
         driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
         self.change(compiling="")
         setting = Setting.of(self.state.run, lab, driver.model)
@@ -176,7 +174,7 @@ class Room(Asking):
             return
         self.take_over(Opened(setting, desk, values, self.notices.put))
         self.change(status="open", recording="" if folder is None else str(folder))
-        self.say("room", "open", choice.cause)
+        self.say("room", "open", cause)
 
     def compiles(self, words: str) -> None:
         """Say that a rule is being compiled."""

@@ -11,16 +11,6 @@ Status = Literal["opening", "open", "failed", "closed"]
 
 
 @dataclass(frozen=True)
-class Choice:
-    """What was chosen to be opened, in the words of `app.live.operating.choices`, and by whom."""
-
-    source: str
-    link: str
-    rule: str
-    cause: str = ""
-
-
-@dataclass(frozen=True)
 class RoomState:
     """How a room stands; replaced as a whole, never changed."""
 

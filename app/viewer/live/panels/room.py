@@ -12,6 +12,7 @@ from app.live.control.limits import CarLimits
 from app.live.control.look import Look
 from app.live.kinds import SIMULATED
 from app.live.laboratory.lab import Lab
+from app.live.operating.choices import Choices
 from app.viewer.live.panels.state import whose
 from app.viewer.live.room import Room
 from app.viewer.live.room_state import RoomState
@@ -27,24 +28,21 @@ CHANGED = '<div class="fs-note">Chosen, but not open yet: press Open.</div>'
 class RoomPanel:
     """Choices that take effect with a button, while the cars are not armed, and facts."""
 
-    def __init__(
-        self, gui: viser.GuiApi, room: Room, sources: dict[str, str], links: dict[str, str]
-    ):
-        """`sources` and `links` are those of `app.live.operating.choices`."""
+    def __init__(self, gui: viser.GuiApi, room: Room, choices: Choices):
         self.room = room
-        self.offered = sources
+        self.choices = choices
         self.shown_run = -1
         self.asked = 0.0
         """When simulated cars were last asked for, s."""
         self.source = gui.add_dropdown(
             "Source",
-            tuple(sources),
+            tuple(choices.sources),
             initial_value=room.state.source,
             hint="Where the poses come from",
         )
         self.link = gui.add_dropdown(
             "Link",
-            tuple(links),
+            tuple(choices.links),
             initial_value=room.state.link,
             hint="How commands reach the cars. Dry run: nothing is sent. Emulated cars have a link "
             "of their own, whatever is chosen here",
@@ -57,18 +55,18 @@ class RoomPanel:
             color="blue",
             hint="Closes the room and opens it with this source and this link",
         )
-        most = room.lab.simulated.most
+        most = choices.lab.simulated.most
         self.companions = gui.add_slider(
             "Simulated cars",
             0,
             max(1, most),
             1,
-            room.lab.simulated.cars,
+            choices.lab.simulated.cars,
             hint="Simulated cars beside the real ones, in the same world: they hear each other",
             visible=most > 0,
         )
         self.facts = gui.add_html("")
-        self.limits = gui.add_html(block(limited(room.lab)))
+        self.limits = gui.add_html(block(limited(choices.lab)))
         self.open.on_click(self.opened)
         self.companions.on_update(self.accompanied)
 
@@ -90,11 +88,11 @@ class RoomPanel:
             show(self.companions, len(look.companions))
         for control in (self.source, self.link, self.open):
             control.disabled = armed
-        self.emulated.visible = self.offered[self.source.value] == SIMULATED
+        self.emulated.visible = self.choices.sources[self.source.value] == SIMULATED
         chosen = (self.source.value, self.link.value) != (state.source, state.link)
         self.changed.visible = chosen and not armed
         self.open.label = "Open" if chosen else "Open again"
-        self.facts.content = block(facts(state, look, self.room.lab.injected))
+        self.facts.content = block(facts(state, look, self.choices.lab.injected))
 
 
 def facts(state: RoomState, look: Look | None, plan: Injection) -> str:
