@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from app.viewer.scene.shown.status import STEP_OFF
 from playwright.sync_api import sync_playwright
 
 from app.live.laboratory.example import example
@@ -20,7 +21,6 @@ from app.live.operating.choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.run.start import Start, at_home
-from app.viewer.scene.shown.look import STEP_OFF
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"
@@ -215,7 +215,7 @@ def take_live() -> None:
         page.get_by_text("Software WebGL").wait_for()
         page.locator(".mantine-Notification-closeButton").first.click()
         page.get_by_role("button", name="Arm …").click()
-        page.locator(".mantine-Modal-body input").fill(laboratory.room.code.digits)
+        page.locator(".mantine-Modal-body input").fill(laboratory.session.code.digits)
         page.wait_for_timeout(100)
         page.get_by_role("button", name="Arm", exact=True).click()
         page.locator(".fs-running").wait_for()

@@ -19,8 +19,10 @@ def opened(lab: Lab) -> Iterator[LivePage]:
     """The page of this laboratory with emulated cars, ready to be armed; closed when left."""
     page = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     try:
-        until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
-        until(lambda: not page.room.look.reasons, BEGINS)
+        until(
+            lambda: page.session.status is not None and page.session.state.phase == "open", BEGINS
+        )
+        until(lambda: not page.session.status.reasons, BEGINS)
         yield page
     finally:
         page.close()

@@ -14,10 +14,10 @@ import pytest
 
 from agents.bodies.chassis import separation
 from agents.flock import Flock
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.control.control import Control
 from app.live.control.driver import Accompanied
-from app.live.control.pose import Frame, Pose, seen, unseen
+from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
 from app.live.operating.companions import APART
 from app.live.operating.squashing_driver import FlockDriver, model_for, room
@@ -287,8 +287,8 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
     events, modes = [], []
     for number in range(25):
         now += 0.01
-        asked = [Request("arm", "test")] if number == 5 else []
-        control.see(now, asked, Frame(number, now, bodies))
+        asked = [OperatorRequest("arm", "test")] if number == 5 else []
+        control.see(now, asked, MocapFrame(number, now, bodies))
         step = control.act(now, target)
         events += step.events
         modes.append(step.verdict.mode)

@@ -1,4 +1,4 @@
-"""The terminal beside the page of a room: keys in, events out."""
+"""The terminal beside a laboratory's page: keys in, events out."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from app.cli.live.keys import Keys
 from app.cli.live.operate import HELP, KEYS, LEAVES
 from app.cli.stopping import Stopping
 from app.live.control.events import Event
-from app.viewer.live.room import Room
+from app.viewer.live.session import Session
 
 EVERY = 0.05
-"""Seconds between two looks."""
+"""Seconds between two looks at keys and events."""
 TERMINAL = "terminal"
 
 
-class Console:
+class SessionConsole:
     """Serves the keys of the terminal until the operator leaves; `said`: events are shown."""
 
-    def __init__(self, room: Room, stopping: Stopping, said: bool):
-        self.room = room
+    def __init__(self, session: Session, stopping: Stopping, verbose: bool):
+        self.session = session
         self.stopping = stopping
-        self.said = said
+        self.verbose = verbose
         self.shown = 0
         self.trouble = ""
         self.began = time.monotonic()
@@ -31,7 +31,7 @@ class Console:
     def operate(self) -> None:
         """Until q, Ctrl-C or SIGTERM."""
         with Keys() as keys:
-            if self.said and keys.there:
+            if self.verbose and keys.there:
                 typer.echo(HELP, err=True)
             while not self.stopping.asked:
                 pressed = keys.pressed(EVERY)
@@ -42,23 +42,23 @@ class Console:
 
     def obey(self, pressed: str) -> None:
         """Do what was typed; among several keys an emergency stop goes first."""
-        wishes = [KEYS.get(key) for key in pressed]
-        if None in wishes:
-            self.room.emergency(TERMINAL)
+        actions = [KEYS.get(key) for key in pressed]
+        if None in actions:
+            self.session.emergency(TERMINAL)
             return
-        for wish in wishes:
-            if wish is not None:
-                self.room.ask(wish, TERMINAL)
+        for action in actions:
+            if action is not None:
+                self.session.ask(action, TERMINAL)
 
     def see(self) -> None:
-        """Show what is new: events, and why a room is not open."""
-        state = self.room.state
-        trouble = state.trouble if state.status == "failed" else ""
+        """Show what is new: events, and why no loop is open."""
+        state = self.session.state
+        trouble = state.trouble if state.phase == "failed" else ""
         if trouble and trouble != self.trouble:
             typer.echo(trouble, err=True)
         self.trouble = trouble
-        shown = len(self.room.events)
-        for event in self.room.events[self.shown : shown] if self.said else ():
+        shown = len(self.session.events)
+        for event in self.session.events[self.shown : shown] if self.verbose else ():
             self.tell(event)
         self.shown = shown
 

@@ -58,7 +58,7 @@ def lab(
 
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
-    from app.cli.live.console import Console
+    from app.cli.live.console import SessionConsole
     from app.cli.stopping import Stopping
 
     with Stopping() as stopping:
@@ -66,9 +66,9 @@ def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> N
         try:
             leaving = "q or Ctrl-C stops the cars and leaves"
             announce(page.host, page.port, leaving, "see and stop the cars, and change the rule")
-            typer.echo(f"a browser arms with the code {page.room.code.digits}", err=True)
+            typer.echo(f"a browser arms with the code {page.session.code.digits}", err=True)
             if open_browser:
                 webbrowser.open(page.address)
-            Console(page.room, stopping, not quiet).operate()
+            SessionConsole(page.session, stopping, not quiet).operate()
         finally:
             page.close()

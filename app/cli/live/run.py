@@ -68,19 +68,19 @@ def conduct(
             typer.echo(words, err=True)
 
     tell(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
-    from app.cli.live.operate import Terminal, closing
+    from app.cli.live.operate import OperatorConsole, closing
     from app.cli.stopping import Stopping
-    from app.live.operating.desk import Desk
+    from app.live.operating.operator import Operator
     from app.live.operating.squashing_driver import FlockDriver
 
     with Stopping() as stopping:
         FlockDriver(lab, tell)  # compiled here, so that the loop need not wait for it
-        desk = Desk(lab, opener, record)
-        terminal = Terminal(desk, stopping, seconds, arm, json_asked, not quiet)
+        operator = Operator(lab, opener, record)
+        terminal = OperatorConsole(operator, stopping, seconds, arm, json_asked, not quiet)
         try:
             terminal.operate()
         finally:
-            desk.close()
+            operator.close()
     made = terminal.summary()
     if record is not None:
         made["recording"] = str(record)

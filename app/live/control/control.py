@@ -11,10 +11,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.live.control.arm import Request
-from app.live.control.driver import Accompanied, Companion, Driver, NoRoom, Tunable
+from app.live.control.arm import OperatorRequest
+from app.live.control.driver import Accompanied, Companion, Driver, NoFreeSpace, Tunable
 from app.live.control.events import Event
-from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.control.safety import Command, Reason, Safety, Verdict
 from app.live.links.link import RUN
 from worlds.refusal import Refusal
@@ -61,7 +61,9 @@ class Control:
         """The simulated cars beside the real ones."""
         return self.accompanied.companions if self.accompanied is not None else ()
 
-    def see(self, now: float, requests: Iterable[Request], frame: Frame | None) -> None:
+    def see(
+        self, now: float, requests: Iterable[OperatorRequest], frame: MocapFrame | None
+    ) -> None:
         """Begin a tick at `now` (s): look at the newest frame, then do what is asked."""
         self.tick += 1
         self.events = []
@@ -69,13 +71,13 @@ class Control:
         for request in requests:
             self.events.append(self.answer(now, request))
 
-    def answer(self, now: float, request: Request) -> Event:
+    def answer(self, now: float, request: OperatorRequest) -> Event:
         """Do what is asked; the event that says what came of it."""
-        kind: str = request.wish
+        kind: str = request.action
         try:
-            if request.wish == "tune":
+            if request.action == "tune":
                 words = self.tune(request)
-            elif request.wish == "accompany":
+            elif request.action == "accompany":
                 words = self.accompany(request)
             else:
                 changed = self.safety.ask(now, request)
@@ -84,10 +86,10 @@ class Control:
         except Exception as refusal:  # whatever is asked, it cannot end the loop
             kind, words = "refused", " ".join(str(refusal).split()) or type(refusal).__name__
         return Event(
-            self.tick, now, kind, words, "", request.cause, asked=request.wish, note=request.words
+            self.tick, now, kind, words, "", request.cause, asked=request.action, note=request.words
         )
 
-    def tune(self, request: Request) -> str:
+    def tune(self, request: OperatorRequest) -> str:
         """Change parameters of the rule; what was changed, in words. Raises Refusal."""
         if not isinstance(self.driver, Tunable):
             raise Refusal("the parameters of this driver cannot be changed")
@@ -100,7 +102,7 @@ class Control:
         self.driver.tune(values)
         return ", ".join(f"{name} = {value}" for name, value in values.items())
 
-    def accompany(self, request: Request) -> str:
+    def accompany(self, request: OperatorRequest) -> str:
         """Have other simulated cars beside the real ones; how many, in words. Raises Refusal."""
         if self.accompanied is None:
             raise Refusal("this driver has no simulated cars beside the real ones")
@@ -123,7 +125,7 @@ class Control:
                 for name in self.safety.cars
                 if name in answer
             }
-        except NoRoom as refused:  # for simulated cars: the real ones need not wait for them
+        except NoFreeSpace as refused:  # for simulated cars: the real ones need not wait for them
             words = " ".join(str(refused).split())
             self.events.append(Event(self.tick, now, "refused", words))
         except Exception as error:  # whatever a rule does wrong, the cars stop

@@ -10,7 +10,7 @@ from app.live.control.pose import Pose, Sighting
 from worlds.refusal import Refusal
 
 
-class NoRoom(Refusal):
+class NoFreeSpace(Refusal):
     """Simulated cars for which there is no room; raised once for each time that they are wanted."""
 
 

@@ -20,7 +20,7 @@ class Limits(Strict):
     leap: float = Field(default=0.25, ge=0.02, le=5.0)
     """A car seen further than this from where it can have come to is not believed."""
     unattended: float = Field(default=2.0, ge=0.5, le=60.0)
-    """A desk that has been silent for longer takes the arming away: no stop could come from it."""
+    """An operator that has been silent for longer, s, takes the arming away: it could not stop."""
 
     @model_validator(mode="after")
     def _are_in_order(self) -> Limits:

@@ -14,14 +14,14 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
-from app.live.control.arm import UNDOING, Request
+from app.live.control.arm import UNDOING, OperatorRequest
 from app.live.control.control import Control, Step
 from app.live.control.events import Event, Events
 from app.live.control.injected import Injected
-from app.live.control.look import Look, cars_of
 from app.live.control.moment import Moment
-from app.live.control.pose import Frame, Pose
+from app.live.control.pose import MocapFrame, Pose
 from app.live.control.safety import Command, Verdict
+from app.live.control.status import Status, cars_of
 from app.live.control.timing import Spans
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, STOP, CarLink
@@ -33,8 +33,8 @@ MOST_REQUESTS = 4
 OVERTAKEN = "overtaken by an emergency stop"
 PARTING = 5
 """Stop frames that are sent at the end."""
-LOOK_EVERY = 3
-"""Ticks between which a look is made for the viewer."""
+STATUS_EVERY = 3
+"""Ticks between which a status is made for the viewer."""
 
 
 class Frames(Protocol):
@@ -45,7 +45,7 @@ class Frames(Protocol):
         """What is wrong with the source, in one line; empty while all is well."""
         ...
 
-    def since(self, number: int) -> list[Frame]:
+    def since(self, number: int) -> list[MocapFrame]:
         """The frames after frame `number`, oldest first."""
         ...
 
@@ -92,20 +92,20 @@ class Loop:
         self.clock = clock
         self.wait = wait
         self.events = Events()
-        self.latest: Look | None = None
-        """The newest look, of one of the last few ticks."""
+        self.latest: Status | None = None
+        """The status at one of the last few ticks."""
         self.attended: float | None = None
-        """When somebody last looked, by `time.monotonic()`, s; None: nobody ever has."""
+        """When the operator last asked for the status, `time.monotonic()`, s; None: never."""
         self.leaving = ""
         """Why the loop is to end; empty: it is not."""
-        self.asked: queue.SimpleQueue[Request] = queue.SimpleQueue()
-        self.pending: list[Request] = []
+        self.asked: queue.SimpleQueue[OperatorRequest] = queue.SimpleQueue()
+        self.pending: list[OperatorRequest] = []
         """What was asked and waits for its turn."""
-        self.late: queue.SimpleQueue[Request] = queue.SimpleQueue()
+        self.late: queue.SimpleQueue[OperatorRequest] = queue.SimpleQueue()
         """What comes after an emergency stop and was asked before it."""
-        self.overtaken: list[Request] = []
+        self.overtaken: list[OperatorRequest] = []
         """What an emergency stop has overtaken in this tick and may not undo it."""
-        self.newest: Frame | None = None
+        self.newest: MocapFrame | None = None
         self.before: float | None = None
         self.periods = Spans()
         self.latencies = Spans()
@@ -116,11 +116,11 @@ class Loop:
         self.known: dict[str, str] = {}
         """Those of them that are in the events."""
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: OperatorRequest) -> None:
         """Ask for something, which is done at the next tick; an emergency stop before all else."""
         self.asked.put(request)
 
-    def overtake(self, request: Request) -> None:
+    def overtake(self, request: OperatorRequest) -> None:
         """Take note of what an emergency stop has overtaken on its way here; it is not done."""
         self.late.put(request)
 
@@ -161,7 +161,7 @@ class Loop:
         frames = self.feed.since(self.newest.number if self.newest else -1)
         if frames:
             self.newest = frames[-1]
-        self.mind_the_desk(now)
+        self.watch_the_operator(now)
         self.control.see(now, self.requests(), self.newest)
         control = self.control
         injected = self.injected.at(now, control.running, control.sightings)
@@ -178,28 +178,28 @@ class Loop:
             self.journal.write(
                 Moment(control.tick, now, tuple(frames), injected, step, arm, events, latency)
             )
-        if control.tick % LOOK_EVERY == 0 or step.events:
-            self.latest = self.look(now, injected, step.verdict)
+        if control.tick % STATUS_EVERY == 0 or step.events:
+            self.latest = self.status(now, injected, step.verdict)
 
-    def mind_the_desk(self, now: float) -> None:
-        """Take the arming away where whoever used to look has long been silent: the desk hangs."""
+    def watch_the_operator(self, now: float) -> None:
+        """Take the arming away where an operator has long been silent: its process hangs."""
         unattended = self.control.safety.limits.unattended
         armed = self.control.safety.arm.state == "armed"
         if armed and self.attended is not None and now - self.attended > unattended:
-            words = f"the desk has been silent for {unattended:g} s"
-            self.ask(Request("hold", "desk", words))
+            words = f"the operator has been silent for {unattended:g} s"
+            self.ask(OperatorRequest("hold", "operator", words))
 
-    def requests(self) -> list[Request]:
+    def requests(self) -> list[OperatorRequest]:
         """What is to be done in this tick, emergency stops first.
 
         Nothing that was asked before an emergency stop may undo it or arm again.
         """
         self.pending += taken(self.asked)
         self.overtaken = taken(self.late)
-        urgent = [one for one in self.pending if one.wish == "emergency"]
+        urgent = [one for one in self.pending if one.action == "emergency"]
         if urgent:
-            last = max(k for k, one in enumerate(self.pending) if one.wish == "emergency")
-            self.overtaken += [one for one in self.pending[:last] if one.wish in UNDOING]
+            last = max(k for k, one in enumerate(self.pending) if one.action == "emergency")
+            self.overtaken += [one for one in self.pending[:last] if one.action in UNDOING]
             done = {id(one) for one in (*urgent, *self.overtaken)}
             self.pending = [one for one in self.pending if id(one) not in done]
         found = urgent + self.pending[:MOST_REQUESTS]
@@ -216,13 +216,13 @@ class Loop:
         except Exception as error:  # whatever a link does wrong, the loop goes on and says so
             trouble = " ".join(str(error).split()) or type(error).__name__
         if trouble and self.control.safety.arm.state == "armed":
-            self.ask(Request("hold", "link", trouble))
+            self.ask(OperatorRequest("hold", "link", trouble))
         self.troubles["link"] = trouble
 
     def noticed(self, now: float) -> list[Event]:
         """What was overtaken, and what has begun or ceased to be wrong with source, link, disk."""
         found = [
-            Event(self.control.tick, now, "refused", f"{one.wish}: {OVERTAKEN}", cause=one.cause)
+            Event(self.control.tick, now, "refused", f"{one.action}: {OVERTAKEN}", cause=one.cause)
             for one in self.overtaken
         ]
         self.overtaken = []
@@ -242,11 +242,11 @@ class Loop:
 
         What is taken down comes after: whatever has failed, and fails again, holds no stop up.
         """
-        asked = [one for one in taken(self.asked) if one.wish == "emergency"]
+        asked = [one for one in taken(self.asked) if one.action == "emergency"]
         state = self.control.safety.arm.state
         latched = state == "emergency" or bool(asked)
         if state == "armed" and not asked:
-            asked = [Request("hold", "loop", self.leaving)]
+            asked = [OperatorRequest("hold", "loop", self.leaving)]
         mode = EMERGENCY if latched else STOP
         still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
         times = []
@@ -277,7 +277,7 @@ class Loop:
     def take_down_stop(
         self,
         now: float,
-        asked: list[Request],
+        asked: list[OperatorRequest],
         mode: int,
         still: dict[str, Command],
         end: str,
@@ -299,10 +299,10 @@ class Loop:
             arm = control.safety.arm.state
             self.journal.write(Moment(control.tick, now, (), injected, step, arm, events, None))
 
-    def look(self, now: float, injected: Pose | None, verdict: Verdict) -> Look:
-        """What there is to see."""
+    def status(self, now: float, injected: Pose | None, verdict: Verdict) -> Status:
+        """What the loop reports of itself at this tick."""
         control, safety = self.control, self.control.safety
-        return Look(
+        return Status(
             control.tick,
             now,
             safety.arm.state,
@@ -320,9 +320,9 @@ class Loop:
         )
 
 
-def taken(waiting: queue.SimpleQueue[Request]) -> list[Request]:
+def taken(waiting: queue.SimpleQueue[OperatorRequest]) -> list[OperatorRequest]:
     """All that waits in a queue."""
-    found: list[Request] = []
+    found: list[OperatorRequest] = []
     with suppress(queue.Empty):
         while True:
             found.append(waiting.get_nowait())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from app.live.control.arm import State
 from app.live.control.control import Step
 from app.live.control.events import Event
-from app.live.control.pose import Frame, Pose
+from app.live.control.pose import MocapFrame, Pose
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Moment:
     tick: int
     now: float
     """`time.monotonic()` at its beginning, s; all that it decides, it decides for this time."""
-    frames: tuple[Frame, ...]
+    frames: tuple[MocapFrame, ...]
     """Those that had come since the last tick; the last of them is the one that counts."""
     injected: Pose | None
     step: Step

@@ -33,7 +33,7 @@ class Sighting:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class MocapFrame:
     """One moment of tracking.
 
     >>> frame = Frame(7, 100.0, (seen("car1", Pose(1.0, 2.0, 0.0)), unseen("car2")))

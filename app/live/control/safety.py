@@ -22,9 +22,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.live.control.area import Area
-from app.live.control.arm import Arm, Request
+from app.live.control.arm import Arm, OperatorRequest
 from app.live.control.limits import CarLimits, Limits
-from app.live.control.pose import Frame, Sighting
+from app.live.control.pose import MocapFrame, Sighting
 from app.live.control.seen import Seen
 from app.live.control.travel import Travel
 from app.live.links.link import EMERGENCY, RUN, STOP
@@ -82,22 +82,22 @@ class Safety:
         self.before: float | None = None
         """The time of the last verdict, s."""
 
-    def see(self, now: float, frame: Frame | None) -> tuple[Sighting, ...]:
+    def see(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
         """Look at the newest frame; who has been seen within `stale`, where last.
 
         While unarmed every pose is believed, also that of a car that is carried.
         """
-        if self.seen.look(now, frame, believing=self.arm.state != "armed"):
+        if self.seen.take(now, frame, believing=self.arm.state != "armed"):
             for name, pose in self.seen.fresh.items():
                 if name in self.travels:
                     self.travels[name].see(now, pose)
         return self.seen.sightings(now, self.limits.stale)
 
-    def ask(self, now: float, request: Request) -> bool:
+    def ask(self, now: float, request: OperatorRequest) -> bool:
         """Do what an operator asks; whether it changed anything. Raises Refusal for an arming."""
-        faults = self.faults(now) if request.wish == "arm" else []
+        faults = self.faults(now) if request.action == "arm" else []
         changed = self.arm.take(request, [fault.words for fault in faults])
-        if changed and request.wish == "arm":
+        if changed and request.action == "arm":
             for travel in self.travels.values():
                 travel.forget(now)
             self.before = now
@@ -118,7 +118,7 @@ class Safety:
             found += self.asleep(now) + self.standing(now)
         held = self.arm.state == "armed" and any(reason.holds for reason in found)
         if held:
-            self.arm.take(Request("hold", "safety"))
+            self.arm.take(OperatorRequest("hold", "safety"))
         if self.arm.state == "emergency":
             mode = EMERGENCY
         else:

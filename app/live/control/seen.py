@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TypeGuard
 
 from app.live.control.limits import CarLimits
-from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.pose import MocapFrame, Pose, Sighting
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Glimpse:
 
     pose: Pose
     time: float
-    """When it was received, s on the loop's clock; never later than when it was looked at."""
+    """When it was received, s on the loop's clock; never later than when it was taken."""
 
 
 class Seen:
@@ -36,12 +36,12 @@ class Seen:
         self.leaps: dict[str, float] = {}
         """Cars of the newest frame that are further off than they can have come, and how far (m)
         they are from where they were believed."""
-        self.frame: Frame | None = None
+        self.frame: MocapFrame | None = None
         self.fresh: dict[str, Pose] = {}
-        """Poses that the newest look has brought."""
+        """Poses that the newest frame has brought."""
 
-    def look(self, now: float, frame: Frame | None, believing: bool = False) -> bool:
-        """Take the newest frame; whether it is one that was not looked at before.
+    def take(self, now: float, frame: MocapFrame | None, believing: bool = False) -> bool:
+        """Take the newest frame; whether it is one that was not taken before.
 
         `believing` takes every pose as it is, also that of a car that was carried away. A body that
         is in the frame twice, or whose pose is no finite number, is not seen.
@@ -90,7 +90,7 @@ class Seen:
         )
 
 
-def same(one: Frame, other: Frame) -> bool:
+def same(one: MocapFrame, other: MocapFrame) -> bool:
     """Whether two frames are the same one: a source that begins again counts from 0."""
     return one.number == other.number and one.received == other.received
 

@@ -29,7 +29,7 @@ MOST_SIMULATED = 32
 """Simulated cars beside real ones: with more, a tick would not be done in time."""
 
 
-class Car(CarLimits):
+class LabCar(CarLimits):
     """A car: its address on the link, its body in the tracking, and its limits."""
 
     address: int = Field(ge=LEAST_ADDRESS, le=MOST_ADDRESS)
@@ -37,7 +37,7 @@ class Car(CarLimits):
     """The name of its rigid body; empty: its own name."""
 
 
-class Simulated(Strict):
+class SimulatedCars(Strict):
     """Simulated cars beside the real ones: same rule, same world, hearing each other."""
 
     cars: int = Field(default=0, ge=0, le=MOST_SIMULATED)
@@ -48,7 +48,7 @@ class Simulated(Strict):
     """Of where they begin."""
 
     @model_validator(mode="after")
-    def _are_in_order(self) -> Simulated:
+    def _are_in_order(self) -> SimulatedCars:
         if self.cars > self.most:
             raise ValueError(f"cars must not be more than most, {self.most}")
         return self
@@ -75,9 +75,9 @@ class Lab(Strict):
     area: Area
     limits: Limits = Limits()
     injected: Injection = Injection()
-    simulated: Simulated = Simulated()
+    simulated: SimulatedCars = SimulatedCars()
     recording: Kept = Kept()
-    cars: dict[str, Car] = Field(min_length=1, max_length=MOST_CARS)
+    cars: dict[str, LabCar] = Field(min_length=1, max_length=MOST_CARS)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Lab:
@@ -180,9 +180,9 @@ TABLES: dict[str, type[Strict]] = {
     "area": Area,
     "limits": Limits,
     "injected": Injection,
-    "simulated": Simulated,
+    "simulated": SimulatedCars,
     "recording": Kept,
-    "cars": Car,
+    "cars": LabCar,
 }
 
 

@@ -11,7 +11,7 @@ from agents.engine.arrays import Arrays
 from agents.model import Model
 from agents.rows import begun
 from agents.start import Start
-from app.live.control.driver import NoRoom
+from app.live.control.driver import NoFreeSpace
 from app.live.control.pose import Pose
 from app.live.laboratory.lab import Lab
 from worlds.refusal import Refusal
@@ -52,7 +52,7 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
     gaps = np.linalg.norm(tried[:, None] - others[None], axis=2).min(axis=1, initial=math.inf)
     free = np.flatnonzero(gaps >= apart)
     if not len(free):
-        raise NoRoom(
+        raise NoFreeSpace(
             f"{named(number)} has no room: none of {TRIES} places within the fence is {apart:g} m "
             "from every other car"
         )
@@ -72,8 +72,8 @@ def begin_more(
     for number in range(kept + 1, count + 1):
         try:
             more.append(begins(lab, number, occupied, size))
-        except NoRoom as refused:
-            raise NoRoom(
+        except NoFreeSpace as refused:
+            raise NoFreeSpace(
                 f"simulated cars = {count} is not allowed: {refused}; {number - 1} would fit"
             ) from None
         occupied.append((more[-1].x, more[-1].y))

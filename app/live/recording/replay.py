@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, cast
 
 from agents.record import KEY
-from app.live.control.arm import Request, Wish
+from app.live.control.arm import Action, OperatorRequest
 from app.live.control.control import Control, Step
 from app.live.control.driver import Companion, Driver
-from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
 from app.live.recording.record import TABLES
@@ -35,8 +35,8 @@ class Tick:
     number: int
     now: float
     mode: int
-    requests: tuple[Request, ...]
-    frames: tuple[Frame, ...]
+    requests: tuple[OperatorRequest, ...]
+    frames: tuple[MocapFrame, ...]
     injected: Pose | None
     wanted: dict[str, tuple[float, float]]
     sent: dict[str, tuple[float, float]]
@@ -187,17 +187,17 @@ def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
     )
 
 
-def requests(events: list[Row]) -> Iterator[Request]:
+def requests(events: list[Row]) -> Iterator[OperatorRequest]:
     """What was asked at a tick."""
     for event in events:
         if event["asked"]:
-            yield Request(cast(Wish, event["asked"]), event["cause"], event["note"])
+            yield OperatorRequest(cast(Action, event["asked"]), event["cause"], event["note"])
 
 
-def frames(rows: list[Row], poses: list[Row]) -> Iterator[Frame]:
+def frames(rows: list[Row], poses: list[Row]) -> Iterator[MocapFrame]:
     """The frames that a tick took."""
     for row in rows:
-        yield Frame(
+        yield MocapFrame(
             row["number"],
             row["received"],
             tuple(

@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.control.events import Event
 from worlds.refusal import Refusal
 
@@ -25,7 +25,7 @@ MOST = 8
 class Change:
     """A change that waits; each is answered once."""
 
-    request: Request
+    request: OperatorRequest
     words: str
     value: Any
     due: float
@@ -57,7 +57,7 @@ class Tuning:
 
     def begin(self, name: str, value: Any, cause: str) -> Change:
         """A change whose request is to be sent now. Raises Refusal if too many wait already."""
-        request = Request("tune", cause, json.dumps({name: value}))
+        request = OperatorRequest("tune", cause, json.dumps({name: value}))
         change = Change(request, f"{name} = {value}", value, self.clock() + PATIENCE)
         with self.lock:
             if len(self.waiting) >= MOST:

@@ -1,4 +1,4 @@
-"""What a look at the control loop shows: a picture of one tick, for the viewer and the terminal."""
+"""What the control loop reports of itself at a tick, for the viewer and the terminal."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Tracking = Literal["tracked", "late", "lost"]
 
 
 @dataclass(frozen=True)
-class CarLook:
-    """One car."""
+class CarStatus:
+    """How one car is."""
 
     name: str
     pose: Pose | None
@@ -40,8 +40,8 @@ class CarLook:
 
 
 @dataclass(frozen=True)
-class Look:
-    """The laboratory at one tick."""
+class Status:
+    """How the control loop and its cars are at one tick."""
 
     tick: int
     time: float
@@ -50,7 +50,7 @@ class Look:
     mode: int
     reasons: tuple[Reason, ...]
     """Why the cars do not run, or could not be armed."""
-    cars: tuple[CarLook, ...]
+    cars: tuple[CarStatus, ...]
     injected: Pose | None
     companions: tuple[Companion, ...]
     """The simulated cars beside them."""
@@ -68,10 +68,10 @@ class Look:
     """How many there were so far."""
 
 
-def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarLook, ...]:
+def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarStatus, ...]:
     """The cars as they are at `now` (s)."""
     return tuple(
-        CarLook(
+        CarStatus(
             name,
             safety.seen.last[name].pose if name in safety.seen.last else None,
             safety.seen.age(name, now),

@@ -1,4 +1,4 @@
-"""What may be asked of a room, from any thread; nothing of it waits, and nothing raises."""
+"""What browsers and the terminal may ask of a session, from any thread; nothing waits or raises."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from app.live.control.arm import Request, Wish
+from app.live.control.arm import Action, OperatorRequest
 from app.live.operating.choices import Choices
-from app.viewer.live.opened import Opened
-from app.viewer.live.room_state import RoomState
-from app.viewer.live.wanted import number, parameter_value, whole_number, word
+from app.viewer.live.opening import Opening
+from app.viewer.live.page_input import number, parameter_value, whole_number, word
+from app.viewer.live.session_state import SessionState
 from app.viewer.run.words import in_words
 from worlds.refusal import Refusal
 
-ASKED: dict[str, Wish] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
+ASKED: dict[str, Action] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
 """What may be asked with `ask`."""
 CLOSED = "was not answered: the room was closed"
 """What becomes of changes that wait then."""
 
 
-class Asking:
-    """The near side of a room. What is refused becomes a notice."""
+class SessionRequests:
+    """The requests to a session. What is refused becomes a notice in every browser."""
 
     def __init__(self, choices: Choices):
         self.lab = choices.lab
-        self.state = RoomState(choices.source, choices.link, choices.rule)
+        self.state = SessionState(choices.source, choices.link, choices.rule)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         """What must be told in browsers."""
         self.chosen = choices.choosing()
         """What was chosen last."""
         self.next: tuple[Choices, str] | None = self.chosen, ""
         """What is to be opened next, and who chose it."""
-        self.opened: Opened | None = None
+        self.opening: Opening | None = None
         self.changing = threading.Lock()
         """Of the state and of what is chosen; held for moments only."""
         self.latch = ""
@@ -44,21 +44,21 @@ class Asking:
         self.closing = threading.Event()
         self.woken = threading.Event()
 
-    def ask(self, wish: str, cause: str) -> None:
+    def ask(self, action: str, cause: str) -> None:
         """Arm, disarm or reset."""
         with self.telling():
-            wanted = ASKED[word("request", wish, ASKED)]
+            wanted = ASKED[word("request", action, ASKED)]
             if wanted == "arm" and self.next is not None:
                 raise Refusal("cannot be armed: another room is about to be opened")
-            self.open_one().desk.ask(Request(wanted, cause))
+            self.open_one().operator.ask(OperatorRequest(wanted, cause))
 
     def emergency(self, cause: str) -> None:
-        """Stop the cars now, and latched. While no desk is open the next begins so."""
+        """Stop the cars now, and latched. While no loop is open the next begins so."""
         with self.telling():
             self.latch = cause or "the page"
-            opened = self.opened
-            if opened is not None:
-                opened.desk.ask(Request("emergency", cause))
+            opening = self.opening
+            if opening is not None:
+                opening.operator.ask(OperatorRequest("emergency", cause))
             else:
                 self.notices.put(f"EMERGENCY STOP ({cause}): the next room begins with it")
             self.change(latched=True)
@@ -67,12 +67,12 @@ class Asking:
         """Give a parameter of the rule a new value; the answer is the one that the loop took."""
         answer: Future = Future()
         try:
-            opened = self.open_one()
-            taken = parameter_value(opened.setting.model, opened.values, name, value)
-            change = opened.tuning.begin(name, taken, cause)
-            opened.desk.ask(change.request)
-            if self.opened is not opened:  # closed meanwhile: nobody would answer
-                opened.tuning.end(CLOSED)
+            opening = self.open_one()
+            taken = parameter_value(opening.setting.model, opening.values, name, value)
+            change = opening.tuning.begin(name, taken, cause)
+            opening.operator.ask(change.request)
+            if self.opening is not opening:  # closed meanwhile: nobody would answer
+                opening.tuning.end(CLOSED)
         except Exception as error:
             self.notices.put(in_words(error))
             answer.set_exception(error)
@@ -83,15 +83,15 @@ class Asking:
         """Have so many simulated cars beside the real ones."""
         with self.telling():
             found = whole_number("simulated cars", count, self.lab.simulated.most)
-            self.open_one().desk.ask(Request("accompany", cause, str(found)))
+            self.open_one().operator.ask(OperatorRequest("accompany", cause, str(found)))
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; the loop keeps it within the fence."""
         with self.telling():
             at = number("x", x), number("y", y)
-            opened = self.opened
-            if opened is not None:
-                opened.desk.place(*at)
+            opening = self.opening
+            if opening is not None:
+                opening.operator.place(*at)
 
     def choose(
         self,
@@ -100,17 +100,17 @@ class Asking:
         rule: str | None = None,
         cause: str = "",
     ) -> None:
-        """Close the room and open another; what is not given stays.
+        """Close the loop and open one with other choices; what is not given stays.
 
         The names are those of `app.live.operating.choices`. Not while the cars are
         armed. Of several choices at once only the last is opened.
         """
         asked = {"source": source, "link": link, "rule": rule}
         with self.telling():
-            opened = self.opened
+            opening = self.opening
             if self.closing.is_set():
                 raise Refusal("the room is closed")
-            if opened is not None and opened.armed:
+            if opening is not None and opening.armed:
                 raise Refusal("no other room is opened while the cars are armed: disarm them first")
             with self.changing:
                 last = self.chosen
@@ -126,16 +126,16 @@ class Asking:
             self.woken.set()
 
     def reopen(self, cause: str) -> None:
-        """Close the room, if it is open, and open it again."""
+        """Close the loop, if one is open, and open it again."""
         self.choose(cause=cause)
 
     def browsers(self, count: int) -> None:
         """Say how many browsers are open: armed by a browser, the cars stop when none is left."""
-        opened = self.opened
-        if count == 0 and opened is not None:
-            opened.deserted()
+        opening = self.opening
+        if count == 0 and opening is not None:
+            opening.deserted()
 
-    # What helps them.
+    # Used by the requests above.
 
     @contextmanager
     def telling(self) -> Iterator[None]:
@@ -145,16 +145,16 @@ class Asking:
         except Exception as error:
             self.notices.put(in_words(error))
 
-    def open_one(self) -> Opened:
+    def open_one(self) -> Opening:
         """The opening. Raises Refusal if there is none."""
-        opened = self.opened
-        if opened is None:
-            raise Refusal(f"the room is not open ({self.state.status})")
-        return opened
+        opening = self.opening
+        if opening is None:
+            raise Refusal(f"the room is not open ({self.state.phase})")
+        return opening
 
     def change(self, **changes: Any) -> None:
-        """Change the state; a closed room stays closed."""
+        """Change the state; a closed session stays closed."""
         with self.changing:
-            if self.state.status == "closed":
-                changes.pop("status", None)
+            if self.state.phase == "closed":
+                changes.pop("phase", None)
             self.state = replace(self.state, **changes)

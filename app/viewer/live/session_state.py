@@ -1,4 +1,4 @@
-"""How a room stands."""
+"""The state of a session."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import Any, Literal
 
 from agents.model import Model
 
-Status = Literal["opening", "open", "failed", "closed"]
+Phase = Literal["opening", "open", "failed", "closed"]
 
 
 @dataclass(frozen=True)
-class RoomState:
-    """How a room stands; replaced as a whole, never changed."""
+class SessionState:
+    """The state of a session; replaced as a whole, never changed."""
 
     source: str
-    """Words of the source, the link and the rule that are open or being opened."""
+    """Names of the source, the link and the rule that are open or being opened."""
     link: str
     rule: str
-    status: Status = "opening"
+    phase: Phase = "opening"
     trouble: str = ""
     """What is wrong, in one line."""
     model: Model | None = None

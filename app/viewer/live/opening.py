@@ -1,4 +1,4 @@
-"""A laboratory whose desk is open, as its page sees it."""
+"""One opening of a laboratory's control loop by its page: what is known of it since."""
 
 from __future__ import annotations
 
@@ -7,22 +7,23 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.control.events import Event
-from app.live.control.look import Look
+from app.live.control.status import Status
 from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.tuning import Tuning
-from app.viewer.live.worth_telling import notice_of
 from app.viewer.scene.shown.frame import Frame
 
 SILENCE = 1.0
-"""Seconds without a new look after which the loop is said not to answer."""
-LOOKS = 10
-"""Looks that are kept to tell speeds by."""
+"""Seconds without a new status after which the loop is said not to answer."""
+KEPT = 10
+"""Statuses that are kept to measure speeds by."""
 BROWSER = "browser"
 """What the causes of requests begin with that come from a browser."""
 GONE = "the last browser is gone"
+TROUBLES = ("source", "link", "recording")
+"""Kinds of event that say what is wrong with these, or that it is over."""
 
 
 class Log(Protocol):
@@ -32,8 +33,8 @@ class Log(Protocol):
     def __getitem__(self, which: slice, /) -> list[Event]: ...
 
 
-class Counter(Protocol):
-    """What a room uses of a `app.live.operating.desk.Desk`."""
+class OperatorProtocol(Protocol):
+    """What a session uses of an `app.live.operating.operator.Operator`."""
 
     @property
     def events(self) -> Log:
@@ -47,7 +48,7 @@ class Counter(Protocol):
         """Whether the loop runs."""
         ...
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: OperatorRequest) -> None:
         """Ask for something."""
         ...
 
@@ -55,8 +56,8 @@ class Counter(Protocol):
         """Move the injected car of the hand, m."""
         ...
 
-    def look(self) -> Look | None:
-        """The newest look."""
+    def status(self) -> Status | None:
+        """The newest status."""
         ...
 
     def close(self) -> None:
@@ -64,31 +65,31 @@ class Counter(Protocol):
         ...
 
 
-class Opened:
-    """One opening of a room; `poll` is called by one thread, again and again."""
+class Opening:
+    """One opening of a control loop; `poll` is called by one thread, again and again."""
 
     def __init__(
         self,
         setting: Setting,
-        desk: Counter,
+        operator: OperatorProtocol,
         values: dict[str, Any],
         notify: Callable[[str], None],
     ):
         self.setting = setting
-        self.desk = desk
+        self.operator = operator
         self.values = values
         """The parameters as the loop has them; replaced, never changed."""
         self.notify = notify
         self.tuning = Tuning(notify)
-        self.newest: Look | None = None
-        self.look: Look | None = None
+        self.newest: Status | None = None
+        self.status: Status | None = None
         """The one that the frame is of."""
         self.frame: Frame | None = None
         self.course = Course(setting.lab.injected)
-        self.past: deque[Look] = deque(maxlen=LOOKS)
+        self.past: deque[Status] = deque(maxlen=KEPT)
         self.heard = time.monotonic()
         self.known = 0
-        """Events of the desk that have been passed on."""
+        """Events of the operator that have been passed on."""
         self.armed_by = ""
         """Who armed the cars; empty while they are not armed."""
         self.asked_to_hold = False
@@ -97,13 +98,13 @@ class Opened:
     @property
     def armed(self) -> bool:
         """Whether the cars are armed, as far as is known."""
-        return self.armed_by != "" or (self.look is not None and self.look.arm == "armed")
+        return self.armed_by != "" or (self.status is not None and self.status.arm == "armed")
 
     def poll(self) -> list[Event]:
         """Look at the loop; the events that are new."""
-        self.newest = self.desk.look()
-        known = len(self.desk.events)
-        events = self.desk.events[self.known : known]
+        self.newest = self.operator.status()
+        known = len(self.operator.events)
+        events = self.operator.events[self.known : known]
         self.known = known
         for event in events:
             self.hear(event)
@@ -123,29 +124,29 @@ class Opened:
         elif event.kind in ("disarm", "hold", "emergency", "reset"):
             self.armed_by = ""
 
-    def see(self) -> None:
-        """Make of the newest look what there is to draw and to plot."""
-        look = self.newest
-        if look is None or look is self.look:
+    def update(self) -> None:
+        """Make the frame and the curves of the newest status."""
+        status = self.newest
+        if status is None or status is self.status:
             return
-        self.look = look
+        self.status = status
         self.heard = time.monotonic()
-        self.frame = frame_of(self.setting, look, self.values, tuple(self.past))
-        self.course = self.course.after(look)
-        self.past.append(look)
+        self.frame = frame_of(self.setting, status, self.values, tuple(self.past))
+        self.course = self.course.after(status)
+        self.past.append(status)
 
     def deserted(self) -> None:
         """No browser is left: hold the cars if it was a browser that armed them."""
         if self.armed_by.startswith(BROWSER) and not self.asked_to_hold:
             self.asked_to_hold = True
-            self.desk.ask(Request("hold", GONE))
+            self.operator.ask(OperatorRequest("hold", GONE))
 
     @property
     def ended(self) -> str:
         """Why the loop has ended, if it has."""
-        if self.desk.trouble:
-            return self.desk.trouble
-        return "" if self.desk.alive else "the control loop has ended: the cars stop themselves"
+        if self.operator.trouble:
+            return self.operator.trouble
+        return "" if self.operator.alive else "the control loop has ended: the cars stop themselves"
 
     @property
     def silence(self) -> str:
@@ -153,3 +154,25 @@ class Opened:
         if time.monotonic() - self.heard < SILENCE:
             return ""
         return "the control loop does not answer: what is shown is old"
+
+
+def notice_of(event: Event, armed_by: str = "") -> str:
+    """The notice in every browser of an event, one line; empty: none, the log has it.
+
+    `armed_by` says who has armed the cars; of cars that are not armed nobody need hear that they
+    are not seen.
+
+    >>> notice_of(Event(7, 0.07, "emergency", "EMERGENCY STOP", cause="browser 2"))
+    'EMERGENCY STOP (browser 2)'
+    >>> notice_of(Event(7, 0.07, "run", "the cars run"))
+    ''
+    """
+    if event.kind in ("emergency", "hold"):
+        by = "" if event.cause in ("", "safety") else f" ({event.cause})"
+        return event.words + by
+    if event.kind == "unseen":
+        # without how long: words that are told again within seconds are left out
+        return f"{event.car} is not seen: the cars stop" if armed_by else ""
+    if event.kind in TROUBLES:
+        return "" if event.words.endswith("works again") else f"{event.kind}: {event.words}"
+    return event.words if event.kind == "refused" and event.asked != "tune" else ""
