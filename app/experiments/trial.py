@@ -78,7 +78,7 @@ def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
 def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> World:
     """The world of a layout in the layout's own size; `bare` without its obstacles.
 
-    Raises Refusal if the errand changes a part of the mission that the world does not have.
+    Raises Refusal if the overrides change a part of the mission that the world does not have.
     """
     found = with_goal_speed(world(name, dim), overrides)
     return replace(found, obstacles=(), random=None) if bare else found

@@ -17,7 +17,7 @@ SIMULATED = "simulated"
 DRY = "dry"
 """The kind of the link that leads nowhere, and its text."""
 EMULATED = "emulated cars"
-CALLED = {SIMULATED: EMULATED, DRY: "dry run"}
+BUILT_IN_NAMES = {SIMULATED: EMULATED, DRY: "dry run"}
 """What is always there to choose: a text, and its words."""
 FILE = ".py"
 """How the kind of a link ends that is a Python file."""
@@ -32,18 +32,18 @@ def kind_of(text: str) -> str:
     return text.partition("?")[0].partition(":")[0]
 
 
-def words_of(text: str) -> str:
+def name_of(text: str) -> str:
     """What the source or the link of a laboratory's file is called where one chooses.
 
-    >>> words_of("optitrack:192.168.1.5?up=y"), words_of("/home/ann/my_radio.py:/dev/ttyACM0")
+    >>> name_of("optitrack:192.168.1.5?up=y"), name_of("/home/ann/my_radio.py:/dev/ttyACM0")
     ('optitrack:192.168.1.5?up=y', 'my_radio.py:/dev/ttyACM0')
     """
     kind = kind_of(text)
     if kind == SIMULATED:
-        return CALLED[SIMULATED]
+        return BUILT_IN_NAMES[SIMULATED]
     if kind.endswith(FILE):
         return Path(kind).name + text.removeprefix(kind)
-    return CALLED.get(text, text)
+    return BUILT_IN_NAMES.get(text, text)
 
 
 def same(one: str, other: str) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from app.worlds.colours import FLOOR, PALE, POINTS, SOLID, SOLID_EDGE
-from app.worlds.errand import draw_mission, reaches
+from app.worlds.mission import draw_mission, reaches
 from app.worlds.shadow import shadow
 from worlds.world import World
 

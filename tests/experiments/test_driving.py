@@ -176,7 +176,7 @@ def test_ranks_are_places_in_order():
         ranks.start(4, 1)
 
 
-def test_a_row_may_have_its_own_errand(tmp_path):
+def test_a_row_may_override_its_mission(tmp_path):
     experiment = small(tmp_path)
     first, plain = experiment.cells
     flock = flock_of(first, experiment.settings, 1)

@@ -1,9 +1,10 @@
-"""The terminal of a laboratory: keys in, events and one line of state out."""
+"""The terminal of `flockscope live run`: keys in, events and one line of state out."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -30,10 +31,45 @@ SILENCE = 1.0
 """Seconds without a new status after which the loop is said not to answer."""
 
 
-class OperatorConsole:
-    """Passes keys to an operator's end until they leave; `seconds` 0 is for ever.
+def actions_of(pressed: str) -> list[Action]:
+    """What the keys ask for; an emergency stop among them is done alone.
 
-    `arms`: arm once, as soon as nothing speaks against it. `said`: events and state are shown.
+    >>> actions_of("ra"), actions_of("ra ")
+    (['reset', 'arm'], ['emergency'])
+    """
+    actions: list[Action] = [KEYS.get(key, "emergency") for key in pressed]
+    return ["emergency"] if "emergency" in actions else actions
+
+
+def watch(
+    obey: Callable[[str], None],
+    refresh: Callable[[], None],
+    over: Callable[[], bool],
+    verbose: bool,
+) -> None:
+    """Pass on the keys and refresh what is shown, until q is pressed or it is over."""
+    with Keys() as keys:
+        if verbose and keys.there:
+            typer.echo(HELP, err=True)
+        while not over():
+            pressed = keys.pressed(EVERY)
+            if LEAVES in pressed:
+                break
+            obey(pressed)
+            refresh()
+
+
+def event_line(event: Event, at: float) -> str:
+    """An event, `at` so many seconds, as a line for people."""
+    cause = f" ({event.cause})" if event.cause else ""
+    return f"{at:8.2f} s  {event.kind:<9} {event.words}{cause}"
+
+
+class OperatorConsole:
+    """The terminal as an operator: keys in, events and one line of state out.
+
+    `seconds`: how long, 0 is for ever. `arms`: arm once, as soon as nothing speaks against it.
+    `verbose`: events and state are shown.
     """
 
     def __init__(
@@ -55,47 +91,36 @@ class OperatorConsole:
         self.began = time.monotonic()
         self.last: Status | None = None
         self.heard = self.began
-        """When the loop was last heard of."""
+        """When the last status of the loop came."""
         self.silent = False
-        """Whether it was said that it is not."""
+        """Whether the terminal has said that the loop does not answer."""
         self.wide = 0
 
     def operate(self) -> None:
         """Until q, Ctrl-C, SIGTERM or the time is up. Raises Refusal if the loop ends by itself."""
-        with Keys() as keys:
-            if self.verbose and keys.there:
-                typer.echo(HELP, err=True)
-            while not self.stopping.asked and not self.over():
-                pressed = keys.pressed(EVERY)
-                if LEAVES in pressed:
-                    break
-                self.obey(pressed)
-                self.see()
+        watch(self.obey, self.see, self.over, self.verbose)
         if self.verbose and self.wide:
             typer.echo("", err=True)
 
     def over(self) -> bool:
-        """Whether the time is up."""
-        return 0.0 < self.seconds <= time.monotonic() - self.began
+        """Whether somebody has asked to stop, or the time is up."""
+        return self.stopping.asked or 0.0 < self.seconds <= time.monotonic() - self.began
 
     def obey(self, pressed: str) -> None:
-        """Do what was typed; among several keys an emergency stop goes first."""
-        actions: list[Action] = [KEYS.get(key, "emergency") for key in pressed]
-        if "emergency" in actions:
-            actions = ["emergency"]
-        for action in actions:
+        """Ask the loop for what was typed."""
+        for action in actions_of(pressed):
             self.operator.ask(OperatorRequest(action, "terminal"))
 
     def see(self) -> None:
-        """Look at the loop, show what is new. Raises Refusal if it is gone."""
+        """Show what is new of the loop. Raises Refusal if it is gone."""
         status = self.operator.status()
         if self.operator.trouble:
             raise Refusal(self.operator.trouble)
         self.shown, new = self.operator.events.since(self.shown)
         for event in new:
-            self.tell(event)
+            self.show(event)
         if status is None or status is self.last:
-            self.listen()
+            self.check_silence()
             return
         self.last, self.heard, self.silent = status, time.monotonic(), False
         if self.arms and status.arm == "safe" and not status.reasons:
@@ -104,8 +129,8 @@ class OperatorConsole:
         if self.verbose and not self.json_asked and sys.stderr.isatty():
             self.wide = rewritten(state_line(status), self.wide)
 
-    def listen(self) -> None:
-        """Say so, once, if the loop has not been heard of for too long."""
+    def check_silence(self) -> None:
+        """Say so, once, if the loop has sent no status for too long."""
         if self.silent or self.last is None or time.monotonic() - self.heard < SILENCE:
             return
         self.silent = True
@@ -113,7 +138,7 @@ class OperatorConsole:
             self.wide = rewritten("", self.wide) if self.wide else 0
             typer.echo("the control loop does not answer: the cars stop themselves", err=True)
 
-    def tell(self, event: Event) -> None:
+    def show(self, event: Event) -> None:
         """Print an event."""
         if not self.verbose:
             return
@@ -123,8 +148,7 @@ class OperatorConsole:
         if self.json_asked:
             typer.echo(as_json(asdict(event) | {"seconds": at}))
         else:
-            cause = f" ({event.cause})" if event.cause else ""
-            typer.echo(f"{at:8.2f} s  {event.kind:<9} {event.words}{cause}")
+            typer.echo(event_line(event, at))
 
     def summary(self) -> dict[str, Any]:
         """What there is to say in the end; times in s."""

@@ -63,18 +63,18 @@ def conduct(
     if not 0.0 <= seconds < 1e6:
         raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
 
-    def tell(words: str) -> None:
+    def report(words: str) -> None:
         if not quiet:
             typer.echo(words, err=True)
 
-    tell(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
+    report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
     from app.cli.live.operate import OperatorConsole, closing
     from app.cli.stopping import Stopping
     from app.live.operating.operator import Operator
     from app.live.operating.squashing_driver import FlockDriver
 
     with Stopping() as stopping:
-        FlockDriver(lab, tell)  # compiled here, so that the loop need not wait for it
+        FlockDriver(lab, report)  # compiled here, so that the loop need not wait for it
         operator = Operator(lab, opener, record)
         terminal = OperatorConsole(operator, stopping, seconds, arm, json_asked, not quiet)
         try:

@@ -39,12 +39,12 @@ def check(
         for one in found:
             typer.echo(f"{one.severity}: {one.text}")
         if holds:
-            typer.echo(f"{name} is sound: {size_text(made)}, {told(holds)}")
+            typer.echo(f"{name} is sound: {size_text(made)}, {described(holds)}")
     if not sound:
         raise typer.Exit(REFUSED)
 
 
-def told(holds: dict[str, Any]) -> str:
+def described(holds: dict[str, Any]) -> str:
     """What a world holds, in words."""
     return (
         f"{counted(holds['obstacles'], 'obstacle')}, "

@@ -18,8 +18,8 @@ from app.live.control.loop import RATE
 from app.live.control.safety import Safety
 from app.live.kinds import FILE, kind_of
 from app.live.laboratory.lines import line_of
-from app.live.laboratory.misfit import Misfit, demand_choices, demand_one_room
-from app.live.laboratory.parts import Kept
+from app.live.laboratory.misfit import Misfit, demand_choices, demand_matching_ends
+from app.live.laboratory.parts import RecordingLimits
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.strict import Strict, Value
 from worlds.reading import read_text, toml
@@ -76,12 +76,12 @@ class Lab(Strict):
     limits: Limits = Limits()
     injected: Injection = Injection()
     simulated: SimulatedCars = SimulatedCars()
-    recording: Kept = Kept()
+    recording: RecordingLimits = RecordingLimits()
     cars: dict[str, LabCar] = Field(min_length=1, max_length=MOST_CARS)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Lab:
-        demand_one_room(self.source, self.link, self.injected.path == "body")
+        demand_matching_ends(self.source, self.link, self.injected.path == "body")
         demand_choices("sources", self.source, self.sources)
         demand_choices("links", self.link, self.links)
         self.demand_distinct()
@@ -181,7 +181,7 @@ TABLES: dict[str, type[Strict]] = {
     "limits": Limits,
     "injected": Injection,
     "simulated": SimulatedCars,
-    "recording": Kept,
+    "recording": RecordingLimits,
     "cars": LabCar,
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from app.live.kinds import CALLED, DRY, SIMULATED, demand_name, kind_of, port_of, words_of
+from app.live.kinds import BUILT_IN_NAMES, DRY, SIMULATED, demand_name, kind_of, name_of, port_of
 from app.live.links.links import known_link
 from app.live.sources.opening import known_source
 from worlds.refusal import Refusal
@@ -29,7 +29,7 @@ def fitted(demand: Callable[[str], object], text: str, *keys: str) -> None:
         raise Misfit(str(refused), *keys) from None
 
 
-def demand_one_room(source: str, link: str, follows_body: bool) -> None:
+def demand_matching_ends(source: str, link: str, follows_body: bool) -> None:
     """Source and link are both of a room in software, or neither is; there, nobody is a body.
 
     Raises Misfit.
@@ -59,11 +59,11 @@ def demand_choices(table: str, own: str, others: Mapping[str, str]) -> None:
 
     `table` is `sources` or `links`, `own` the one that the file begins with. Raises Misfit.
     """
-    names = [words_of(own), *CALLED.values()]
+    names = [name_of(own), *BUILT_IN_NAMES.values()]
     for name, text in others.items():
         fitted(partial(demand_name, others=names), name, table, name)
         names.append(name)
         if kind_of(text) == SIMULATED:
-            words = f"{text!r} can be chosen anyway, as {CALLED[SIMULATED]!r}"
+            words = f"{text!r} can be chosen anyway, as {BUILT_IN_NAMES[SIMULATED]!r}"
             raise Misfit(words, table, name)
         fitted(KNOWN[table], text, table, name)

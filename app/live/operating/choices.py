@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from agents.catalogue import MODELS
-from app.live.kinds import CALLED, DRY, SIMULATED, kind_of, words_of
+from app.live.kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
 from app.live.laboratory.example import example
 from app.live.laboratory.lab import Lab, read_lab
 from app.live.operating.squashing_driver import CARS, model_for
@@ -104,8 +104,8 @@ def laboratory(
 
 def offered(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
     """Texts by name: the file's own, its others, and the one that is always there; each once."""
-    found = {words_of(own): own, **others}
-    found.setdefault(CALLED[always], always)
+    found = {name_of(own): own, **others}
+    found.setdefault(BUILT_IN_NAMES[always], always)
     return found
 
 

@@ -19,7 +19,7 @@ from app.live.control.events import Event
 from app.live.control.loop import Journal, Loop
 from app.live.control.status import Status
 from app.live.laboratory.lab import lab_from_toml
-from app.live.laboratory.parts import Kept
+from app.live.laboratory.parts import RecordingLimits
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -93,7 +93,9 @@ def serve(
 
 
 @contextmanager
-def journal_in(folder: Path | None, laboratory: str, kept: Kept) -> Iterator[Journal | None]:
+def journal_in(
+    folder: Path | None, laboratory: str, kept: RecordingLimits
+) -> Iterator[Journal | None]:
     """A recording in a folder, or none; if it cannot be finished, the terminal is told."""
     if folder is None:
         yield None

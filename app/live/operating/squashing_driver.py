@@ -68,7 +68,7 @@ class FlockDriver(Motion):
         self.lab = lab
         self.names = sorted(lab.cars)
         self.model = model_for(lab.rule)
-        self.world = room(lab)
+        self.world = world_of(lab)
         self.seed, self.tick, self.threads = 0, 0, 1
         self.activation, self.noise = "synchronous", "angular"
         self._acted = set()
@@ -263,7 +263,7 @@ def pace(past: deque[tuple[float, float, float]], nose: np.ndarray) -> float:
     return float((at_x - x) * nose[0] + (at_y - y) * nose[1]) / (now - before)
 
 
-def room(lab: Lab) -> World:
+def world_of(lab: Lab) -> World:
     """The laboratory as a flock's world: open, with the injected car as its goal."""
     area, plan = lab.area, lab.injected
     goal = None if plan.path == "none" else Mission(goal=Goal(route=(plan.centre,)))

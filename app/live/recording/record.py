@@ -29,7 +29,7 @@ from typing import Any
 from agents.record import refused
 from agents.spec import versions
 from app.live.control.moment import Moment
-from app.live.laboratory.parts import MB, RESERVE, Kept, Part, part_of, parts_of
+from app.live.laboratory.parts import MB, RESERVE, Part, RecordingLimits, part_of, parts_of
 from app.live.recording.stream import Stream, finish
 from worlds.refusal import Refusal
 
@@ -103,10 +103,10 @@ class Recording:
     raises Refusal if the folder has something in it or cannot be written.
     """
 
-    def __init__(self, folder: str | Path, laboratory: str, kept: Kept | None = None):
+    def __init__(self, folder: str | Path, laboratory: str, kept: RecordingLimits | None = None):
         self.folder = Path(folder)
         self.laboratory = laboratory
-        self.kept = kept or Kept()
+        self.kept = kept or RecordingLimits()
         self.trouble = ""
         """Why it cannot write, in one line; empty while all is well."""
         self.waiting: queue.SimpleQueue[Moment] = queue.SimpleQueue()
@@ -214,12 +214,12 @@ class Recording:
         for stream in self.streams.values():
             stream.close()
         before, self.part = self.part, part_of(self.folder, self.part.number + 1)
-        self.make_room()
+        self.free_space()
         self.begin(self.part)
         self.told.put(f"the recording goes on in part {self.part.number}")
         self.filing.append(self.filer.submit(self.file, before))
 
-    def make_room(self) -> None:
+    def free_space(self) -> None:
         """Remove the oldest parts that there is no room for any more. Raises OSError."""
         for filed in self.filing:  # what is still being made cannot be removed
             with suppress(OSError):  # said at the end

@@ -45,7 +45,7 @@ class Tick:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class StoredRecording:
     """A recording; its ticks are read from the disk as they are asked for."""
 
     folder: Path
@@ -92,7 +92,7 @@ class Replayed:
     """The first thing that came out differently, in words; empty: all is the same to the bit."""
 
 
-def read(folder: str | Path) -> Recorded:
+def read(folder: str | Path) -> StoredRecording:
     """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
     folder = Path(folder)
     demand_recording(folder)
@@ -106,7 +106,7 @@ def read(folder: str | Path) -> Recorded:
             if meta_of(part.table(name))["began"] != meta["began"]:
                 raise Refusal(f"{str(part.table(name))!r} is of another recording")
     lab = lab_from_toml(meta["laboratory"], str(folder))
-    return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
+    return StoredRecording(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
 
 
 def demand_recording(folder: Path) -> None:
@@ -214,7 +214,7 @@ def pose(x: float | None, y: float | None, yaw: float | None) -> Pose | None:
     return None if x is None or y is None or yaw is None else Pose(x, y, yaw)
 
 
-def steps(recorded: Recorded, driver: Driver) -> Iterator[tuple[Tick, Step]]:
+def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Step]]:
     """What the driver behind the safety of the recording's laboratory makes of every tick.
 
     Raises Refusal if its beginning is no longer there: all that follows depends on it.

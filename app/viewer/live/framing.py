@@ -12,7 +12,7 @@ import numpy as np
 from agents.model import Model
 from app.live.control.status import Status
 from app.live.laboratory.lab import Lab
-from app.live.operating.squashing_driver import room as world_of
+from app.live.operating.squashing_driver import world_of
 from app.viewer.scene.shown.cars import LENGTH, WIDTH, Cars
 from app.viewer.scene.shown.frame import Errand, Frame
 from app.viewer.scene.shown.live import LOST, SIMULATED, Live

@@ -38,7 +38,7 @@ class RulePanel:
         self.controls: dict[str, Any] = {}
         self.shown: tuple[int, str] = (-1, "")
         """The opening and the model whose controls there are."""
-        self.told: dict[str, Any] = {}
+        self.shown_values: dict[str, Any] = {}
         """The values as they were shown last."""
 
     async def chosen(self, event: viser.GuiEvent) -> None:
@@ -56,9 +56,9 @@ class RulePanel:
             self.shown = state.run, state.model.name
             self.rebuild(state)
         for name, control in self.controls.items():
-            if name in state.values and self.told.get(name) != state.values[name]:
+            if name in state.values and self.shown_values.get(name) != state.values[name]:
                 show(control, state.values[name])
-        self.told = dict(state.values)
+        self.shown_values = dict(state.values)
 
     def rebuild(self, state: SessionState) -> None:
         """Controls for what of the model's parameters may be changed in a real room."""
@@ -83,7 +83,7 @@ class RulePanel:
                 for one in part:
                     self.controls[one.name] = self.control(one, state.values[one.name])
             self.gui.add_html(block(meanings(own)))
-        self.told = dict(state.values)
+        self.shown_values = dict(state.values)
 
     def control(self, one: Declared, value: Any) -> Any:
         """The control of one parameter; it goes back to what the loop has if that refuses."""
