@@ -15,7 +15,7 @@ from app.live.control.injected import Injected
 from app.live.control.loop import MOST_REQUESTS, PARTING, STATUS_EVERY, Loop
 from app.live.control.pose import MocapFrame, Pose, seen
 from app.live.control.timing import KEPT as SPANS
-from app.live.control.timing import Spans
+from app.live.control.timing import Durations
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import LAB, Steady, lab
 
@@ -331,7 +331,7 @@ def test_events_are_kept_up_to_a_number():
 
 
 def test_a_summary_is_of_the_last_spans():
-    spans = Spans()
+    spans = Durations()
     assert math.isnan(spans.summary().median)
     for k in range(SPANS + 100):
         spans.add(float(k))

@@ -1,4 +1,4 @@
-"""The arming of a laboratory: nothing drives before a person arms it; the emergency stop latches.
+"""Arming: no car drives before a person arms the laboratory, and the emergency stop latches.
 
 safe --arm--> armed --disarm, hold--> safe
 any  --emergency--> emergency --reset--> safe
@@ -16,12 +16,12 @@ State = Literal["safe", "armed", "emergency"]
 Action = Literal["arm", "disarm", "hold", "emergency", "reset", "tune", "accompany"]
 ACTIONS: tuple[Action, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune", "accompany")
 UNDOING = ("reset", "arm")
-"""What is no longer meant once somebody has asked for an emergency stop."""
+"""Requests that are void if an emergency stop was asked for after them."""
 
 
 @dataclass(frozen=True)
 class OperatorRequest:
-    """Something asked of the control loop, and who asks."""
+    """A request of an operator to the control loop, and who makes it."""
 
     action: Action
     cause: str
@@ -41,7 +41,7 @@ class Arm:
         self.state: State = "safe"
 
     def take(self, request: OperatorRequest, faults: Sequence[str] = ()) -> bool:
-        """Do what is asked; whether this changed anything.
+        """Carry out a request; whether it changed the state.
 
         `faults` are the reasons, in words, why the cars would not run. Raises Refusal for an arming
         with faults or with the emergency stop latched.

@@ -26,12 +26,12 @@ NAMES = {
     "emergency": "EMERGENCY STOP",
     "reset": "emergency stop reset; not armed",
 }
-"""What a request comes to, in words."""
+"""What a request has done, in words."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """What one tick came to."""
+    """The result of one tick."""
 
     wanted: dict[str, Command]
     """What the rule wants, by car."""
@@ -42,7 +42,7 @@ class Step:
 
 
 class Control:
-    """The rule behind the safety; `see`, then `act`, once each a tick."""
+    """A driver behind the safety; `see`, then `act`, once each a tick."""
 
     def __init__(self, safety: Safety, driver: Driver):
         self.safety = safety
@@ -54,7 +54,7 @@ class Control:
         """Those of the last tick, by kind and car."""
         self.events: list[Event] = []
         self.sightings: tuple[Sighting, ...] = ()
-        """Who was seen within the limit `stale`, where last."""
+        """The last poses of bodies seen within the limit `stale`."""
 
     @property
     def companions(self) -> tuple[Companion, ...]:
@@ -64,7 +64,7 @@ class Control:
     def see(
         self, now: float, requests: Iterable[OperatorRequest], frame: MocapFrame | None
     ) -> None:
-        """Begin a tick at `now` (s): look at the newest frame, then do what is asked."""
+        """Begin a tick at `now` (s): take the newest frame, then carry out the requests."""
         self.tick += 1
         self.events = []
         self.sightings = self.safety.see(now, frame)
@@ -72,7 +72,7 @@ class Control:
             self.events.append(self.answer(now, request))
 
     def answer(self, now: float, request: OperatorRequest) -> Event:
-        """Do what is asked; the event that says what came of it."""
+        """Carry out a request; the event that says what it has done."""
         kind: str = request.action
         try:
             if request.action == "tune":
@@ -114,7 +114,7 @@ class Control:
         return "1 simulated car" if count == 1 else f"{count or 'no'} simulated cars"
 
     def act(self, now: float, injected: Pose | None) -> Step:
-        """End the tick: ask the rule, judge what it wants."""
+        """End the tick: ask the driver for commands and the safety what may be sent."""
         wanted: dict[str, Command] = {}
         failed = ""
         try:
@@ -135,7 +135,7 @@ class Control:
         return Step(wanted, verdict, tuple(self.events), self.companions)
 
     def tell(self, now: float, verdict: Verdict) -> None:
-        """Write down what has changed: reasons that came and went, runs that began and ended."""
+        """Events for what has changed: reasons that began and ended, runs that began and ended."""
 
         def happened(kind: str, words: str, car: str = "", cause: str = "") -> None:
             self.events.append(Event(self.tick, now, kind, words, car, cause))

@@ -11,7 +11,7 @@ from worlds.refusal import Refusal
 
 
 class NoFreeSpace(Refusal):
-    """Simulated cars for which there is no room; raised once for each time that they are wanted."""
+    """No free space for the simulated cars; raised once for each time that they are asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Companion:
 
 
 class Driver(Protocol):
-    """Turns what is seen into commands; called once a tick, by one thread.
+    """Computes commands from the poses; called once a tick, by one thread.
 
     What it answers may depend on nothing but what it was made of and what it has been called with,
     in order: no clock, no chance without a seed. Then a recording replays to the bit. It must be

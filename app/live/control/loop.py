@@ -1,4 +1,4 @@
-"""The control loop: 100 times a second from what is seen to what the cars are told.
+"""The control loop: 100 times a second from tracked poses to commands for the cars.
 
 Its deadlines are absolute, so that it does not drift; those that it misses are left out, never
 caught up. It looks at what the source has brought and waits for nobody: neither source nor viewer
@@ -18,11 +18,11 @@ from app.live.control.arm import UNDOING, OperatorRequest
 from app.live.control.control import Control, Step
 from app.live.control.events import Event, Events
 from app.live.control.injected import Injected
-from app.live.control.moment import Moment
 from app.live.control.pose import MocapFrame, Pose
 from app.live.control.safety import Command, Verdict
 from app.live.control.status import Status, cars_of
-from app.live.control.timing import Spans
+from app.live.control.tick_record import TickRecord
+from app.live.control.timing import Durations
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, STOP, CarLink
 
@@ -51,14 +51,14 @@ class Frames(Protocol):
 
 
 class Journal(Protocol):
-    """What is told of every tick to a recording; it does not wait either."""
+    """A recording, to which every tick is written; it does not wait either."""
 
     @property
     def trouble(self) -> str:
         """Why it cannot write, in one line; empty while all is well."""
         ...
 
-    def write(self, moment: Moment) -> None:
+    def write(self, moment: TickRecord) -> None:
         """Take down a tick."""
         ...
 
@@ -100,28 +100,28 @@ class Loop:
         """Why the loop is to end; empty: it is not."""
         self.asked: queue.SimpleQueue[OperatorRequest] = queue.SimpleQueue()
         self.pending: list[OperatorRequest] = []
-        """What was asked and waits for its turn."""
+        """Requests that wait for their turn."""
         self.late: queue.SimpleQueue[OperatorRequest] = queue.SimpleQueue()
-        """What comes after an emergency stop and was asked before it."""
+        """Requests that arrive after an emergency stop and were made before it."""
         self.overtaken: list[OperatorRequest] = []
-        """What an emergency stop has overtaken in this tick and may not undo it."""
+        """Requests that an emergency stop has made void in this tick."""
         self.newest: MocapFrame | None = None
         self.before: float | None = None
-        self.periods = Spans()
-        self.latencies = Spans()
+        self.periods = Durations()
+        self.latencies = Durations()
         self.missed = 0
         self.sent = 0
         self.troubles: dict[str, str] = {}
         """What is wrong with the link, the source and the recording."""
         self.known: dict[str, str] = {}
-        """Those of them that are in the events."""
+        """Those of them that are in the events already."""
 
     def ask(self, request: OperatorRequest) -> None:
-        """Ask for something, which is done at the next tick; an emergency stop before all else."""
+        """Make a request: it is carried out at the next tick, an emergency stop before all else."""
         self.asked.put(request)
 
     def overtake(self, request: OperatorRequest) -> None:
-        """Take note of what an emergency stop has overtaken on its way here; it is not done."""
+        """Note a request that an emergency stop has overtaken; it is not carried out."""
         self.late.put(request)
 
     def place(self, x: float, y: float) -> None:
@@ -133,7 +133,7 @@ class Loop:
         self.leaving = cause
 
     def run(self) -> None:
-        """Tick until told to leave; then, or should anything fail, stop the cars."""
+        """Tick until `leave` is called; then, or should anything fail, stop the cars."""
         try:
             due = self.clock()
             while not self.leaving:
@@ -150,7 +150,7 @@ class Loop:
             self.leaving = f"it failed: {type(error).__name__}: {' '.join(str(error).split())}"
             raise
         finally:
-            self.part()
+            self.stop_and_close()
 
     def tick(self) -> None:
         """One tick, without waiting for its time."""
@@ -171,12 +171,12 @@ class Loop:
         if frames:
             latency = self.clock() - frames[-1].received
             self.latencies.add(latency)
-        events = (*step.events, *self.noticed(now))
+        events = (*step.events, *self.trouble_events(now))
         self.events.add(*events)
         arm = control.safety.arm.state
         if self.journal is not None:
             self.journal.write(
-                Moment(control.tick, now, tuple(frames), injected, step, arm, events, latency)
+                TickRecord(control.tick, now, tuple(frames), injected, step, arm, events, latency)
             )
         if control.tick % STATUS_EVERY == 0 or step.events:
             self.latest = self.status(now, injected, step.verdict)
@@ -190,7 +190,7 @@ class Loop:
             self.ask(OperatorRequest("hold", "operator", words))
 
     def requests(self) -> list[OperatorRequest]:
-        """What is to be done in this tick, emergency stops first.
+        """The requests to carry out in this tick, emergency stops first.
 
         Nothing that was asked before an emergency stop may undo it or arm again.
         """
@@ -219,8 +219,8 @@ class Loop:
             self.ask(OperatorRequest("hold", "link", trouble))
         self.troubles["link"] = trouble
 
-    def noticed(self, now: float) -> list[Event]:
-        """What was overtaken, and what has begun or ceased to be wrong with source, link, disk."""
+    def trouble_events(self, now: float) -> list[Event]:
+        """Events: requests overtaken, and troubles of source, link and disk that begin or end."""
         found = [
             Event(self.control.tick, now, "refused", f"{one.action}: {OVERTAKEN}", cause=one.cause)
             for one in self.overtaken
@@ -237,10 +237,10 @@ class Loop:
         found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
         return found
 
-    def part(self) -> None:
-        """Send stops, let go of the link, take them down. A latched emergency stop stays latched.
+    def stop_and_close(self) -> None:
+        """Send stops, close the link, record the stops. A latched emergency stop stays latched.
 
-        What is taken down comes after: whatever has failed, and fails again, holds no stop up.
+        Recording comes last: whatever has failed, and fails again, delays no stop.
         """
         asked = [one for one in taken(self.asked) if one.action == "emergency"]
         state = self.control.safety.arm.state
@@ -258,13 +258,13 @@ class Loop:
             frames += not self.troubles["link"] and self.link.dropped == dropped
             self.wait(self.period)
         self.link.close()
-        end = self.farewell(frames, latched)
+        end = self.closing_words(frames, latched)
         for left, now in zip(reversed(range(PARTING)), times, strict=True):
-            self.take_down_stop(now, asked, mode, still, "" if left else end)
+            self.record_stop(now, asked, mode, still, "" if left else end)
             asked = []
 
-    def farewell(self, frames: int, latched: bool) -> str:
-        """How the loop ends, in words: why, and who stops the cars."""
+    def closing_words(self, frames: int, latched: bool) -> str:
+        """Why the loop ends and what stops the cars, in words."""
         stop = "an emergency stop" if latched else "to stop"
         told = (
             f"{frames} frames told the cars {stop}"
@@ -274,7 +274,7 @@ class Loop:
         )
         return f"the control loop ends ({self.leaving or 'nobody asked it to'}): {told}"
 
-    def take_down_stop(
+    def record_stop(
         self,
         now: float,
         asked: list[OperatorRequest],
@@ -282,7 +282,7 @@ class Loop:
         still: dict[str, Command],
         end: str,
     ) -> None:
-        """Put a stop that was sent at `now` (s) in events and recording: a tick that replays."""
+        """Record a stop that was sent at `now` (s), in events and tables: a tick that replays."""
         control = self.control
         injected = None
         try:
@@ -297,7 +297,7 @@ class Loop:
         self.events.add(*events)
         if self.journal is not None:
             arm = control.safety.arm.state
-            self.journal.write(Moment(control.tick, now, (), injected, step, arm, events, None))
+            self.journal.write(TickRecord(control.tick, now, (), injected, step, arm, events, None))
 
     def status(self, now: float, injected: Pose | None, verdict: Verdict) -> Status:
         """What the loop reports of itself at this tick."""
@@ -321,7 +321,7 @@ class Loop:
 
 
 def taken(waiting: queue.SimpleQueue[OperatorRequest]) -> list[OperatorRequest]:
-    """All that waits in a queue."""
+    """All entries of a queue, which is then empty."""
     found: list[OperatorRequest] = []
     with suppress(queue.Empty):
         while True:

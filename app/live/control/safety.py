@@ -1,4 +1,4 @@
-"""What keeps the cars safe: a pure state machine between the rule and the link.
+"""Safety: a pure state machine between the rule and the link that decides what may be sent.
 
 It has no clock, no thread and no device: it is told the time, the newest frame and what the rule
 wants, and answers what may be sent. Every stop has its reason:
@@ -63,7 +63,7 @@ class Verdict:
 
 
 class Safety:
-    """Judges, tick by tick, what may be sent; `see` comes before `judge` in each tick."""
+    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick."""
 
     def __init__(
         self,
@@ -83,9 +83,9 @@ class Safety:
         """The time of the last verdict, s."""
 
     def see(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
-        """Look at the newest frame; who has been seen within `stale`, where last.
+        """Take the newest frame; the last poses of all bodies seen within `stale` seconds.
 
-        While unarmed every pose is believed, also that of a car that is carried.
+        While unarmed every pose is accepted, also that of a car that is carried.
         """
         if self.seen.take(now, frame, believing=self.arm.state != "armed"):
             for name, pose in self.seen.fresh.items():
@@ -94,7 +94,7 @@ class Safety:
         return self.seen.sightings(now, self.limits.stale)
 
     def ask(self, now: float, request: OperatorRequest) -> bool:
-        """Do what an operator asks; whether it changed anything. Raises Refusal for an arming."""
+        """Carry out a request; whether it changed anything. Raises Refusal if it cannot arm."""
         faults = self.faults(now) if request.action == "arm" else []
         changed = self.arm.take(request, [fault.words for fault in faults])
         if changed and request.action == "arm":
@@ -104,7 +104,7 @@ class Safety:
         return changed
 
     def faults(self, now: float) -> list[Reason]:
-        """Why the cars cannot run, from what is seen of them."""
+        """Why the cars cannot run, as far as their poses show."""
         return [*self.unseen(now), *self.leaping(now), *self.beyond()]
 
     def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> Verdict:
@@ -146,7 +146,7 @@ class Safety:
         return found
 
     def asleep(self, now: float) -> list[Reason]:
-        """Gaps that were too long to run on by themselves."""
+        """Gaps so long that the cars must be armed again."""
         longest = self.limits.long_gap
         found = [
             Reason("asleep", f"{name} was unseen for more than {longest:g} s", name)
@@ -158,7 +158,7 @@ class Safety:
         return found
 
     def leaping(self, now: float) -> list[Reason]:
-        """Cars whose body is seen where they cannot be, for too long to be a slip."""
+        """Cars whose body has for too long been seen where they cannot be."""
         return [
             Reason(
                 "leap", f"{name} is seen {far:.2f} m from where it was: is it another car?", name
@@ -178,7 +178,7 @@ class Safety:
         return found
 
     def standing(self, now: float) -> list[Reason]:
-        """Cars that do not go where their commands take them."""
+        """Cars that do not move as commanded."""
         for travel in self.travels.values():
             travel.advance(now)
         still = [name for name, travel in self.travels.items() if travel.stands()]

@@ -1,4 +1,4 @@
-"""Who has been seen, where and when: poses with their age, gaps shown, nothing filled in."""
+"""The last pose of each body and its age; gaps in the tracking are not filled in."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from app.live.control.pose import MocapFrame, Pose, Sighting
 
 
 @dataclass(frozen=True)
-class Glimpse:
-    """The last pose of a body that is believed."""
+class LastPose:
+    """The last pose of a body that was accepted."""
 
     pose: Pose
     time: float
@@ -22,7 +22,7 @@ class Glimpse:
 
 
 class Seen:
-    """The last pose of each body that is followed. A car that seems to leap is not believed.
+    """The last pose of each body that is followed. A car that seems to leap is rejected.
 
     `bodies` gives the laboratory's name of each tracked body that is followed; others are passed
     over. `cars` are the cars among these names; `leap` as in `Limits`.
@@ -32,7 +32,7 @@ class Seen:
         self.bodies = bodies
         self.cars = cars
         self.leap = leap
-        self.last: dict[str, Glimpse] = {}
+        self.last: dict[str, LastPose] = {}
         self.leaps: dict[str, float] = {}
         """Cars of the newest frame that are further off than they can have come, and how far (m)
         they are from where they were believed."""
@@ -60,7 +60,7 @@ class Seen:
             if name is None or times[sighting.name] > 1 or not sighting.valid or not finite(pose):
                 continue
             if believing or self.can_be(name, pose, received):
-                self.last[name] = Glimpse(pose, received)
+                self.last[name] = LastPose(pose, received)
                 self.leaps.pop(name, None)
                 self.fresh[name] = pose
         return True

@@ -19,7 +19,7 @@ Tracking = Literal["tracked", "late", "lost"]
 
 @dataclass(frozen=True)
 class CarStatus:
-    """How one car is."""
+    """One car at a tick."""
 
     name: str
     pose: Pose | None
@@ -28,7 +28,7 @@ class CarStatus:
     """Seconds since then; infinite if it never was."""
     tracking: Tracking
     runs: bool
-    """Whether it is told to run."""
+    """Whether the command sent to it was to run."""
     sent: Command
 
     @property
@@ -41,7 +41,7 @@ class CarStatus:
 
 @dataclass(frozen=True)
 class Status:
-    """How the control loop and its cars are at one tick."""
+    """The control loop and its cars at one tick."""
 
     tick: int
     time: float
@@ -59,17 +59,17 @@ class Status:
     latency: Summary
     """Seconds from the arrival of a frame to the commands that it leads to."""
     missed: int
-    """Deadlines that passed unused, in all."""
+    """Ticks left out because their deadline had passed, in all."""
     dropped: int
     """Frames that the link did not send, in all."""
     troubles: dict[str, str]
     """What is wrong with the source, the link and the recording, by these names."""
     events: int
-    """How many there were so far."""
+    """Number of events so far."""
 
 
 def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarStatus, ...]:
-    """The cars as they are at `now` (s)."""
+    """The status of each car at `now` (s)."""
     return tuple(
         CarStatus(
             name,
@@ -84,7 +84,7 @@ def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarStatus, ..
 
 
 def tracking(age: float, stale: float) -> Tracking:
-    """What a car's age (s) means.
+    """Whether a car is tracked, late or lost, by the age (s) of its last pose.
 
     >>> tracking(0.02, stale=0.1), tracking(0.09, stale=0.1), tracking(0.11, stale=0.1)
     ('tracked', 'late', 'lost')

@@ -45,7 +45,7 @@ class SimulatedCars(Strict):
     most: int = Field(default=8, ge=0, le=MOST_SIMULATED)
     """How many a browser may ask for."""
     seed: int = Field(default=1, ge=0)
-    """Of where they begin."""
+    """Seed of where they begin."""
 
     @model_validator(mode="after")
     def _are_in_order(self) -> SimulatedCars:
@@ -92,7 +92,7 @@ class Lab(Strict):
         return self
 
     def demand_distinct(self) -> None:
-        """Addresses and bodies belong to one car each. Raises Misfit."""
+        """No two cars have one address or one body. Raises Misfit."""
         addresses: dict[int, str] = {}
         bodies: dict[str, str] = {}
         for name, car in self.cars.items():
@@ -121,7 +121,7 @@ class Lab(Strict):
             )
 
     def demand_stops_in_time(self) -> None:
-        """Every car stops between fence and edge, whatever fails. Raises Misfit."""
+        """Every car can stop between fence and edge, whatever fails. Raises Misfit."""
         for name, car in self.cars.items():
             far = car.runs_on(self.limits)
             if far > self.area.fence + 1e-9:
@@ -146,12 +146,12 @@ class Lab(Strict):
 
     @property
     def addresses(self) -> dict[str, int]:
-        """Of the cars, by name."""
+        """The addresses of the cars, by name."""
         return {name: car.address for name, car in self.cars.items()}
 
     @property
     def bodies(self) -> dict[str, str]:
-        """The name here of every body that is followed."""
+        """The tracked bodies that are followed: body -> the name of its car here."""
         found = {car.body or name: name for name, car in self.cars.items()}
         if self.injected.path == "body":
             found[self.injected.body] = INJECTED

@@ -1,4 +1,4 @@
-"""What a laboratory's file may say of sources and links, as far as their texts show."""
+"""Checks that the sources and links of a laboratory's file fit together, by their texts alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ KNOWN = {"sources": known_source, "links": known_link}
 
 
 class Misfit(ValueError):
-    """What does not fit together in a laboratory, and the keys that lead to it."""
+    """Values of a laboratory's file that contradict each other, and the keys that lead to them."""
 
     def __init__(self, words: str, *keys: str):
         super().__init__(words)
@@ -30,7 +30,7 @@ def fitted(demand: Callable[[str], object], text: str, *keys: str) -> None:
 
 
 def demand_matching_ends(source: str, link: str, follows_body: bool) -> None:
-    """Source and link are both of a room in software, or neither is; there, nobody is a body.
+    """Source and link are both simulated, or neither is; a simulated injected car has no body.
 
     Raises Misfit.
     """
@@ -55,7 +55,7 @@ def demand_matching_ends(source: str, link: str, follows_body: bool) -> None:
 
 
 def demand_choices(table: str, own: str, others: Mapping[str, str]) -> None:
-    """What else may be chosen can be told apart, and opened as far as its text shows.
+    """The names of what may be chosen differ, and their texts are those of sources or links.
 
     `table` is `sources` or `links`, `own` the one that the file begins with. Raises Misfit.
     """

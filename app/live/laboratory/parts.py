@@ -16,7 +16,7 @@ from app.strict import Strict
 
 MB = 1_000_000
 RESERVE = 3.0
-"""Parts for which there must be room when one begins: itself, the one before, its tables."""
+"""Parts for which there must be space when one begins: itself, the one before, its tables."""
 
 
 class RecordingLimits(Strict):

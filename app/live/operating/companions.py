@@ -23,7 +23,7 @@ TRIES = 200
 
 
 def named(number: int) -> str:
-    """What a simulated car is called, the first being number 1."""
+    """The name of a simulated car, the first being number 1."""
     return f"sim {number}"
 
 
@@ -81,7 +81,7 @@ def begin_more(
 
 
 def along_circle(lab: Lab, x: float, y: float) -> float:
-    """The yaw (rad) of who goes round the injected car's circle at (x, y), in its sense."""
+    """The yaw (rad) at (x, y) of a car that goes round the injected car's circle in its sense."""
     plan = lab.injected
     outwards = math.atan2(y - plan.centre[1], x - plan.centre[0])
     sense = 0.5 * math.pi if plan.speed >= 0.0 else -0.5 * math.pi
@@ -89,7 +89,7 @@ def along_circle(lab: Lab, x: float, y: float) -> float:
 
 
 def resized(arrays: Arrays, kept: int, more: Sequence[Pose], model: Model) -> Arrays:
-    """The first `kept` rows of a flock with all that they remember, and cars that begin."""
+    """The first `kept` rows of a flock with their memory, and rows of cars that begin."""
     n = kept + len(more)
     position, heading = np.zeros((n, 2)), np.tile((1.0, 0.0), (n, 1))
     for row, pose in enumerate(more, kept):

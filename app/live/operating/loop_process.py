@@ -40,7 +40,7 @@ class Answer:
     status: Status | None = None
     events: tuple[Event, ...] = ()
     known: int = 0
-    """How many events there were up to the last of these."""
+    """Number of events up to the last of these."""
     trouble: str = ""
     """Why the loop cannot begin."""
 
@@ -96,7 +96,7 @@ def serve(
 def journal_in(
     folder: Path | None, laboratory: str, kept: RecordingLimits
 ) -> Iterator[Journal | None]:
-    """A recording in a folder, or none; if it cannot be finished, the terminal is told."""
+    """A recording in a folder, or none; if it cannot be finished, the terminal says so."""
     if folder is None:
         yield None
         return
@@ -112,8 +112,8 @@ def journal_in(
 
 
 class InOrder:
-    """Passes on to a loop what comes by two ways: nothing that was asked before an emergency stop
-    undoes it, though it may come after it."""
+    """Passes on to a loop the requests of two connections: one that was made before an emergency
+    stop does not undo it, though it may arrive after it."""
 
     def __init__(self, loop: Loop):
         self.loop = loop

@@ -1,4 +1,4 @@
-"""Replays a recording: the same rule behind the same safety, given what was seen and asked.
+"""Replays a recording: the same rule behind the same safety, given its frames and requests.
 
 What comes out must be what was sent, to the bit; where it is not, a replay says so.
 """
@@ -82,7 +82,7 @@ class StoredRecording:
 
 @dataclass(frozen=True)
 class Replayed:
-    """What a replay came to."""
+    """The result of a replay."""
 
     ticks: int
     """Ticks replayed."""
@@ -188,7 +188,7 @@ def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
 
 
 def requests(events: list[Row]) -> Iterator[OperatorRequest]:
-    """What was asked at a tick."""
+    """The requests of a tick."""
     for event in events:
         if event["asked"]:
             yield OperatorRequest(cast(Action, event["asked"]), event["cause"], event["note"])

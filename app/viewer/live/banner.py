@@ -12,7 +12,7 @@ from app.viewer.live.session_state import SessionState
 
 NO_BROWSER = f"no browser arms after {TRIES} wrong codes; the key a in the terminal does"
 MOST = 4
-"""Reasons that are told one by one."""
+"""Reasons that are listed one by one."""
 Kind = Literal["opening", "failed", "safe", "running", "held up", "emergency"]
 
 

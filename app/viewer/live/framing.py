@@ -30,7 +30,7 @@ WHEEL = 45.0
 
 @dataclass(frozen=True)
 class Setting:
-    """What stays from frame to frame of one opening of a loop."""
+    """What is the same in all frames of one opening of a loop."""
 
     run: int
     lab: Lab

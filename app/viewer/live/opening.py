@@ -20,7 +20,7 @@ SILENCE = 1.0
 KEPT = 10
 """Statuses that are kept to measure speeds by."""
 BROWSER = "browser"
-"""What the causes of requests begin with that come from a browser."""
+"""The causes of requests from a browser begin so."""
 GONE = "the last browser is gone"
 TROUBLES = ("source", "link", "recording")
 """Kinds of event that say what is wrong with these, or that it is over."""
@@ -83,13 +83,13 @@ class Opening:
         self.tuning = Tuning(notify)
         self.newest: Status | None = None
         self.status: Status | None = None
-        """The one that the frame is of."""
+        """The status that the frame is drawn from."""
         self.frame: Frame | None = None
         self.course = Course(setting.lab.injected)
         self.past: deque[Status] = deque(maxlen=KEPT)
         self.heard = time.monotonic()
         self.known = 0
-        """Events of the operator that have been passed on."""
+        """Number of events that have been passed on."""
         self.armed_by = ""
         """Who armed the cars; empty while they are not armed."""
         self.asked_to_hold = False
@@ -101,7 +101,7 @@ class Opening:
         return self.armed_by != "" or (self.status is not None and self.status.arm == "armed")
 
     def poll(self) -> list[Event]:
-        """Look at the loop; the events that are new."""
+        """Ask for the newest status; the events that are new."""
         self.newest = self.operator.status()
         known = len(self.operator.events)
         events = self.operator.events[self.known : known]
@@ -112,7 +112,7 @@ class Opening:
         return events
 
     def hear(self, event: Event) -> None:
-        """Take note of what an event says, and tell what is to be told of it."""
+        """Note what an event changes, and put up its notice if it has one."""
         words = notice_of(event, self.armed_by)
         if words:
             self.notify(words)
@@ -150,7 +150,7 @@ class Opening:
 
     @property
     def silence(self) -> str:
-        """Says so if the loop has not been heard of for too long."""
+        """The trouble in words if no new status has come for too long; else empty."""
         if time.monotonic() - self.heard < SILENCE:
             return ""
         return "the control loop does not answer: what is shown is old"
@@ -159,8 +159,7 @@ class Opening:
 def notice_of(event: Event, armed_by: str = "") -> str:
     """The notice in every browser of an event, one line; empty: none, the log has it.
 
-    `armed_by` says who has armed the cars; of cars that are not armed nobody need hear that they
-    are not seen.
+    `armed_by` says who has armed the cars; that a car is not seen is a notice only while armed.
 
     >>> notice_of(Event(7, 0.07, "emergency", "EMERGENCY STOP", cause="browser 2"))
     'EMERGENCY STOP (browser 2)'
@@ -171,7 +170,7 @@ def notice_of(event: Event, armed_by: str = "") -> str:
         by = "" if event.cause in ("", "safety") else f" ({event.cause})"
         return event.words + by
     if event.kind == "unseen":
-        # without how long: words that are told again within seconds are left out
+        # without how long: a notice that is repeated within seconds is left out
         return f"{event.car} is not seen: the cars stop" if armed_by else ""
     if event.kind in TROUBLES:
         return "" if event.words.endswith("works again") else f"{event.kind}: {event.words}"

@@ -161,7 +161,7 @@ class LivePage:
             self.scene.camera(client, camera)
 
     async def settle(self, client: viser.ClientHandle) -> None:
-        """Point a new browser's camera again when its panels have taken their places."""
+        """Point a new browser's camera again once its panels are laid out."""
 
         def point() -> bool:
             if self.session.frame is not None:

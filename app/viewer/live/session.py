@@ -78,7 +78,7 @@ class Session(SessionRequests):
         self.parting = threading.Lock()
         """Held while a loop is closed, never while one is opened."""
         self.traced = ""
-        """What was traced last in the terminal."""
+        """The error whose traceback was printed last."""
         self.thread = threading.Thread(target=self.run, name="room", daemon=True)
         self.thread.start()
 
@@ -177,13 +177,13 @@ class Session(SessionRequests):
         self.say("room", "open", cause)
 
     def compiles(self, words: str) -> None:
-        """Say that a rule is being compiled."""
+        """Report that a rule is being compiled."""
         self.change(compiling=words)
         self.say("compile", words)
 
     @property
     def overtaken(self) -> bool:
-        """Whether something else has been chosen meanwhile, or the session is to close."""
+        """Whether another choice has been made meanwhile, or the session is to close."""
         return self.closing.is_set() or self.next is not None
 
     def take_over(self, opening: Opening) -> None:
@@ -221,7 +221,7 @@ class Session(SessionRequests):
                 self.lose(opening)
 
     def note(self, event: Event) -> None:
-        """Take an event down; an emergency stop lasts beyond this opening until it is reset."""
+        """Keep an event; an emergency stop lasts beyond this opening until it is reset."""
         self.events.add(event)
         if event.kind == "emergency":
             self.latch = event.cause or event.kind
@@ -231,7 +231,7 @@ class Session(SessionRequests):
             self.change(latched=False)
 
     def lose(self, opening: Opening) -> None:
-        """The loop has ended by itself; `reopen` and `choose` lead on."""
+        """Close a loop that has ended by itself; `reopen` and `choose` open one again."""
         with self.parting:
             closed = self.opening is not opening
         if not closed:
@@ -247,17 +247,17 @@ class Session(SessionRequests):
             self.frame = deserted(self.frame)
 
     def fail(self, why: str) -> None:
-        """No loop is open now, and why."""
+        """Report why no loop is open."""
         self.change(phase="failed", trouble=why)
         self.say("failed", why)
         self.notices.put(why)
 
     def say(self, kind: str, words: str, cause: str = "") -> None:
-        """Put an event of the session's own among the others."""
+        """Add an event of the session itself."""
         self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 
     def trace(self, error: Exception) -> None:
-        """Show in the terminal what should not have happened, but not again and again."""
+        """Print the traceback of an unexpected error, once while it repeats."""
         if not isinstance(error, Refusal) and in_words(error) != self.traced:
             self.traced = in_words(error)
             traceback.print_exception(error)

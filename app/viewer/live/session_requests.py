@@ -21,7 +21,7 @@ from worlds.refusal import Refusal
 ASKED: dict[str, Action] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
 """What may be asked with `ask`."""
 CLOSED = "was not answered: the room was closed"
-"""What becomes of changes that wait then."""
+"""The answer to changes that wait when a loop is closed."""
 
 
 class SessionRequests:
@@ -31,14 +31,14 @@ class SessionRequests:
         self.lab = choices.lab
         self.state = SessionState(choices.source, choices.link, choices.rule)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
-        """What must be told in browsers."""
+        """Notices for all browsers."""
         self.chosen = choices.choosing()
         """What was chosen last."""
         self.next: tuple[Choices, str] | None = self.chosen, ""
         """What is to be opened next, and who chose it."""
         self.opening: Opening | None = None
         self.changing = threading.Lock()
-        """Of the state and of what is chosen; held for moments only."""
+        """Guards the state and the choice; held for moments only."""
         self.latch = ""
         """Who asked for an emergency stop that was not reset: the next opening begins with it."""
         self.closing = threading.Event()
@@ -139,14 +139,14 @@ class SessionRequests:
 
     @contextmanager
     def telling(self) -> Iterator[None]:
-        """Whatever is raised within becomes a notice."""
+        """What is raised within becomes a notice."""
         try:
             yield
         except Exception as error:
             self.notices.put(in_words(error))
 
     def open_one(self) -> Opening:
-        """The opening. Raises Refusal if there is none."""
+        """The open loop. Raises Refusal if none is open."""
         opening = self.opening
         if opening is None:
             raise Refusal(f"the room is not open ({self.state.phase})")

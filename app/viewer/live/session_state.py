@@ -22,11 +22,11 @@ class SessionState:
     trouble: str = ""
     """What is wrong, in one line."""
     model: Model | None = None
-    """The cars that go by the rule; None until they are known."""
+    """The rule with its body; None until it is known."""
     values: dict[str, Any] = field(default_factory=dict)
     """The parameters of the model, name -> value, as the control loop has them."""
     compiling: str = ""
-    """Says so while the rule is being compiled, which it is the first time that it is used."""
+    """A line of text while the rule is compiled, the first time that it is used; else empty."""
     recording: str = ""
     """The folder of this opening's recording; empty: none is made."""
     run: int = 0

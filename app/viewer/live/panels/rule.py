@@ -20,7 +20,7 @@ from app.viewer.web.values import show
 
 
 class RulePanel:
-    """Sliders, switches and choices that act on the running loop; the rule only while it stands."""
+    """Sliders, switches and choices that act on the running loop; the rule only while not armed."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, rules: tuple[str, ...]):
         self.gui = gui
