@@ -34,12 +34,12 @@ def check(
             {"severity": p.severity, "feature": p.feature, "place": p.place, "text": p.text}
             for p in found
         ]
-        typer.echo(as_json({"world": name, "sound": sound, "problems": rows, "holds": holds}))
+        typer.echo(as_json({"world": made.name, "sound": sound, "problems": rows, "holds": holds}))
     else:
         for one in found:
             typer.echo(f"{one.severity}: {one.text}")
         if holds:
-            typer.echo(f"{name} is sound: {size_text(made)}, {described(holds)}")
+            typer.echo(f"{made.name} is sound: {size_text(made)}, {described(holds)}")
     if not sound:
         raise typer.Exit(REFUSED)
 

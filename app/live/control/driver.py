@@ -42,7 +42,7 @@ class Driver(Protocol):
         names, that were seen within the limit `stale`, each where it was last seen; a car without
         a command gets no throttle. `injected` is the injected car, None where there is none.
         `running` says whether the cars were told to run in the last tick. Whatever it raises stops
-        the cars; after NoRoom they go on with the next tick, without new simulated cars.
+        the cars; after NoFreeSpace they go on with the next tick, without new simulated cars.
         """
         ...
 

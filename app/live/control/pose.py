@@ -36,7 +36,7 @@ class Sighting:
 class MocapFrame:
     """One frame of motion capture: all bodies at one time.
 
-    >>> frame = Frame(7, 100.0, (seen("car1", Pose(1.0, 2.0, 0.0)), unseen("car2")))
+    >>> frame = MocapFrame(7, 100.0, (seen("car1", Pose(1.0, 2.0, 0.0)), unseen("car2")))
     >>> frame.pose("car1"), frame.pose("car2"), frame.pose("car3"), frame.age(100.25)
     (Pose(x=1.0, y=2.0, yaw=0.0), None, None, 0.25)
     """

@@ -35,10 +35,10 @@ class Durations:
     def summary(self) -> Summary:
         """Their summary.
 
-        >>> spans = Spans()
-        >>> for span in (0.01, 0.01, 0.04):
-        ...     spans.add(span)
-        >>> spans.summary().median, spans.summary().worst
+        >>> durations = Durations()
+        >>> for seconds in (0.01, 0.01, 0.04):
+        ...     durations.add(seconds)
+        >>> durations.summary().median, durations.summary().worst
         (0.01, 0.04)
         """
         kept = self.values[: min(self.count, KEPT)]

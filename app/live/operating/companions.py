@@ -40,7 +40,7 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
 
     It heads along the injected car's circle, or anywhere if that goes no circle. `size` is the
     longest line in a car, m. A car tries the same places whenever it begins, which follow from the
-    seed and its number. Raises NoRoom if none of them is free.
+    seed and its number. Raises NoFreeSpace if none of them is free.
     """
     area = lab.area
     rng = np.random.default_rng([lab.simulated.seed, number])
@@ -65,7 +65,7 @@ def begin_more(
 ) -> list[Pose]:
     """Where simulated cars `kept` + 1 to `count` begin; for the rest see `begins`.
 
-    Raises NoRoom with the number that would fit.
+    Raises NoFreeSpace with the number that would fit.
     """
     occupied = [tuple(one) for one in taken]
     more: list[Pose] = []

@@ -134,8 +134,8 @@ class FlockDriver(Motion):
         """(steer, throttle) of every car that is seen, once all have been seen.
 
         Others hear a car that is not seen where it was last. No command for anybody while there
-        is an injected car in the laboratory that is not seen. Raises NoRoom, once, if there is no
-        room for the simulated cars to begin: there are none then.
+        is an injected car in the laboratory that is not seen. Raises
+        NoFreeSpace, once, if the simulated cars have no space to begin: there are none then.
         """
         seen = [sighting.name for sighting in sightings if self.found(now, sighting)]
         if injected is not None:
@@ -221,7 +221,7 @@ class FlockDriver(Motion):
         self.wanted = count
 
     def have(self, count: int) -> None:
-        """Make it so many simulated cars. Raises NoRoom, and then changes nothing."""
+        """Make it so many simulated cars. Raises NoFreeSpace, and then changes nothing."""
         n = len(self.names)
         kept = n + min(count, self.simulated)
         taken = [*self.place, *self.position[n:kept]]

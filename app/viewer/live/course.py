@@ -27,7 +27,7 @@ class Point:
     """One moment; NaN where there is nothing to tell."""
 
     time: float
-    """`Look.time`, s."""
+    """`Status.time`, s."""
     loop: float
     worst: float
     latency: float
@@ -43,11 +43,11 @@ class Course:
     plan: Injection
     """How the injected car moves."""
     began: float | None = None
-    """`Look.time` of the first look, s."""
+    """`Status.time` of the first status, s."""
     points: tuple[Point, ...] = field(default=(), repr=False)
 
     def after(self, status: Status) -> Course:
-        """The course with another look, unless it follows the last point too soon."""
+        """The course with another status, unless it follows the last point too soon."""
         if self.points and status.time < self.points[-1].time + EVERY - SLACK:
             return self
         began = status.time if self.began is None else self.began
@@ -55,7 +55,7 @@ class Course:
         return Course(self.plan, began, (*kept, self.point(status)))
 
     def point(self, status: Status) -> Point:
-        """What a look comes to. A lost car has no place: where it is nobody knows."""
+        """The point of a status. A lost car has no place: where it is nobody knows."""
         poses = {
             car.name: car.pose
             for car in status.cars
