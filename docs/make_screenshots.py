@@ -13,13 +13,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from app.viewer.scene.shown.status import STEP_OFF
 from playwright.sync_api import sync_playwright
 
-from app.live.example import example
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.run.start import Start, at_home
-from app.viewer.scene.shown.look import STEP_OFF
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"
@@ -203,7 +204,7 @@ def take_live() -> None:
     """Two emulated cars and two simulated ones drive for a while, armed in the browser."""
     lab = example()
     lab = lab.model_copy(update={"simulated": lab.simulated.model_copy(update={"cars": 2})})
-    laboratory = LivePage(lab, port=0, source="emulated cars")
+    laboratory = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=ARGUMENTS
@@ -214,7 +215,7 @@ def take_live() -> None:
         page.get_by_text("Software WebGL").wait_for()
         page.locator(".mantine-Notification-closeButton").first.click()
         page.get_by_role("button", name="Arm …").click()
-        page.locator(".mantine-Modal-body input").fill(laboratory.room.code.digits)
+        page.locator(".mantine-Modal-body input").fill(laboratory.session.code.digits)
         page.wait_for_timeout(100)
         page.get_by_role("button", name="Arm", exact=True).click()
         page.locator(".fs-running").wait_for()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
-from app.live.control.pose import Frame, Pose, Sighting, seen, unseen
+from app.live.control.pose import MocapFrame, Pose, Sighting, seen, unseen
 from app.live.emulation.cars import EmulatedCars, Terminal
 from app.live.links.firmware import Firmware
 from app.live.links.frame import FULL, levels
@@ -37,8 +37,8 @@ __all__ = [
     "EmulatedCars",
     "Feed",
     "Firmware",
-    "Frame",
     "LinkLost",
+    "MocapFrame",
     "Place",
     "Pose",
     "Refusal",

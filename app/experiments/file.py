@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from app.experiments.errand import PLAIN, Errand
 from app.experiments.kinds import Settings
+from app.experiments.overrides import PLAIN, Overrides
 from app.strict import Strict, Value
 
 Picture = Literal[
@@ -64,7 +64,7 @@ class Row(Strict):
     """Whether the world keeps its obstacles."""
     size: float | None = Field(None, gt=0.0)
     """Side of its box; None: that of its number of agents in `sizes`, or the world's own."""
-    mission: Errand = PLAIN
+    mission: Overrides = PLAIN
     """What is other in it than in the world's mission."""
     activation: Literal["synchronous", "random", "sequential"] = "synchronous"
     """Whether all agents act at once, or in turn in a random order or in that of the rows."""

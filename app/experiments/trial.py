@@ -17,10 +17,10 @@ from agents import Flock
 from agents.catalogue import model
 from agents.engine.cache import fingerprint as feed
 from agents.spec import versions
-from app.experiments.errand import PLAIN, Errand, sent_on
 from app.experiments.experiment import Cell
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
+from app.experiments.overrides import PLAIN, Overrides, with_goal_speed
 from worlds.layout import world
 from worlds.world import World
 
@@ -57,17 +57,17 @@ def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
     informed = model(cell.model).informed if settings.n_counts_informed else 0
     agents = cell.agents - informed
     bare = cell.row is not None and not cell.row.obstacles
-    errand = cell.row.mission if cell.row else PLAIN
+    overrides = cell.row.mission if cell.row else PLAIN
     world: World | str = settings.world
     if cell.size is None:
-        world = world_of(settings.world, settings.dim, bare, errand)
+        world = world_of(settings.world, settings.dim, bare, overrides)
     return Flock(
         cell.model,
         agents=agents,
         size=cell.size,
         dim=settings.dim,
         world=world,
-        start=errand.ranks.start(agents + informed, seed) if errand.ranks else None,
+        start=overrides.ranks.start(agents + informed, seed) if overrides.ranks else None,
         activation=cell.activation,
         rng=seed,
         **parameters,
@@ -75,12 +75,12 @@ def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
 
 
 @cache
-def world_of(name: str, dim: int | None, bare: bool, errand: Errand) -> World:
+def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> World:
     """The world of a layout in the layout's own size; `bare` without its obstacles.
 
-    Raises Refusal if the errand changes a part of the mission that the world does not have.
+    Raises Refusal if the overrides change a part of the mission that the world does not have.
     """
-    found = sent_on(world(name, dim), errand)
+    found = with_goal_speed(world(name, dim), overrides)
     return replace(found, obstacles=(), random=None) if bare else found
 
 

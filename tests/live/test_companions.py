@@ -14,13 +14,13 @@ import pytest
 
 from agents.bodies.cars.chassis import separation
 from agents.flock import Flock
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.control.control import Control
 from app.live.control.driver import Accompanied
-from app.live.control.pose import Frame, Pose, seen, unseen
+from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
 from app.live.operating.companions import APART
-from app.live.operating.squashing_driver import FlockDriver, model_for, room
+from app.live.operating.squashing_driver import FlockDriver, model_for, world_of
 from live.rooms import lab
 from live.test_squashing_driver import PERFECT, SQUASHING, naive, text_of
 from worlds.refusal import Refusal
@@ -123,7 +123,7 @@ def test_they_drive_as_in_a_simulation_to_the_bit_and_hear_the_real_ones():
     poses = [*PLACES[:2], *at(driver)]
     flock = Flock(
         model_for(one.rule).name,
-        world=room(one),
+        world=world_of(one),
         start={
             "position": [(pose.x, pose.y) for pose in poses],
             "heading": [(math.cos(pose.yaw), math.sin(pose.yaw)) for pose in poses],
@@ -287,8 +287,8 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
     events, modes = [], []
     for number in range(25):
         now += 0.01
-        asked = [Request("arm", "test")] if number == 5 else []
-        control.see(now, asked, Frame(number, now, bodies))
+        asked = [OperatorRequest("arm", "test")] if number == 5 else []
+        control.see(now, asked, MocapFrame(number, now, bodies))
         step = control.act(now, target)
         events += step.events
         modes.append(step.verdict.mode)

@@ -14,7 +14,7 @@ from agents.flock import Flock
 from app.live.control.injected import Injected
 from app.live.control.pose import Pose, seen, unseen
 from app.live.emulation.plant import EmulatedPlant
-from app.live.operating.squashing_driver import FlockDriver, model_for, room
+from app.live.operating.squashing_driver import FlockDriver, model_for, world_of
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal
 
@@ -87,7 +87,7 @@ def simulated(text, tracks, targets):
     n = len(one.cars)
     flock = Flock(
         model_for(one.rule).name,
-        world=room(one),
+        world=world_of(one),
         start={"position": np.zeros((n, 2)), "heading": np.tile((1.0, 0.0), (n, 1))},
         rng=0,
         **(PERFECT | one.parameters),

@@ -8,7 +8,7 @@ import socket
 import time
 from itertools import count
 
-from app.live.control.pose import Frame, Pose, seen
+from app.live.control.pose import MocapFrame, Pose, seen
 from app.live.laboratory.lab import Lab
 from app.live.links.links import open_link
 from app.live.operating.ends import Ends
@@ -39,7 +39,7 @@ class Told:
                 return frames
             self.number += 1
             cars = tuple(seen(name, Pose(*at)) for name, at in poses.items())
-            frames.append(Frame(self.number, received, cars))
+            frames.append(MocapFrame(self.number, received, cars))
 
 
 def circling(lab: Lab) -> Ends:

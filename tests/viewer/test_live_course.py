@@ -10,7 +10,7 @@ import pytest
 from app.live.control.injected import Injection
 from app.live.control.pose import Pose
 from app.viewer.live.course import EVERY, KEPT, Course, behind, least_distance, phase_lags
-from tests.viewer.stub_desk import car_look, companion, look_at
+from tests.viewer.stub_operator import car_status, companion, status_at
 
 CIRCLE = Injection(centre=(1.0, 0.0), radius=2.0)
 
@@ -21,15 +21,15 @@ def round_it(degrees, radius=2.0):
     return Pose(1.0 + radius * math.cos(at), radius * math.sin(at), 0.0)
 
 
-def course_of(looks, plan=CIRCLE):
+def course_of(statuses, plan=CIRCLE):
     course = Course(plan)
-    for look in looks:
-        course = course.after(look)
+    for status in statuses:
+        course = course.after(status)
     return course
 
 
 def test_times_count_from_the_first_look_and_come_ten_times_a_second():
-    course = course_of(look_at(k, 500.0 + 0.03 * k) for k in range(101))
+    course = course_of(status_at(k, 500.0 + 0.03 * k) for k in range(101))
     assert course.times[0] == 0.0
     assert np.diff(course.times).min() >= EVERY - 1e-6
     assert np.diff(course.times).max() < EVERY + 0.03
@@ -40,25 +40,25 @@ def test_times_count_from_the_first_look_and_come_ten_times_a_second():
 
 
 def test_two_minutes_are_kept_and_times_go_on():
-    course = course_of(look_at(k, 7.0 + k) for k in range(200))
+    course = course_of(status_at(k, 7.0 + k) for k in range(200))
     assert (course.times[0], course.times[-1]) == (199.0 - KEPT, 199.0)
     assert len(course.least) == len(course.times) == KEPT + 1
 
 
 def test_a_course_that_was_taken_is_not_changed():
-    before = course_of([look_at(0, 1.0)])
-    after = before.after(look_at(30, 2.0))
+    before = course_of([status_at(0, 1.0)])
+    after = before.after(status_at(30, 2.0))
     assert (len(before.times), len(after.times)) == (1, 2)
 
 
 def test_the_least_distance_counts_simulated_cars_and_not_lost_ones():
-    cars = [car_look("red", Pose(0.0, 0.0, 0.0)), car_look("blue", Pose(3.0, 4.0, 0.0))]
-    near = car_look("green", Pose(0.1, 0.0, 0.0), age=2.0, tracking="lost")
-    never = car_look("grey", None)
+    cars = [car_status("red", Pose(0.0, 0.0, 0.0)), car_status("blue", Pose(3.0, 4.0, 0.0))]
+    near = car_status("green", Pose(0.1, 0.0, 0.0), age=2.0, tracking="lost")
+    never = car_status("grey", None)
     injected = Pose(0.0, 0.0, 0.0)
 
     def least(*cars, companions=()):
-        return course_of([look_at(0, 1.0, "safe", cars, injected, companions)]).least[0]
+        return course_of([status_at(0, 1.0, "safe", cars, injected, companions)]).least[0]
 
     assert least(*cars) == 5.0
     assert least(*cars, near, never) == 5.0
@@ -83,21 +83,21 @@ def test_a_lag_is_never_below_minus_180():
 
 
 def test_without_a_circle_there_is_no_lag():
-    look = look_at(0, 1.0, "safe", [car_look("red")], Pose(1.0, 0.0, 0.0))
-    assert course_of([look], Injection(path="eight")).lags == {}
-    assert course_of([look_at(0, 1.0, "safe", [car_look("red")])]).lags == {}
+    status = status_at(0, 1.0, "safe", [car_status("red")], Pose(1.0, 0.0, 0.0))
+    assert course_of([status], Injection(path="eight")).lags == {}
+    assert course_of([status_at(0, 1.0, "safe", [car_status("red")])]).lags == {}
 
 
 def test_lags_have_a_gap_where_a_car_is_not_seen_or_not_yet_there():
     injected = round_it(90)
-    red = car_look("red", round_it(60))
-    lost = car_look("red", round_it(60), age=1.0, tracking="lost")
+    red = car_status("red", round_it(60))
+    lost = car_status("red", round_it(60), age=1.0, tracking="lost")
     sims = [companion(1, round_it(45).x, round_it(45).y)]
     course = course_of(
         [
-            look_at(0, 1.0, "armed", [red], injected),
-            look_at(30, 2.0, "armed", [lost], injected, sims),
-            look_at(60, 3.0, "armed", [red], injected, sims),
+            status_at(0, 1.0, "armed", [red], injected),
+            status_at(30, 2.0, "armed", [lost], injected, sims),
+            status_at(60, 3.0, "armed", [red], injected, sims),
         ]
     )
     assert course.lags["red"] == pytest.approx([30.0, math.nan, 30.0], nan_ok=True)

@@ -130,7 +130,7 @@ def drawn(
 
 
 def mission_along(way: list[Cell], low: np.ndarray, pitch: np.ndarray, thickness: float) -> Mission:
-    """Start in the first cell; the path turns where the way does; the goal is in the last cell."""
+    """The mission: start in the first cell, path along the way, goal in the last cell."""
     turns = [
         cell
         for before, cell, after in zip(way, way[1:], way[2:], strict=False)

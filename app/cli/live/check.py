@@ -39,13 +39,13 @@ def check(
 
     Sends nothing to the cars. Exit code 2, and one line, if anything is amiss.
     """
-    from app.cli.live.file import laboratory
-    from app.live.operating.choices import links, rules, sources
+    from app.live.operating.choices import laboratory
     from app.live.operating.squashing_driver import FlockDriver
 
     if not 0.0 < within <= 600.0:
         raise Refusal(f"--within {within:g} s is outside (0, 600]")
-    lab = laboratory(file, source, link)
+    choices = laboratory(file, source, link)
+    lab = choices.lab
     driver = FlockDriver(lab)
     found: dict[str, Any] = {
         "file": str(file),
@@ -53,9 +53,9 @@ def check(
         "rule": driver.model.name,
         "cars": {name: car.address for name, car in lab.cars.items()},
         "choices": {
-            "sources": sources(lab),
-            "links": links(lab),
-            "rules": rules(lab),
+            "sources": choices.sources,
+            "links": choices.links,
+            "rules": choices.rules,
         },
         "amiss": [],
     }

@@ -29,13 +29,11 @@ def emulate(
 
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
-    from app.cli.live.file import laboratory
     from app.cli.live.run import conduct
-    from app.live.example import example
     from app.live.kinds import SIMULATED
+    from app.live.operating.choices import laboratory
     from app.live.operating.driven import open_driven
 
-    lab = example() if file is None else laboratory(file)
     link = f"{SIMULATED}?port={port}" if port else SIMULATED
-    lab = lab.altered(str(file or "the example"), source=SIMULATED, link=link)
+    lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
     conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)

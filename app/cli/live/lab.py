@@ -41,32 +41,24 @@ def lab(
     Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.cli.live.file import laboratory
-    from app.live.example import example
-    from app.live.kinds import SIMULATED
-    from app.live.operating.choices import known, sources
+    from app.live.kinds import EMULATED
+    from app.live.operating.choices import laboratory
     from app.viewer.web.origin import allowed
 
     names = tuple(allowed(name) for name in allow_host or ())
-    if file is None:
-        found = example()
-        source = source or next(word for word, text in sources(found).items() if text == SIMULATED)
-    else:
-        found = laboratory(file)
-    if source is not None:
-        known("source", source, sources(found))
+    choices = laboratory(file, EMULATED if file is None and source is None else source)
 
     def opening() -> LivePage:
         from app.viewer.live.page import LivePage
 
-        return LivePage(found, host, port, source, record, allow=names)
+        return LivePage(choices, host, port, record, allow=names)
 
     serve(opening, open_browser, quiet)
 
 
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
-    from app.cli.live.console import Console
+    from app.cli.live.console import SessionConsole
     from app.cli.stopping import Stopping
 
     with Stopping() as stopping:
@@ -74,9 +66,9 @@ def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> N
         try:
             leaving = "q or Ctrl-C stops the cars and leaves"
             announce(page.host, page.port, leaving, "see and stop the cars, and change the rule")
-            typer.echo(f"a browser arms with the code {page.room.code.digits}", err=True)
+            typer.echo(f"a browser arms with the code {page.session.code.digits}", err=True)
             if open_browser:
                 webbrowser.open(page.address)
-            Console(page.room, stopping, not quiet).operate()
+            SessionConsole(page.session, stopping, not quiet).operate()
         finally:
             page.close()

@@ -39,12 +39,12 @@ def run(
 
     Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.cli.live.file import laboratory
+    from app.live.operating.choices import laboratory
     from app.live.operating.driven import open_driven
 
     if dry and link:
         raise Refusal(f"--dry and --link {link!r} exclude each other")
-    lab = laboratory(file, source, link)
+    lab = laboratory(file, source, link).lab
     if dry:
         lab = lab.altered("--dry", link="dry")
     conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)
@@ -63,24 +63,24 @@ def conduct(
     if not 0.0 <= seconds < 1e6:
         raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
 
-    def tell(words: str) -> None:
+    def report(words: str) -> None:
         if not quiet:
             typer.echo(words, err=True)
 
-    tell(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
-    from app.cli.live.operate import Terminal, closing
+    report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
+    from app.cli.live.operate import OperatorConsole, closing
     from app.cli.stopping import Stopping
-    from app.live.operating.desk import Desk
+    from app.live.operating.operator import Operator
     from app.live.operating.squashing_driver import FlockDriver
 
     with Stopping() as stopping:
-        FlockDriver(lab, tell)  # compiled here, so that the loop need not wait for it
-        desk = Desk(lab, opener, record)
-        terminal = Terminal(desk, stopping, seconds, arm, json_asked, not quiet)
+        FlockDriver(lab, report)  # compiled here, so that the loop need not wait for it
+        operator = Operator(lab, opener, record)
+        terminal = OperatorConsole(operator, stopping, seconds, arm, json_asked, not quiet)
         try:
             terminal.operate()
         finally:
-            desk.close()
+            operator.close()
     made = terminal.summary()
     if record is not None:
         made["recording"] = str(record)

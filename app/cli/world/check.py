@@ -34,17 +34,17 @@ def check(
             {"severity": p.severity, "feature": p.feature, "place": p.place, "text": p.text}
             for p in found
         ]
-        typer.echo(as_json({"world": name, "sound": sound, "problems": rows, "holds": holds}))
+        typer.echo(as_json({"world": made.name, "sound": sound, "problems": rows, "holds": holds}))
     else:
         for one in found:
             typer.echo(f"{one.severity}: {one.text}")
         if holds:
-            typer.echo(f"{name} is sound: {size_text(made)}, {told(holds)}")
+            typer.echo(f"{made.name} is sound: {size_text(made)}, {described(holds)}")
     if not sound:
         raise typer.Exit(REFUSED)
 
 
-def told(holds: dict[str, Any]) -> str:
+def described(holds: dict[str, Any]) -> str:
     """What a world holds, in words."""
     return (
         f"{counted(holds['obstacles'], 'obstacle')}, "

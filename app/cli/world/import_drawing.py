@@ -106,14 +106,14 @@ def import_drawing(
         geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines)
     except Refusal:
         if not quiet:
-            tell(table(rows))
+            report(table(rows))
         raise
     made, mission = world_and_notes(geometry, edges_asked(edges), margin, to_origin)
     write_layout(made, out)
     notes = (*geometry.changes, *mission)
     if not quiet:
-        tell(table(rows))
-        tell([f"flockscope: {file}: {note}" for note in notes])
+        report(table(rows))
+        report([f"flockscope: {file}: {note}" for note in notes])
     free = free_area(made)
     solid = len(made.obstacles)
     if json_asked:
@@ -129,7 +129,7 @@ def import_drawing(
         tell_written(out)
 
 
-def tell(lines: Sequence[str]) -> None:
+def report(lines: Sequence[str]) -> None:
     """Lines on stderr, the first MOST_LINES of them."""
     for line in lines[:MOST_LINES]:
         typer.echo(line, err=True)

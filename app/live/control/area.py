@@ -16,7 +16,7 @@ class Area(Strict):
     """How far inside the area the cars are stopped, m."""
 
     @model_validator(mode="after")
-    def _has_room(self) -> Area:
+    def _reaches_beyond_its_fence(self) -> Area:
         for axis in range(2):
             if self.high[axis] - self.low[axis] <= 2.0 * self.fence:
                 raise ValueError(

@@ -1,4 +1,4 @@
-"""The arming of a laboratory: nothing drives before a person arms it; the emergency stop latches.
+"""Arming: no car drives before a person arms the laboratory, and the emergency stop latches.
 
 safe --arm--> armed --disarm, hold--> safe
 any  --emergency--> emergency --reset--> safe
@@ -13,25 +13,25 @@ from typing import Literal
 from worlds.refusal import Refusal, unknown
 
 State = Literal["safe", "armed", "emergency"]
-Wish = Literal["arm", "disarm", "hold", "emergency", "reset", "tune", "accompany"]
-WISHES: tuple[Wish, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune", "accompany")
+Action = Literal["arm", "disarm", "hold", "emergency", "reset", "tune", "accompany"]
+ACTIONS: tuple[Action, ...] = ("arm", "disarm", "hold", "emergency", "reset", "tune", "accompany")
 UNDOING = ("reset", "arm")
-"""What is no longer meant once somebody has asked for an emergency stop."""
+"""Requests that are void if an emergency stop was asked for after them."""
 
 
 @dataclass(frozen=True)
-class Request:
-    """Something asked of the control loop, and who asks."""
+class OperatorRequest:
+    """A request of an operator to the control loop, and who makes it."""
 
-    wish: Wish
+    action: Action
     cause: str
     """Who or what asks: `terminal`, `browser 3`, `link`."""
     words: str = ""
     """Why; for `tune` the parameters as JSON, for `accompany` how many simulated cars."""
 
     def __post_init__(self) -> None:
-        if self.wish not in WISHES:
-            raise unknown("request", self.wish, WISHES, self.cause)
+        if self.action not in ACTIONS:
+            raise unknown("request", self.action, ACTIONS, self.cause)
 
 
 class Arm:
@@ -40,14 +40,14 @@ class Arm:
     def __init__(self) -> None:
         self.state: State = "safe"
 
-    def take(self, request: Request, faults: Sequence[str] = ()) -> bool:
-        """Do what is asked; whether this changed anything.
+    def take(self, request: OperatorRequest, faults: Sequence[str] = ()) -> bool:
+        """Carry out a request; whether it changed the state.
 
         `faults` are the reasons, in words, why the cars would not run. Raises Refusal for an arming
         with faults or with the emergency stop latched.
         """
         before = self.state
-        match request.wish:
+        match request.action:
             case "emergency":
                 self.state = "emergency"
             case "reset" if self.state == "emergency":

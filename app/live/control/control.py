@@ -11,10 +11,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.live.control.arm import Request
-from app.live.control.driver import Accompanied, Companion, Driver, NoRoom, Tunable
+from app.live.control.arm import OperatorRequest
+from app.live.control.driver import Accompanied, Companion, Driver, NoFreeSpace, Tunable
 from app.live.control.events import Event
-from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.control.safety import Command, Reason, Safety, Verdict
 from app.live.links.link import RUN
 from worlds.refusal import Refusal
@@ -26,12 +26,12 @@ NAMES = {
     "emergency": "EMERGENCY STOP",
     "reset": "emergency stop reset; not armed",
 }
-"""What a request comes to, in words."""
+"""What a request has done, in words."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """What one tick came to."""
+    """The result of one tick."""
 
     wanted: dict[str, Command]
     """What the rule wants, by car."""
@@ -42,7 +42,7 @@ class Step:
 
 
 class Control:
-    """The rule behind the safety; `see`, then `act`, once each a tick."""
+    """A driver behind the safety; `see`, then `act`, once each a tick."""
 
     def __init__(self, safety: Safety, driver: Driver):
         self.safety = safety
@@ -54,28 +54,30 @@ class Control:
         """Those of the last tick, by kind and car."""
         self.events: list[Event] = []
         self.sightings: tuple[Sighting, ...] = ()
-        """Who was seen within the limit `stale`, where last."""
+        """The last poses of bodies seen within the limit `stale`."""
 
     @property
     def companions(self) -> tuple[Companion, ...]:
         """The simulated cars beside the real ones."""
         return self.accompanied.companions if self.accompanied is not None else ()
 
-    def see(self, now: float, requests: Iterable[Request], frame: Frame | None) -> None:
-        """Begin a tick at `now` (s): look at the newest frame, then do what is asked."""
+    def see(
+        self, now: float, requests: Iterable[OperatorRequest], frame: MocapFrame | None
+    ) -> None:
+        """Begin a tick at `now` (s): take the newest frame, then carry out the requests."""
         self.tick += 1
         self.events = []
         self.sightings = self.safety.see(now, frame)
         for request in requests:
             self.events.append(self.answer(now, request))
 
-    def answer(self, now: float, request: Request) -> Event:
-        """Do what is asked; the event that says what came of it."""
-        kind: str = request.wish
+    def answer(self, now: float, request: OperatorRequest) -> Event:
+        """Carry out a request; the event that says what it has done."""
+        kind: str = request.action
         try:
-            if request.wish == "tune":
+            if request.action == "tune":
                 words = self.tune(request)
-            elif request.wish == "accompany":
+            elif request.action == "accompany":
                 words = self.accompany(request)
             else:
                 changed = self.safety.ask(now, request)
@@ -84,10 +86,10 @@ class Control:
         except Exception as refusal:  # whatever is asked, it cannot end the loop
             kind, words = "refused", " ".join(str(refusal).split()) or type(refusal).__name__
         return Event(
-            self.tick, now, kind, words, "", request.cause, asked=request.wish, note=request.words
+            self.tick, now, kind, words, "", request.cause, asked=request.action, note=request.words
         )
 
-    def tune(self, request: Request) -> str:
+    def tune(self, request: OperatorRequest) -> str:
         """Change parameters of the rule; what was changed, in words. Raises Refusal."""
         if not isinstance(self.driver, Tunable):
             raise Refusal("the parameters of this driver cannot be changed")
@@ -100,7 +102,7 @@ class Control:
         self.driver.tune(values)
         return ", ".join(f"{name} = {value}" for name, value in values.items())
 
-    def accompany(self, request: Request) -> str:
+    def accompany(self, request: OperatorRequest) -> str:
         """Have other simulated cars beside the real ones; how many, in words. Raises Refusal."""
         if self.accompanied is None:
             raise Refusal("this driver has no simulated cars beside the real ones")
@@ -112,7 +114,7 @@ class Control:
         return "1 simulated car" if count == 1 else f"{count or 'no'} simulated cars"
 
     def act(self, now: float, injected: Pose | None) -> Step:
-        """End the tick: ask the rule, judge what it wants."""
+        """End the tick: ask the driver for commands and the safety what may be sent."""
         wanted: dict[str, Command] = {}
         failed = ""
         try:
@@ -123,7 +125,7 @@ class Control:
                 for name in self.safety.cars
                 if name in answer
             }
-        except NoRoom as refused:  # for simulated cars: the real ones need not wait for them
+        except NoFreeSpace as refused:  # for simulated cars: the real ones need not wait for them
             words = " ".join(str(refused).split())
             self.events.append(Event(self.tick, now, "refused", words))
         except Exception as error:  # whatever a rule does wrong, the cars stop
@@ -133,7 +135,7 @@ class Control:
         return Step(wanted, verdict, tuple(self.events), self.companions)
 
     def tell(self, now: float, verdict: Verdict) -> None:
-        """Write down what has changed: reasons that came and went, runs that began and ended."""
+        """Events for what has changed: reasons that began and ended, runs that began and ended."""
 
         def happened(kind: str, words: str, car: str = "", cause: str = "") -> None:
             self.events.append(Event(self.tick, now, kind, words, car, cause))

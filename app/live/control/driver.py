@@ -10,8 +10,8 @@ from app.live.control.pose import Pose, Sighting
 from worlds.refusal import Refusal
 
 
-class NoRoom(Refusal):
-    """Simulated cars for which there is no room; raised once for each time that they are wanted."""
+class NoFreeSpace(Refusal):
+    """No free space for the simulated cars; raised once for each time that they are asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Companion:
 
 
 class Driver(Protocol):
-    """Turns what is seen into commands; called once a tick, by one thread.
+    """Computes commands from the poses; called once a tick, by one thread.
 
     What it answers may depend on nothing but what it was made of and what it has been called with,
     in order: no clock, no chance without a seed. Then a recording replays to the bit. It must be
@@ -42,7 +42,7 @@ class Driver(Protocol):
         names, that were seen within the limit `stale`, each where it was last seen; a car without
         a command gets no throttle. `injected` is the injected car, None where there is none.
         `running` says whether the cars were told to run in the last tick. Whatever it raises stops
-        the cars; after NoRoom they go on with the next tick, without new simulated cars.
+        the cars; after NoFreeSpace they go on with the next tick, without new simulated cars.
         """
         ...
 

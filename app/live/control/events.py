@@ -1,4 +1,4 @@
-"""What happened in a laboratory: every event with its time, its words and its cause."""
+"""Events of a laboratory, each with its time, its words and its cause."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Event:
     """Something that happened."""
 
     tick: int
-    """Of the control loop."""
+    """Tick of the control loop."""
     time: float
     """`time.monotonic()` of the machine that runs the loop, s."""
     kind: str

@@ -21,7 +21,7 @@ TURNS = 0.01
 
 
 class Injection(Strict):
-    """Where the injected car is; the defaults are the circle of the reading.
+    """How the injected car moves; the defaults are the circle of the source.
 
     An eight is two circles that touch in its centre, one above the other.
     """
@@ -89,7 +89,7 @@ def on_eight(turned: float) -> tuple[float, float, float]:
 
 
 def on_route(route: Sequence[Point], gone: float) -> tuple[float, float, float]:
-    """x, y (m) and yaw of one who has gone so far (m) round a closed route."""
+    """x, y (m) and yaw after so many metres round a closed route."""
     gone %= sum(length for _, _, length in legs(route))
     for (x, y), (u, v), length in legs(route):
         if gone < length:
@@ -100,7 +100,7 @@ def on_route(route: Sequence[Point], gone: float) -> tuple[float, float, float]:
 
 
 def legs(route: Sequence[Point]) -> list[tuple[Point, Point, float]]:
-    """From where, to where and how far (m) each leg of a closed route is."""
+    """Start, end and length (m) of each leg of a closed route."""
     return [(a, b, math.dist(a, b)) for a, b in zip(route, [*route[1:], *route[:1]], strict=True)]
 
 
@@ -111,7 +111,7 @@ class Injected:
         self.plan = plan
         self.area = area
         self.seconds = 0.0
-        """How long it has moved."""
+        """How long it has moved, s."""
         self.before: float | None = None
         self.hand = Pose(*area.clamp(*plan.centre), 0.0)
 

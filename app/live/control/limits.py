@@ -9,18 +9,18 @@ from app.strict import Strict
 
 
 class Limits(Strict):
-    """When all cars stop. The figures are those of the reading; lengths in metres, times in s."""
+    """When all cars stop. Defaults are those of the source; lengths in metres, times in s."""
 
     stale: float = Field(default=0.1, ge=0.02, le=WATCHDOG)
     """A car unseen for longer than this stops all; they run on once it is seen again."""
     long_gap: float = Field(default=1.0, ge=0.25, le=10.0)
     """A stop of this kind, or a standstill of the loop, that lasts longer takes the arming away."""
     frozen: float = Field(default=0.35, ge=0.2, le=2.0)
-    """Within which a car that does not go where its commands take it is found."""
+    """Time within which a car is detected that does not move as commanded."""
     leap: float = Field(default=0.25, ge=0.02, le=5.0)
-    """A car seen further than this from where it can have come to is not believed."""
+    """A pose further than this beyond what the car can have driven is rejected."""
     unattended: float = Field(default=2.0, ge=0.5, le=60.0)
-    """A desk that has been silent for longer takes the arming away: no stop could come from it."""
+    """An operator that has been silent for longer, s, takes the arming away: it could not stop."""
 
     @model_validator(mode="after")
     def _are_in_order(self) -> Limits:
@@ -30,7 +30,7 @@ class Limits(Strict):
 
 
 class CarLimits(Strict):
-    """What a car may be told and what it can do; commands are shares of full lock and throttle."""
+    """Limits of a car and of its commands, which are shares of full lock and full throttle."""
 
     steer: float = Field(default=1.0, gt=0.0, le=1.0)
     """Most steering to either side; 1 is full lock."""
@@ -49,7 +49,7 @@ class CarLimits(Strict):
 
     @property
     def fastest(self) -> float:
-        """The highest speed that it can be told, m/s."""
+        """The highest speed that it can be commanded, m/s."""
         return self.speed * max(self.throttle, self.reverse)
 
     def runs_on(self, limits: Limits) -> float:

@@ -1,4 +1,4 @@
-"""The control loop: 100 times a second from what is seen to what the cars are told.
+"""The control loop: 100 times a second from tracked poses to commands for the cars.
 
 Its deadlines are absolute, so that it does not drift; those that it misses are left out, never
 caught up. It looks at what the source has brought and waits for nobody: neither source nor viewer
@@ -14,15 +14,15 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Protocol
 
-from app.live.control.arm import UNDOING, Request
+from app.live.control.arm import UNDOING, OperatorRequest
 from app.live.control.control import Control, Step
 from app.live.control.events import Event, Events
 from app.live.control.injected import Injected
-from app.live.control.look import Look, cars_of
-from app.live.control.moment import Moment
-from app.live.control.pose import Frame, Pose
+from app.live.control.pose import MocapFrame, Pose
 from app.live.control.safety import Command, Verdict
-from app.live.control.timing import Spans
+from app.live.control.status import Status, cars_of
+from app.live.control.tick_record import TickRecord
+from app.live.control.timing import Durations
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, STOP, CarLink
 
@@ -33,8 +33,8 @@ MOST_REQUESTS = 4
 OVERTAKEN = "overtaken by an emergency stop"
 PARTING = 5
 """Stop frames that are sent at the end."""
-LOOK_EVERY = 3
-"""Ticks between which a look is made for the viewer."""
+STATUS_EVERY = 3
+"""Ticks between which a status is made for the viewer."""
 
 
 class Frames(Protocol):
@@ -45,20 +45,20 @@ class Frames(Protocol):
         """What is wrong with the source, in one line; empty while all is well."""
         ...
 
-    def since(self, number: int) -> list[Frame]:
+    def since(self, number: int) -> list[MocapFrame]:
         """The frames after frame `number`, oldest first."""
         ...
 
 
 class Journal(Protocol):
-    """What is told of every tick to a recording; it does not wait either."""
+    """A recording, to which every tick is written; it does not wait either."""
 
     @property
     def trouble(self) -> str:
         """Why it cannot write, in one line; empty while all is well."""
         ...
 
-    def write(self, moment: Moment) -> None:
+    def write(self, moment: TickRecord) -> None:
         """Take down a tick."""
         ...
 
@@ -92,36 +92,36 @@ class Loop:
         self.clock = clock
         self.wait = wait
         self.events = Events()
-        self.latest: Look | None = None
-        """The newest look, of one of the last few ticks."""
+        self.latest: Status | None = None
+        """The status at one of the last few ticks."""
         self.attended: float | None = None
-        """When somebody last looked, by `time.monotonic()`, s; None: nobody ever has."""
+        """When the operator last asked for the status, `time.monotonic()`, s; None: never."""
         self.leaving = ""
         """Why the loop is to end; empty: it is not."""
-        self.asked: queue.SimpleQueue[Request] = queue.SimpleQueue()
-        self.pending: list[Request] = []
-        """What was asked and waits for its turn."""
-        self.late: queue.SimpleQueue[Request] = queue.SimpleQueue()
-        """What comes after an emergency stop and was asked before it."""
-        self.overtaken: list[Request] = []
-        """What an emergency stop has overtaken in this tick and may not undo it."""
-        self.newest: Frame | None = None
+        self.asked: queue.SimpleQueue[OperatorRequest] = queue.SimpleQueue()
+        self.pending: list[OperatorRequest] = []
+        """Requests that wait for their turn."""
+        self.late: queue.SimpleQueue[OperatorRequest] = queue.SimpleQueue()
+        """Requests that arrive after an emergency stop and were made before it."""
+        self.overtaken: list[OperatorRequest] = []
+        """Requests that an emergency stop has made void in this tick."""
+        self.newest: MocapFrame | None = None
         self.before: float | None = None
-        self.periods = Spans()
-        self.latencies = Spans()
+        self.periods = Durations()
+        self.latencies = Durations()
         self.missed = 0
         self.sent = 0
         self.troubles: dict[str, str] = {}
         """What is wrong with the link, the source and the recording."""
         self.known: dict[str, str] = {}
-        """Those of them that are in the events."""
+        """Those of them that are in the events already."""
 
-    def ask(self, request: Request) -> None:
-        """Ask for something, which is done at the next tick; an emergency stop before all else."""
+    def ask(self, request: OperatorRequest) -> None:
+        """Make a request: it is carried out at the next tick, an emergency stop before all else."""
         self.asked.put(request)
 
-    def overtake(self, request: Request) -> None:
-        """Take note of what an emergency stop has overtaken on its way here; it is not done."""
+    def overtake(self, request: OperatorRequest) -> None:
+        """Note a request that an emergency stop has overtaken; it is not carried out."""
         self.late.put(request)
 
     def place(self, x: float, y: float) -> None:
@@ -133,7 +133,7 @@ class Loop:
         self.leaving = cause
 
     def run(self) -> None:
-        """Tick until told to leave; then, or should anything fail, stop the cars."""
+        """Tick until `leave` is called; then, or should anything fail, stop the cars."""
         try:
             due = self.clock()
             while not self.leaving:
@@ -150,7 +150,7 @@ class Loop:
             self.leaving = f"it failed: {type(error).__name__}: {' '.join(str(error).split())}"
             raise
         finally:
-            self.part()
+            self.stop_and_close()
 
     def tick(self) -> None:
         """One tick, without waiting for its time."""
@@ -161,7 +161,7 @@ class Loop:
         frames = self.feed.since(self.newest.number if self.newest else -1)
         if frames:
             self.newest = frames[-1]
-        self.mind_the_desk(now)
+        self.watch_the_operator(now)
         self.control.see(now, self.requests(), self.newest)
         control = self.control
         injected = self.injected.at(now, control.running, control.sightings)
@@ -171,35 +171,35 @@ class Loop:
         if frames:
             latency = self.clock() - frames[-1].received
             self.latencies.add(latency)
-        events = (*step.events, *self.noticed(now))
+        events = (*step.events, *self.trouble_events(now))
         self.events.add(*events)
         arm = control.safety.arm.state
         if self.journal is not None:
             self.journal.write(
-                Moment(control.tick, now, tuple(frames), injected, step, arm, events, latency)
+                TickRecord(control.tick, now, tuple(frames), injected, step, arm, events, latency)
             )
-        if control.tick % LOOK_EVERY == 0 or step.events:
-            self.latest = self.look(now, injected, step.verdict)
+        if control.tick % STATUS_EVERY == 0 or step.events:
+            self.latest = self.status(now, injected, step.verdict)
 
-    def mind_the_desk(self, now: float) -> None:
-        """Take the arming away where whoever used to look has long been silent: the desk hangs."""
+    def watch_the_operator(self, now: float) -> None:
+        """Take the arming away where an operator has long been silent: its process hangs."""
         unattended = self.control.safety.limits.unattended
         armed = self.control.safety.arm.state == "armed"
         if armed and self.attended is not None and now - self.attended > unattended:
-            words = f"the desk has been silent for {unattended:g} s"
-            self.ask(Request("hold", "desk", words))
+            words = f"the operator has been silent for {unattended:g} s"
+            self.ask(OperatorRequest("hold", "operator", words))
 
-    def requests(self) -> list[Request]:
-        """What is to be done in this tick, emergency stops first.
+    def requests(self) -> list[OperatorRequest]:
+        """The requests to carry out in this tick, emergency stops first.
 
         Nothing that was asked before an emergency stop may undo it or arm again.
         """
         self.pending += taken(self.asked)
         self.overtaken = taken(self.late)
-        urgent = [one for one in self.pending if one.wish == "emergency"]
+        urgent = [one for one in self.pending if one.action == "emergency"]
         if urgent:
-            last = max(k for k, one in enumerate(self.pending) if one.wish == "emergency")
-            self.overtaken += [one for one in self.pending[:last] if one.wish in UNDOING]
+            last = max(k for k, one in enumerate(self.pending) if one.action == "emergency")
+            self.overtaken += [one for one in self.pending[:last] if one.action in UNDOING]
             done = {id(one) for one in (*urgent, *self.overtaken)}
             self.pending = [one for one in self.pending if id(one) not in done]
         found = urgent + self.pending[:MOST_REQUESTS]
@@ -216,13 +216,13 @@ class Loop:
         except Exception as error:  # whatever a link does wrong, the loop goes on and says so
             trouble = " ".join(str(error).split()) or type(error).__name__
         if trouble and self.control.safety.arm.state == "armed":
-            self.ask(Request("hold", "link", trouble))
+            self.ask(OperatorRequest("hold", "link", trouble))
         self.troubles["link"] = trouble
 
-    def noticed(self, now: float) -> list[Event]:
-        """What was overtaken, and what has begun or ceased to be wrong with source, link, disk."""
+    def trouble_events(self, now: float) -> list[Event]:
+        """Events: requests overtaken, and troubles of source, link and disk that begin or end."""
         found = [
-            Event(self.control.tick, now, "refused", f"{one.wish}: {OVERTAKEN}", cause=one.cause)
+            Event(self.control.tick, now, "refused", f"{one.action}: {OVERTAKEN}", cause=one.cause)
             for one in self.overtaken
         ]
         self.overtaken = []
@@ -237,16 +237,16 @@ class Loop:
         found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
         return found
 
-    def part(self) -> None:
-        """Send stops, let go of the link, take them down. A latched emergency stop stays latched.
+    def stop_and_close(self) -> None:
+        """Send stops, close the link, record the stops. A latched emergency stop stays latched.
 
-        What is taken down comes after: whatever has failed, and fails again, holds no stop up.
+        Recording comes last: whatever has failed, and fails again, delays no stop.
         """
-        asked = [one for one in taken(self.asked) if one.wish == "emergency"]
+        asked = [one for one in taken(self.asked) if one.action == "emergency"]
         state = self.control.safety.arm.state
         latched = state == "emergency" or bool(asked)
         if state == "armed" and not asked:
-            asked = [Request("hold", "loop", self.leaving)]
+            asked = [OperatorRequest("hold", "loop", self.leaving)]
         mode = EMERGENCY if latched else STOP
         still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
         times = []
@@ -258,13 +258,13 @@ class Loop:
             frames += not self.troubles["link"] and self.link.dropped == dropped
             self.wait(self.period)
         self.link.close()
-        end = self.farewell(frames, latched)
+        end = self.closing_words(frames, latched)
         for left, now in zip(reversed(range(PARTING)), times, strict=True):
-            self.take_down_stop(now, asked, mode, still, "" if left else end)
+            self.record_stop(now, asked, mode, still, "" if left else end)
             asked = []
 
-    def farewell(self, frames: int, latched: bool) -> str:
-        """How the loop ends, in words: why, and who stops the cars."""
+    def closing_words(self, frames: int, latched: bool) -> str:
+        """Why the loop ends and what stops the cars, in words."""
         stop = "an emergency stop" if latched else "to stop"
         told = (
             f"{frames} frames told the cars {stop}"
@@ -274,15 +274,15 @@ class Loop:
         )
         return f"the control loop ends ({self.leaving or 'nobody asked it to'}): {told}"
 
-    def take_down_stop(
+    def record_stop(
         self,
         now: float,
-        asked: list[Request],
+        asked: list[OperatorRequest],
         mode: int,
         still: dict[str, Command],
         end: str,
     ) -> None:
-        """Put a stop that was sent at `now` (s) in events and recording: a tick that replays."""
+        """Record a stop that was sent at `now` (s), in events and tables: a tick that replays."""
         control = self.control
         injected = None
         try:
@@ -297,12 +297,12 @@ class Loop:
         self.events.add(*events)
         if self.journal is not None:
             arm = control.safety.arm.state
-            self.journal.write(Moment(control.tick, now, (), injected, step, arm, events, None))
+            self.journal.write(TickRecord(control.tick, now, (), injected, step, arm, events, None))
 
-    def look(self, now: float, injected: Pose | None, verdict: Verdict) -> Look:
-        """What there is to see."""
+    def status(self, now: float, injected: Pose | None, verdict: Verdict) -> Status:
+        """What the loop reports of itself at this tick."""
         control, safety = self.control, self.control.safety
-        return Look(
+        return Status(
             control.tick,
             now,
             safety.arm.state,
@@ -320,9 +320,9 @@ class Loop:
         )
 
 
-def taken(waiting: queue.SimpleQueue[Request]) -> list[Request]:
-    """All that waits in a queue."""
-    found: list[Request] = []
+def taken(waiting: queue.SimpleQueue[OperatorRequest]) -> list[OperatorRequest]:
+    """All entries of a queue, which is then empty."""
+    found: list[OperatorRequest] = []
     with suppress(queue.Empty):
         while True:
             found.append(waiting.get_nowait())

@@ -1,7 +1,7 @@
-"""What tracking says of the bodies in the room: poses in the plane, frame by frame.
+"""Tracked poses in the plane, frame by frame, as every source gives them.
 
 Every source gives the same: metres and radians on the floor, z up. What is not tracked has no pose;
-nothing is filled in, held or foretold.
+nothing is filled in, held or predicted.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """What one frame says of one body."""
+    """One body in one frame."""
 
     name: str
     pose: Pose | None
@@ -33,10 +33,10 @@ class Sighting:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
-    """One moment of tracking.
+class MocapFrame:
+    """One frame of motion capture: all bodies at one time.
 
-    >>> frame = Frame(7, 100.0, (seen("car1", Pose(1.0, 2.0, 0.0)), unseen("car2")))
+    >>> frame = MocapFrame(7, 100.0, (seen("car1", Pose(1.0, 2.0, 0.0)), unseen("car2")))
     >>> frame.pose("car1"), frame.pose("car2"), frame.pose("car3"), frame.age(100.25)
     (Pose(x=1.0, y=2.0, yaw=0.0), None, None, 0.25)
     """

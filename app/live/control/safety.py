@@ -1,4 +1,4 @@
-"""What keeps the cars safe: a pure state machine between the rule and the link.
+"""Safety: a pure state machine between the rule and the link that decides what may be sent.
 
 It has no clock, no thread and no device: it is told the time, the newest frame and what the rule
 wants, and answers what may be sent. Every stop has its reason:
@@ -22,9 +22,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.live.control.area import Area
-from app.live.control.arm import Arm, Request
+from app.live.control.arm import Arm, OperatorRequest
 from app.live.control.limits import CarLimits, Limits
-from app.live.control.pose import Frame, Sighting
+from app.live.control.pose import MocapFrame, Sighting
 from app.live.control.seen import Seen
 from app.live.control.travel import Travel
 from app.live.links.link import EMERGENCY, RUN, STOP
@@ -63,7 +63,7 @@ class Verdict:
 
 
 class Safety:
-    """Judges, tick by tick, what may be sent; `see` comes before `judge` in each tick."""
+    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick."""
 
     def __init__(
         self,
@@ -82,29 +82,29 @@ class Safety:
         self.before: float | None = None
         """The time of the last verdict, s."""
 
-    def see(self, now: float, frame: Frame | None) -> tuple[Sighting, ...]:
-        """Look at the newest frame; who has been seen within `stale`, where last.
+    def see(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
+        """Take the newest frame; the last poses of all bodies seen within `stale` seconds.
 
-        While unarmed every pose is believed, also that of a car that is carried.
+        While unarmed every pose is accepted, also that of a car that is carried.
         """
-        if self.seen.look(now, frame, believing=self.arm.state != "armed"):
+        if self.seen.take(now, frame, believing=self.arm.state != "armed"):
             for name, pose in self.seen.fresh.items():
                 if name in self.travels:
                     self.travels[name].see(now, pose)
         return self.seen.sightings(now, self.limits.stale)
 
-    def ask(self, now: float, request: Request) -> bool:
-        """Do what an operator asks; whether it changed anything. Raises Refusal for an arming."""
-        faults = self.faults(now) if request.wish == "arm" else []
+    def ask(self, now: float, request: OperatorRequest) -> bool:
+        """Carry out a request; whether it changed anything. Raises Refusal if it cannot arm."""
+        faults = self.faults(now) if request.action == "arm" else []
         changed = self.arm.take(request, [fault.words for fault in faults])
-        if changed and request.wish == "arm":
+        if changed and request.action == "arm":
             for travel in self.travels.values():
                 travel.forget(now)
             self.before = now
         return changed
 
     def faults(self, now: float) -> list[Reason]:
-        """Why the cars cannot run, from what is seen of them."""
+        """Why the cars cannot run, as far as their poses show."""
         return [*self.unseen(now), *self.leaping(now), *self.beyond()]
 
     def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> Verdict:
@@ -118,7 +118,7 @@ class Safety:
             found += self.asleep(now) + self.standing(now)
         held = self.arm.state == "armed" and any(reason.holds for reason in found)
         if held:
-            self.arm.take(Request("hold", "safety"))
+            self.arm.take(OperatorRequest("hold", "safety"))
         if self.arm.state == "emergency":
             mode = EMERGENCY
         else:
@@ -146,7 +146,7 @@ class Safety:
         return found
 
     def asleep(self, now: float) -> list[Reason]:
-        """Gaps that were too long to run on by themselves."""
+        """Gaps so long that the cars must be armed again."""
         longest = self.limits.long_gap
         found = [
             Reason("asleep", f"{name} was unseen for more than {longest:g} s", name)
@@ -158,7 +158,7 @@ class Safety:
         return found
 
     def leaping(self, now: float) -> list[Reason]:
-        """Cars whose body is seen where they cannot be, for too long to be a slip."""
+        """Cars whose body has for too long been seen where they cannot be."""
         return [
             Reason(
                 "leap", f"{name} is seen {far:.2f} m from where it was: is it another car?", name
@@ -178,7 +178,7 @@ class Safety:
         return found
 
     def standing(self, now: float) -> list[Reason]:
-        """Cars that do not go where their commands take them."""
+        """Cars that do not move as commanded."""
         for travel in self.travels.values():
             travel.advance(now)
         still = [name for name, travel in self.travels.items() if travel.stands()]

@@ -1,4 +1,4 @@
-"""Who has been seen, where and when: poses with their age, gaps shown, nothing filled in."""
+"""The last pose of each body and its age; gaps in the tracking are not filled in."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from dataclasses import dataclass
 from typing import TypeGuard
 
 from app.live.control.limits import CarLimits
-from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.pose import MocapFrame, Pose, Sighting
 
 
 @dataclass(frozen=True)
-class Glimpse:
-    """The last pose of a body that is believed."""
+class LastPose:
+    """The last pose of a body that was accepted."""
 
     pose: Pose
     time: float
-    """When it was received, s on the loop's clock; never later than when it was looked at."""
+    """When it was received, s on the loop's clock; never later than when it was taken."""
 
 
 class Seen:
-    """The last pose of each body that is followed. A car that seems to leap is not believed.
+    """The last pose of each body that is followed. A car that seems to leap is rejected.
 
     `bodies` gives the laboratory's name of each tracked body that is followed; others are passed
     over. `cars` are the cars among these names; `leap` as in `Limits`.
@@ -32,16 +32,16 @@ class Seen:
         self.bodies = bodies
         self.cars = cars
         self.leap = leap
-        self.last: dict[str, Glimpse] = {}
+        self.last: dict[str, LastPose] = {}
         self.leaps: dict[str, float] = {}
         """Cars of the newest frame that are further off than they can have come, and how far (m)
         they are from where they were believed."""
-        self.frame: Frame | None = None
+        self.frame: MocapFrame | None = None
         self.fresh: dict[str, Pose] = {}
-        """Poses that the newest look has brought."""
+        """Poses that the newest frame has brought."""
 
-    def look(self, now: float, frame: Frame | None, believing: bool = False) -> bool:
-        """Take the newest frame; whether it is one that was not looked at before.
+    def take(self, now: float, frame: MocapFrame | None, believing: bool = False) -> bool:
+        """Take the newest frame; whether it is one that was not taken before.
 
         `believing` takes every pose as it is, also that of a car that was carried away. A body that
         is in the frame twice, or whose pose is no finite number, is not seen.
@@ -60,7 +60,7 @@ class Seen:
             if name is None or times[sighting.name] > 1 or not sighting.valid or not finite(pose):
                 continue
             if believing or self.can_be(name, pose, received):
-                self.last[name] = Glimpse(pose, received)
+                self.last[name] = LastPose(pose, received)
                 self.leaps.pop(name, None)
                 self.fresh[name] = pose
         return True
@@ -90,7 +90,7 @@ class Seen:
         )
 
 
-def same(one: Frame, other: Frame) -> bool:
+def same(one: MocapFrame, other: MocapFrame) -> bool:
     """Whether two frames are the same one: a source that begins again counts from 0."""
     return one.number == other.number and one.received == other.received
 

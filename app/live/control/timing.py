@@ -12,7 +12,7 @@ KEPT = 1000
 
 @dataclass(frozen=True)
 class Summary:
-    """Of the last values, in seconds; NaN where there are none."""
+    """Median, 99th percentile and maximum of the last durations, s; NaN where there are none."""
 
     median: float
     late: float
@@ -20,25 +20,25 @@ class Summary:
     worst: float
 
 
-class Spans:
-    """The last spans of time."""
+class Durations:
+    """The last durations of something that recurs."""
 
     def __init__(self) -> None:
         self.values = np.empty(KEPT)
         self.count = 0
 
     def add(self, seconds: float) -> None:
-        """Another span."""
+        """Add a duration, s."""
         self.values[self.count % KEPT] = seconds
         self.count += 1
 
     def summary(self) -> Summary:
-        """What they come to.
+        """Their summary.
 
-        >>> spans = Spans()
-        >>> for span in (0.01, 0.01, 0.04):
-        ...     spans.add(span)
-        >>> spans.summary().median, spans.summary().worst
+        >>> durations = Durations()
+        >>> for seconds in (0.01, 0.01, 0.04):
+        ...     durations.add(seconds)
+        >>> durations.summary().median, durations.summary().worst
         (0.01, 0.04)
         """
         kept = self.values[: min(self.count, KEPT)]

@@ -1,4 +1,4 @@
-"""The ends of a room in software: the source that tracks its cars, the link that they hear."""
+"""Emulated cars: the source that tracks them and the link that leads to them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from app.live.sources.source import Source
 
 
 def open_emulated(lab: Lab) -> tuple[Source, CarLink]:
-    """The source of a room in software, not yet connected, and its link, open.
+    """The source of emulated cars, not yet connected, and the link to them, open.
 
-    With the link `dry` there are cars too, and nobody tells them anything. Raises Refusal.
+    With the link `dry` there are cars too, and nothing is sent to them. Raises Refusal.
     """
     to_cars = kind_of(lab.link) == SIMULATED
     port = (port_of(lab.link) if to_cars else 0) or free_port()

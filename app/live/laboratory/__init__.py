@@ -1,1 +1,1 @@
-"""A laboratory of cars as a file: what it may say, and what may be chosen instead."""
+"""The file of a laboratory of cars: its values and their checks."""

@@ -16,10 +16,10 @@ from app.live.control.injected import INJECTED, Injection
 from app.live.control.limits import CarLimits, Limits
 from app.live.control.loop import RATE
 from app.live.control.safety import Safety
-from app.live.laboratory.ends import demand_choices, demand_one_room
+from app.live.kinds import FILE, kind_of
 from app.live.laboratory.lines import line_of
-from app.live.laboratory.misfit import Misfit
-from app.live.laboratory.parts import Kept
+from app.live.laboratory.misfit import Misfit, demand_choices, demand_matching_ends
+from app.live.laboratory.parts import RecordingLimits
 from app.live.links.frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.strict import Strict, Value
 from worlds.reading import read_text, toml
@@ -29,7 +29,7 @@ MOST_SIMULATED = 32
 """Simulated cars beside real ones: with more, a tick would not be done in time."""
 
 
-class Car(CarLimits):
+class LabCar(CarLimits):
     """A car: its address on the link, its body in the tracking, and its limits."""
 
     address: int = Field(ge=LEAST_ADDRESS, le=MOST_ADDRESS)
@@ -37,7 +37,7 @@ class Car(CarLimits):
     """The name of its rigid body; empty: its own name."""
 
 
-class Simulated(Strict):
+class SimulatedCars(Strict):
     """Simulated cars beside the real ones: same rule, same world, hearing each other."""
 
     cars: int = Field(default=0, ge=0, le=MOST_SIMULATED)
@@ -45,10 +45,10 @@ class Simulated(Strict):
     most: int = Field(default=8, ge=0, le=MOST_SIMULATED)
     """How many a browser may ask for."""
     seed: int = Field(default=1, ge=0)
-    """Of where they begin."""
+    """Seed of where they begin."""
 
     @model_validator(mode="after")
-    def _are_in_order(self) -> Simulated:
+    def _are_in_order(self) -> SimulatedCars:
         if self.cars > self.most:
             raise ValueError(f"cars must not be more than most, {self.most}")
         return self
@@ -75,13 +75,13 @@ class Lab(Strict):
     area: Area
     limits: Limits = Limits()
     injected: Injection = Injection()
-    simulated: Simulated = Simulated()
-    recording: Kept = Kept()
-    cars: dict[str, Car] = Field(min_length=1, max_length=MOST_CARS)
+    simulated: SimulatedCars = SimulatedCars()
+    recording: RecordingLimits = RecordingLimits()
+    cars: dict[str, LabCar] = Field(min_length=1, max_length=MOST_CARS)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Lab:
-        demand_one_room(self.source, self.link, self.injected.path == "body")
+        demand_matching_ends(self.source, self.link, self.injected.path == "body")
         demand_choices("sources", self.source, self.sources)
         demand_choices("links", self.link, self.links)
         self.demand_distinct()
@@ -92,7 +92,7 @@ class Lab(Strict):
         return self
 
     def demand_distinct(self) -> None:
-        """Addresses and bodies belong to one car each. Raises Misfit."""
+        """No two cars have one address or one body. Raises Misfit."""
         addresses: dict[int, str] = {}
         bodies: dict[str, str] = {}
         for name, car in self.cars.items():
@@ -121,7 +121,7 @@ class Lab(Strict):
             )
 
     def demand_stops_in_time(self) -> None:
-        """Every car stops between fence and edge, whatever fails. Raises Misfit."""
+        """Every car can stop between fence and edge, whatever fails. Raises Misfit."""
         for name, car in self.cars.items():
             far = car.runs_on(self.limits)
             if far > self.area.fence + 1e-9:
@@ -146,12 +146,12 @@ class Lab(Strict):
 
     @property
     def addresses(self) -> dict[str, int]:
-        """Of the cars, by name."""
+        """The addresses of the cars, by name."""
         return {name: car.address for name, car in self.cars.items()}
 
     @property
     def bodies(self) -> dict[str, str]:
-        """The name here of every body that is followed."""
+        """The tracked bodies that are followed: body -> the name of its car here."""
         found = {car.body or name: name for name, car in self.cars.items()}
         if self.injected.path == "body":
             found[self.injected.body] = INJECTED
@@ -180,15 +180,31 @@ TABLES: dict[str, type[Strict]] = {
     "area": Area,
     "limits": Limits,
     "injected": Injection,
-    "simulated": Simulated,
-    "recording": Kept,
-    "cars": Car,
+    "simulated": SimulatedCars,
+    "recording": RecordingLimits,
+    "cars": LabCar,
 }
 
 
 def read_lab(path: str | Path) -> Lab:
-    """The laboratory of a file. Raises Refusal naming the line that is wrong."""
-    return lab_from_toml(read_text(f"laboratory {str(path)!r}", path), str(path))
+    """The laboratory of a file; links that are Python files lie beside it and get its folder.
+
+    Such a link is run when it is opened, not here. Raises Refusal naming the line that is wrong.
+    """
+    lab = lab_from_toml(read_text(f"laboratory {str(path)!r}", path), str(path))
+    folder = Path(path).parent.resolve()
+    links = {name: in_folder(folder, text) for name, text in lab.links.items()}
+    return lab.model_copy(update={"link": in_folder(folder, lab.link), "links": links})
+
+
+def in_folder(folder: Path, link: str) -> str:
+    """The text of a link; if it is a Python file, that in a folder. Raises Refusal."""
+    kind = kind_of(link)
+    if not kind.endswith(FILE):
+        return link
+    if not (folder / kind).is_file():
+        raise Refusal(f"there is no file {folder / kind} (link {link!r})")
+    return f"{folder / kind}{link.removeprefix(kind)}"
 
 
 def lab_from_toml(text: str, origin: str) -> Lab:

@@ -16,10 +16,10 @@ from app.strict import Strict
 
 MB = 1_000_000
 RESERVE = 3.0
-"""Parts for which there must be room when one begins: itself, the one before, its tables."""
+"""Parts for which there must be space when one begins: itself, the one before, its tables."""
 
 
-class Kept(Strict):
+class RecordingLimits(Strict):
     """How much of a recording is kept on the disk, MB."""
 
     part: float = Field(default=200.0, ge=1.0, le=10_000.0)
@@ -28,7 +28,7 @@ class Kept(Strict):
     """The oldest parts are removed before all of it comes to more."""
 
     @model_validator(mode="after")
-    def _has_room(self) -> Kept:
+    def _holds_four_parts(self) -> RecordingLimits:
         least = (RESERVE + 1.0) * self.part
         if self.most < least:
             raise ValueError(f"most must be at least four parts, {least:g}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal
 
-from app.live.links.frame import Command, Decoder
+from app.live.links.frame import CommandFrame, Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
 
 WATCHDOG = 0.25
@@ -20,7 +20,7 @@ COUNT = 65536
 State = Literal["waiting", "running", "stopped", "lost", "emergency"]
 
 
-class Car:
+class CarFirmware:
     """One car: takes commands, knows when to stop. No clock of its own, times are s.
 
     A car that has just been switched on waits for a frame that says stop, so that one that loses
@@ -41,7 +41,7 @@ class Car:
         self.heard = 0.0
         """When that came."""
 
-    def hear(self, command: Command, now: float) -> None:
+    def hear(self, command: CommandFrame, now: float) -> None:
         """Take what a frame says, if it is for this car and newer than the last.
 
         Stops are for all cars. An emergency stop is obeyed however old it is. After the watchdog
@@ -86,7 +86,7 @@ class Firmware:
     """The cars that listen to one stream of bytes."""
 
     def __init__(self, addresses: Iterable[int], watchdog: float = WATCHDOG):
-        self.cars = {address: Car(address, watchdog) for address in addresses}
+        self.cars = {address: CarFirmware(address, watchdog) for address in addresses}
         self.decoder = Decoder()
 
     def feed(self, data: bytes, now: float) -> None:

@@ -1,1 +1,1 @@
-"""The control loop at work: in a process of its own, with its ends open and a rule that drives."""
+"""The control loop in a process of its own, its operator, and the driver that is a rule."""

@@ -1,68 +1,115 @@
-"""What may be chosen while a laboratory is shown: its sources, its links and its rules, by words.
+"""A laboratory's file and what may be chosen from it by name: sources, links and rules.
 
-Whoever chooses, a browser too, names one of these words and nothing else: the texts behind them are
-those of the laboratory's file and the two that are always there.
+Whoever chooses, a browser too, gives one of these names and nothing else: the texts behind them are
+those of the laboratory's file, and the two that are always there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from agents.catalogue import MODELS
-from app.live.kinds import CALLED, DRY, SIMULATED, kind_of, words_of
-from app.live.laboratory.lab import Lab
+from app.live.kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
+from app.live.laboratory.example import example
+from app.live.laboratory.lab import Lab, read_lab
 from app.live.operating.squashing_driver import CARS, model_for
-from worlds.refusal import unknown
+from worlds.refusal import Refusal, unknown
 
 
-def sources(lab: Lab) -> dict[str, str]:
-    """The texts of the sources by their words: the file's own first, emulated cars last."""
-    return offered(lab.source, lab.sources, SIMULATED)
+@dataclass(frozen=True)
+class Choices:
+    """What may be chosen in a laboratory, what is chosen, and the laboratory that this makes."""
+
+    file: Lab
+    """The laboratory as its file has it."""
+    sources: Mapping[str, str]
+    """The texts of the sources by name: the file's own first, emulated cars last."""
+    links: Mapping[str, str]
+    """The texts of the links by name: the file's own first, a dry run last."""
+    rules: tuple[str, ...]
+    """The file's rule, then the models of cars of the catalogue."""
+    source: str
+    """The name of the source that is chosen; so are the next two."""
+    link: str
+    rule: str
+    lab: Lab
+    """The laboratory as chosen."""
+
+    @staticmethod
+    def of(lab: Lab) -> Choices:
+        """What may be chosen in a laboratory; what its file says is chosen."""
+        sources = offered(lab.source, lab.sources, SIMULATED)
+        links = offered(lab.link, lab.links, DRY)
+        cars = [name for name, model in MODELS.items() if model.body.name in CARS]
+        rules = tuple(dict.fromkeys([lab.rule, *cars]))
+        return Choices(
+            lab, sources, links, rules, next(iter(sources)), next(iter(links)), lab.rule, lab
+        )
+
+    @property
+    def offered(self) -> dict[str, Collection[str]]:
+        """The names that may be chosen, for each of `source`, `link` and `rule`."""
+        return {"source": self.sources, "link": self.links, "rule": self.rules}
+
+    def choosing(self, **names: str) -> Choices:
+        """Another `source`, `link` or `rule` chosen by name; what is not named stays.
+
+        With emulated cars the link is the one to them, whatever is chosen. Parameters of the file
+        that another rule lacks are left out. Raises Refusal for other names, or if what is chosen
+        does not fit together.
+        """
+        for kind, name in names.items():
+            if name not in self.offered[kind]:
+                raise unknown(kind, name, self.offered[kind], "the laboratory")
+        chosen = {"source": self.source, "link": self.link, "rule": self.rule} | names
+        source, link, rule = (
+            self.sources[chosen["source"]],
+            self.links[chosen["link"]],
+            chosen["rule"],
+        )
+        if source == SIMULATED:
+            link = self.file.link if kind_of(self.file.link) == SIMULATED else SIMULATED
+        lab = self.file.altered(
+            "the choice",
+            source=source,
+            link=link,
+            rule=rule,
+            parameters=shared_parameters(self.file, rule),
+        )
+        return replace(self, source=chosen["source"], link=chosen["link"], rule=rule, lab=lab)
 
 
-def links(lab: Lab) -> dict[str, str]:
-    """The texts of the links by their words: the file's own first, a dry run last."""
-    return offered(lab.link, lab.links, DRY)
+def laboratory(
+    file: Path | None = None, source: str | None = None, link: str | None = None
+) -> Choices:
+    """The laboratory of a file, by default the example, with the source and link that are named.
+
+    Raises Refusal.
+    """
+    choices = Choices.of(example() if file is None else read_lab(file))
+    names = {"source": source, "link": link}
+    given = {kind: name for kind, name in names.items() if name is not None}
+    if not given:
+        return choices
+    made = choices.choosing(**given)
+    if link is not None and made.lab.link != made.links[link]:
+        raise Refusal(
+            f"--link {link!r} is not allowed: emulated cars have a link of their own (--dry sends "
+            "nothing)"
+        )
+    return made
 
 
-def offered(own: str, others: dict[str, str], always: str) -> dict[str, str]:
-    """Texts by their words; the file's own stands there once, even if it is the last one too."""
-    found = {words_of(own): own} | others
-    found.setdefault(CALLED[always], always)
+def offered(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
+    """Texts by name: the file's own, its others, and the one that is always there; each once."""
+    found = {name_of(own): own, **others}
+    found.setdefault(BUILT_IN_NAMES[always], always)
     return found
 
 
-def rules(lab: Lab) -> tuple[str, ...]:
-    """The file's rule, then the models of cars of the catalogue."""
-    models = [name for name, model in MODELS.items() if model.body.name in CARS]
-    return tuple(dict.fromkeys([lab.rule, *models]))
-
-
-def chosen(lab: Lab, source: str, link: str, rule: str) -> Lab:
-    """The laboratory with another source, link and rule, by the words above.
-
-    With emulated cars the link is the one to them, whatever was chosen. Parameters of the file
-    that another rule lacks are left out. Raises Refusal for words that are none of these, or if
-    what was chosen does not fit together.
-    """
-    poses = sources(lab)[known("source", source, sources(lab))]
-    commands = links(lab)[known("link", link, links(lab))]
-    known("rule", rule, rules(lab))
-    if poses == SIMULATED:
-        commands = lab.link if kind_of(lab.link) == SIMULATED else SIMULATED
-    return lab.altered(
-        "the choice", source=poses, link=commands, rule=rule, parameters=kept(lab, rule)
-    )
-
-
-def known(kind: str, words: str, allowed: Iterable[str]) -> str:
-    """The words, if they are among those allowed. Raises Refusal."""
-    if words not in allowed:
-        raise unknown(kind, words, allowed, "the laboratory")
-    return words
-
-
-def kept(lab: Lab, rule: str) -> dict:
+def shared_parameters(lab: Lab, rule: str) -> dict:
     """Those of the file's parameters that a rule has too. Raises Refusal."""
     if rule == lab.rule:
         return dict(lab.parameters)

@@ -11,7 +11,7 @@ from agents.engine.arrays import Arrays
 from agents.models.model import Model
 from agents.state.rows import begun
 from agents.state.start import Start
-from app.live.control.driver import NoRoom
+from app.live.control.driver import NoFreeSpace
 from app.live.control.pose import Pose
 from app.live.laboratory.lab import Lab
 from worlds.refusal import Refusal
@@ -23,7 +23,7 @@ TRIES = 200
 
 
 def named(number: int) -> str:
-    """What a simulated car is called, the first being number 1."""
+    """The name of a simulated car, the first being number 1."""
     return f"sim {number}"
 
 
@@ -40,7 +40,7 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
 
     It heads along the injected car's circle, or anywhere if that goes no circle. `size` is the
     longest line in a car, m. A car tries the same places whenever it begins, which follow from the
-    seed and its number. Raises NoRoom if none of them is free.
+    seed and its number. Raises NoFreeSpace if none of them is free.
     """
     area = lab.area
     rng = np.random.default_rng([lab.simulated.seed, number])
@@ -52,7 +52,7 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
     gaps = np.linalg.norm(tried[:, None] - others[None], axis=2).min(axis=1, initial=math.inf)
     free = np.flatnonzero(gaps >= apart)
     if not len(free):
-        raise NoRoom(
+        raise NoFreeSpace(
             f"{named(number)} has no room: none of {TRIES} places within the fence is {apart:g} m "
             "from every other car"
         )
@@ -65,15 +65,15 @@ def begin_more(
 ) -> list[Pose]:
     """Where simulated cars `kept` + 1 to `count` begin; for the rest see `begins`.
 
-    Raises NoRoom with the number that would fit.
+    Raises NoFreeSpace with the number that would fit.
     """
     occupied = [tuple(one) for one in taken]
     more: list[Pose] = []
     for number in range(kept + 1, count + 1):
         try:
             more.append(begins(lab, number, occupied, size))
-        except NoRoom as refused:
-            raise NoRoom(
+        except NoFreeSpace as refused:
+            raise NoFreeSpace(
                 f"simulated cars = {count} is not allowed: {refused}; {number - 1} would fit"
             ) from None
         occupied.append((more[-1].x, more[-1].y))
@@ -81,7 +81,7 @@ def begin_more(
 
 
 def along_circle(lab: Lab, x: float, y: float) -> float:
-    """The yaw (rad) of who goes round the injected car's circle at (x, y), in its sense."""
+    """The yaw (rad) at (x, y) of a car that goes round the injected car's circle in its sense."""
     plan = lab.injected
     outwards = math.atan2(y - plan.centre[1], x - plan.centre[0])
     sense = 0.5 * math.pi if plan.speed >= 0.0 else -0.5 * math.pi
@@ -89,7 +89,7 @@ def along_circle(lab: Lab, x: float, y: float) -> float:
 
 
 def resized(arrays: Arrays, kept: int, more: Sequence[Pose], model: Model) -> Arrays:
-    """The first `kept` rows of a flock with all that they remember, and cars that begin."""
+    """The first `kept` rows of a flock with their memory, and rows of cars that begin."""
     n = kept + len(more)
     position, heading = np.zeros((n, 2)), np.tile((1.0, 0.0), (n, 1))
     for row, pose in enumerate(more, kept):

@@ -1,4 +1,4 @@
-"""The ends of a laboratory, driven by its rule; importing a rule takes long, opening ends not."""
+"""A laboratory driven by its rule; apart from `ends`, as importing rules takes long."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from app.live.operating.squashing_driver import FlockDriver
 
 
 def open_driven(lab: Lab) -> Ends:
-    """The ends that the laboratory's file names, real or in software, driven by its rule.
+    """Source and link of a laboratory, real or emulated, with its rule as driver.
 
     Raises Refusal.
     """

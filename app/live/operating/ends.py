@@ -1,4 +1,4 @@
-"""The ends of a laboratory: where its poses come from, how commands leave, and what drives."""
+"""What the control loop of a laboratory stands between: source of poses, link, and driver."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from app.live.sources.opening import open_source
 from app.live.sources.source import Source
 
 PATIENCE = 90.0
-"""Seconds that a room in software may take to begin: it is built meanwhile."""
+"""Seconds that the source of emulated cars may take to begin."""
 Opener = Callable[[Lab], "Ends"]
-"""Opens the ends of a laboratory in the process of its loop: a function of a module."""
+"""Opens source, link and driver in the process of the loop: a function of a module."""
 
 
 @dataclass(frozen=True)
 class Ends:
-    """What the control loop of a laboratory is between."""
+    """The source, the link and the driver of a laboratory, open."""
 
     feed: Frames
     link: CarLink
@@ -45,13 +45,13 @@ class Ends:
         )
 
     def close(self) -> None:
-        """Let go of the source; the loop has let go of the link."""
+        """Close the source; the loop has closed the link."""
         if isinstance(self.feed, Feed):
             self.feed.close()
 
 
 def open_ends(lab: Lab, driver: Driver) -> Ends:
-    """The ends that the laboratory's file names. Raises Refusal."""
+    """The source and the link of a laboratory, open, with this driver. Raises Refusal."""
     source, link = source_and_link(lab)
     try:
         feed = Feed(source, PATIENCE) if kind_of(lab.source) == SIMULATED else Feed(source)

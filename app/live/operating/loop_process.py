@@ -1,4 +1,4 @@
-"""The process of a control loop: opens its ends, ticks, and leaves when its desk is gone."""
+"""The process of a control loop: opens its ends, ticks, and ends when its operator is gone."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.live.control.arm import UNDOING, Request
+from app.live.control.arm import UNDOING, OperatorRequest
 from app.live.control.events import Event
-from app.live.control.look import Look
 from app.live.control.loop import Journal, Loop
+from app.live.control.status import Status
 from app.live.laboratory.lab import lab_from_toml
-from app.live.laboratory.parts import Kept
+from app.live.laboratory.parts import RecordingLimits
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -35,32 +35,31 @@ MOST_EVENTS = 100
 
 @dataclass(frozen=True)
 class Answer:
-    """What the loop tells its desk, when asked."""
+    """What the loop reports to its operator, when asked."""
 
-    look: Look | None = None
+    status: Status | None = None
     events: tuple[Event, ...] = ()
     known: int = 0
-    """How many events there were up to the last of these."""
+    """Number of events up to the last of these."""
     trouble: str = ""
     """Why the loop cannot begin."""
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Something asked at the desk."""
+class NumberedRequest:
+    """A request of the operator with its number."""
 
     number: int
-    """Counts what is asked: an emergency stop has a way of its own and comes before what was asked
-    before it."""
-    request: Request
+    """Requests are counted: an emergency stop has a way of its own and overtakes others."""
+    request: OperatorRequest
 
 
 def serve(
     laboratory: str, opener: Opener, recording: Path | None, line: Connection, stops: Connection
 ) -> None:
-    """Run the control loop of a laboratory (its TOML) until the desk says so or is gone.
+    """Run the control loop of a laboratory (its TOML) until the operator ends it or is gone.
 
-    `line` is the desk's, both ways; `stops` brings its emergency stops.
+    `line` leads to the operator, both ways; `stops` brings its emergency stops.
     """
     leaving: list[str] = []
     loop: Loop | None = None
@@ -86,7 +85,7 @@ def serve(
         if leaving:
             loop.leave(leaving[0])
         arguments = (line, stops, loop)
-        threading.Thread(target=attend, args=arguments, name="desk", daemon=True).start()
+        threading.Thread(target=attend, args=arguments, name="operator", daemon=True).start()
         line.send(Answer())
         gc.collect()
         gc.freeze()  # so that later collections are short: they look at what a run makes
@@ -94,8 +93,10 @@ def serve(
 
 
 @contextmanager
-def journal_in(folder: Path | None, laboratory: str, kept: Kept) -> Iterator[Journal | None]:
-    """A recording in a folder, or none; if it cannot be finished, the terminal is told."""
+def journal_in(
+    folder: Path | None, laboratory: str, kept: RecordingLimits
+) -> Iterator[Journal | None]:
+    """A recording in a folder, or none; if it cannot be finished, the terminal says so."""
     if folder is None:
         yield None
         return
@@ -111,19 +112,19 @@ def journal_in(folder: Path | None, laboratory: str, kept: Kept) -> Iterator[Jou
 
 
 class InOrder:
-    """Passes on to a loop what comes by two ways: nothing that was asked before an emergency stop
-    undoes it, though it may come after it."""
+    """Passes on to a loop the requests of two connections: one that was made before an emergency
+    stop does not undo it, though it may arrive after it."""
 
     def __init__(self, loop: Loop):
         self.loop = loop
         self.stopped = 0
         """The number of the last emergency stop."""
 
-    def ask(self, asked: Asked) -> None:
+    def ask(self, asked: NumberedRequest) -> None:
         """Pass on a request, unless it was overtaken."""
-        if asked.request.wish == "emergency":
+        if asked.request.action == "emergency":
             self.stopped = max(self.stopped, asked.number)
-        elif asked.request.wish in UNDOING and asked.number < self.stopped:
+        elif asked.request.action in UNDOING and asked.number < self.stopped:
             self.loop.overtake(asked.request)
             return
         self.loop.ask(asked.request)
@@ -136,31 +137,31 @@ class InOrder:
 
 
 def attend(line: Connection, stops: Connection, loop: Loop) -> None:
-    """Pass on what the desk says, emergency stops first, and answer it; the loop leaves when the
-    desk is gone."""
+    """Pass on the operator's requests, emergency stops first, and answer it; the loop ends when the
+    operator is gone."""
     parent = multiprocessing.parent_process()
     watched: list[Connection | int] = [line, stops]
     if parent is not None:
         watched.append(parent.sentinel)
     asking = InOrder(loop)
-    why = "the desk is gone"
+    why = "the operator is gone"
     try:
         while line in (ready := wait(watched)) or stops in ready:
             if stops in ready:
                 asking.ask(stops.recv())
                 continue
             match line.recv():
-                case Asked() as asked:
+                case NumberedRequest() as asked:
                     asking.ask(asked)
                 case (int(known), hand):
                     loop.attended = loop.clock()
                     if hand is not None:
-                        loop.place(*hand)  # the desk has looked that these are numbers
+                        loop.place(*hand)  # the operator has checked that these are numbers
                     count, new = loop.events.since(known)
                     told = new[:MOST_EVENTS]
                     line.send(Answer(loop.latest, tuple(told), count - len(new) + len(told)))
                 case None:
-                    why = "the desk says so"
+                    why = "the operator says so"
                     break
     except (EOFError, OSError):
         pass

@@ -68,7 +68,7 @@ class FlockDriver(Motion):
         self.lab = lab
         self.names = sorted(lab.cars)
         self.model = model_for(lab.rule)
-        self.world = room(lab)
+        self.world = world_of(lab)
         self.seed, self.tick, self.threads = 0, 0, 1
         self.activation, self.noise = "synchronous", "angular"
         self._acted = set()
@@ -134,8 +134,8 @@ class FlockDriver(Motion):
         """(steer, throttle) of every car that is seen, once all have been seen.
 
         Others hear a car that is not seen where it was last. No command for anybody while there
-        is an injected car in the laboratory that is not seen. Raises NoRoom, once, if there is no
-        room for the simulated cars to begin: there are none then.
+        is an injected car in the laboratory that is not seen. Raises
+        NoFreeSpace, once, if the simulated cars have no space to begin: there are none then.
         """
         seen = [sighting.name for sighting in sightings if self.found(now, sighting)]
         if injected is not None:
@@ -221,7 +221,7 @@ class FlockDriver(Motion):
         self.wanted = count
 
     def have(self, count: int) -> None:
-        """Make it so many simulated cars. Raises NoRoom, and then changes nothing."""
+        """Make it so many simulated cars. Raises NoFreeSpace, and then changes nothing."""
         n = len(self.names)
         kept = n + min(count, self.simulated)
         taken = [*self.place, *self.position[n:kept]]
@@ -263,7 +263,7 @@ def pace(past: deque[tuple[float, float, float]], nose: np.ndarray) -> float:
     return float((at_x - x) * nose[0] + (at_y - y) * nose[1]) / (now - before)
 
 
-def room(lab: Lab) -> World:
+def world_of(lab: Lab) -> World:
     """The laboratory as a flock's world: open, with the injected car as its goal."""
     area, plan = lab.area, lab.injected
     goal = None if plan.path == "none" else Mission(goal=Goal(route=(plan.centre,)))

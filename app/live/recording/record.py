@@ -28,8 +28,8 @@ from typing import Any
 
 from agents.record import refused
 from agents.spec import versions
-from app.live.control.moment import Moment
-from app.live.laboratory.parts import MB, RESERVE, Kept, Part, part_of, parts_of
+from app.live.control.tick_record import TickRecord
+from app.live.laboratory.parts import MB, RESERVE, Part, RecordingLimits, part_of, parts_of
 from app.live.recording.stream import Stream, finish
 from worlds.refusal import Refusal
 
@@ -103,15 +103,15 @@ class Recording:
     raises Refusal if the folder has something in it or cannot be written.
     """
 
-    def __init__(self, folder: str | Path, laboratory: str, kept: Kept | None = None):
+    def __init__(self, folder: str | Path, laboratory: str, kept: RecordingLimits | None = None):
         self.folder = Path(folder)
         self.laboratory = laboratory
-        self.kept = kept or Kept()
+        self.kept = kept or RecordingLimits()
         self.trouble = ""
         """Why it cannot write, in one line; empty while all is well."""
-        self.waiting: queue.SimpleQueue[Moment] = queue.SimpleQueue()
+        self.waiting: queue.SimpleQueue[TickRecord] = queue.SimpleQueue()
         self.told: queue.SimpleQueue[str] = queue.SimpleQueue()
-        """What is new of it, and was not asked for yet."""
+        """News of it that `news` has not given yet."""
         self.ending = threading.Event()
         self.part = part_of(self.folder, 1)
         """The one that is being written."""
@@ -157,7 +157,7 @@ class Recording:
         if self.trouble:
             raise Refusal(f"{self.trouble}; the recording ends there")
 
-    def write(self, moment: Moment) -> None:
+    def write(self, moment: TickRecord) -> None:
         """Take down a tick; it is written within EVERY seconds."""
         if self.trouble:
             return
@@ -214,13 +214,13 @@ class Recording:
         for stream in self.streams.values():
             stream.close()
         before, self.part = self.part, part_of(self.folder, self.part.number + 1)
-        self.make_room()
+        self.free_space()
         self.begin(self.part)
         self.told.put(f"the recording goes on in part {self.part.number}")
         self.filing.append(self.filer.submit(self.file, before))
 
-    def make_room(self) -> None:
-        """Remove the oldest parts that there is no room for any more. Raises OSError."""
+    def free_space(self) -> None:
+        """Remove the oldest parts for which there is no space any more. Raises OSError."""
         for filed in self.filing:  # what is still being made cannot be removed
             with suppress(OSError):  # said at the end
                 filed.result()
@@ -243,8 +243,8 @@ class Recording:
                 finish(part.stream(name), part.table(name))
 
 
-def rows(table: str, moments: Iterable[Moment]) -> Iterator[tuple]:
-    """The rows of one table that ticks come to."""
+def rows(table: str, moments: Iterable[TickRecord]) -> Iterator[tuple]:
+    """The rows of ticks in one table."""
     for moment in moments:
         match table:
             case "ticks":
@@ -264,7 +264,7 @@ def rows(table: str, moments: Iterable[Moment]) -> Iterator[tuple]:
                     yield (e.tick, e.time, e.kind, e.words, e.car, e.cause, e.asked, e.note)
 
 
-def tick_row(moment: Moment) -> tuple:
+def tick_row(moment: TickRecord) -> tuple:
     """The row of a tick."""
     target = moment.injected
     where = (target.x, target.y, target.yaw) if target is not None else NOWHERE
@@ -272,7 +272,7 @@ def tick_row(moment: Moment) -> tuple:
     return (moment.tick, moment.now, mode, moment.arm, *where, moment.latency)
 
 
-def pose_rows(moment: Moment) -> Iterator[tuple]:
+def pose_rows(moment: TickRecord) -> Iterator[tuple]:
     """The rows of a tick's bodies."""
     for frame in moment.frames:
         for sighting in frame.sightings:
@@ -288,7 +288,7 @@ def pose_rows(moment: Moment) -> Iterator[tuple]:
             )
 
 
-def command_rows(moment: Moment) -> Iterator[tuple]:
+def command_rows(moment: TickRecord) -> Iterator[tuple]:
     """The rows of a tick's commands."""
     for name, sent in moment.step.verdict.commands.items():
         wanted = moment.step.wanted.get(name, (None, None))

@@ -1,4 +1,4 @@
-"""Saves a recording whose process was killed, and tells what the cars were told last."""
+"""Recovers a recording whose process was killed, and reports the last commands to the cars."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Replays a recording: the same rule behind the same safety, given what was seen and asked.
+"""Replays a recording: the same rule behind the same safety, given its frames and requests.
 
 What comes out must be what was sent, to the bit; where it is not, a replay says so.
 """
@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, cast
 
 from agents.record import KEY
-from app.live.control.arm import Request, Wish
+from app.live.control.arm import Action, OperatorRequest
 from app.live.control.control import Control, Step
 from app.live.control.driver import Companion, Driver
-from app.live.control.pose import Frame, Pose, Sighting
+from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
 from app.live.recording.record import TABLES
@@ -35,8 +35,8 @@ class Tick:
     number: int
     now: float
     mode: int
-    requests: tuple[Request, ...]
-    frames: tuple[Frame, ...]
+    requests: tuple[OperatorRequest, ...]
+    frames: tuple[MocapFrame, ...]
     injected: Pose | None
     wanted: dict[str, tuple[float, float]]
     sent: dict[str, tuple[float, float]]
@@ -45,7 +45,7 @@ class Tick:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class StoredRecording:
     """A recording; its ticks are read from the disk as they are asked for."""
 
     folder: Path
@@ -82,7 +82,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class Replayed:
-    """What a replay came to."""
+    """The result of a replay."""
 
     ticks: int
     """Ticks replayed."""
@@ -92,7 +92,7 @@ class Replayed:
     """The first thing that came out differently, in words; empty: all is the same to the bit."""
 
 
-def read(folder: str | Path) -> Recorded:
+def read(folder: str | Path) -> StoredRecording:
     """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
     folder = Path(folder)
     demand_recording(folder)
@@ -106,7 +106,7 @@ def read(folder: str | Path) -> Recorded:
             if meta_of(part.table(name))["began"] != meta["began"]:
                 raise Refusal(f"{str(part.table(name))!r} is of another recording")
     lab = lab_from_toml(meta["laboratory"], str(folder))
-    return Recorded(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
+    return StoredRecording(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
 
 
 def demand_recording(folder: Path) -> None:
@@ -187,17 +187,17 @@ def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
     )
 
 
-def requests(events: list[Row]) -> Iterator[Request]:
-    """What was asked at a tick."""
+def requests(events: list[Row]) -> Iterator[OperatorRequest]:
+    """The requests of a tick."""
     for event in events:
         if event["asked"]:
-            yield Request(cast(Wish, event["asked"]), event["cause"], event["note"])
+            yield OperatorRequest(cast(Action, event["asked"]), event["cause"], event["note"])
 
 
-def frames(rows: list[Row], poses: list[Row]) -> Iterator[Frame]:
+def frames(rows: list[Row], poses: list[Row]) -> Iterator[MocapFrame]:
     """The frames that a tick took."""
     for row in rows:
-        yield Frame(
+        yield MocapFrame(
             row["number"],
             row["received"],
             tuple(
@@ -214,7 +214,7 @@ def pose(x: float | None, y: float | None, yaw: float | None) -> Pose | None:
     return None if x is None or y is None or yaw is None else Pose(x, y, yaw)
 
 
-def steps(recorded: Recorded, driver: Driver) -> Iterator[tuple[Tick, Step]]:
+def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Step]]:
     """What the driver behind the safety of the recording's laboratory makes of every tick.
 
     Raises Refusal if its beginning is no longer there: all that follows depends on it.

@@ -9,7 +9,7 @@ from app.live.control.pose import Sighting
 
 @dataclass(frozen=True, slots=True)
 class RecordedFrame:
-    """One frame as it was recorded; played, it becomes a `Frame`."""
+    """One frame as it was recorded; played, it becomes a `MocapFrame`."""
 
     time: float
     """Seconds by the clock of the recording."""

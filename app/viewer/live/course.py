@@ -11,8 +11,8 @@ from itertools import combinations
 import numpy as np
 
 from app.live.control.injected import Injection
-from app.live.control.look import Look
 from app.live.control.pose import Pose
+from app.live.control.status import Status
 
 KEPT = 120.0
 """Seconds that are kept."""
@@ -27,7 +27,7 @@ class Point:
     """One moment; NaN where there is nothing to tell."""
 
     time: float
-    """`Look.time`, s."""
+    """`Status.time`, s."""
     loop: float
     worst: float
     latency: float
@@ -43,31 +43,31 @@ class Course:
     plan: Injection
     """How the injected car moves."""
     began: float | None = None
-    """`Look.time` of the first look, s."""
+    """`Status.time` of the first status, s."""
     points: tuple[Point, ...] = field(default=(), repr=False)
 
-    def after(self, look: Look) -> Course:
-        """The course with another look, unless it follows the last point too soon."""
-        if self.points and look.time < self.points[-1].time + EVERY - SLACK:
+    def after(self, status: Status) -> Course:
+        """The course with another status, unless it follows the last point too soon."""
+        if self.points and status.time < self.points[-1].time + EVERY - SLACK:
             return self
-        began = look.time if self.began is None else self.began
-        kept = [point for point in self.points if point.time >= look.time - KEPT - SLACK]
-        return Course(self.plan, began, (*kept, self.point(look)))
+        began = status.time if self.began is None else self.began
+        kept = [point for point in self.points if point.time >= status.time - KEPT - SLACK]
+        return Course(self.plan, began, (*kept, self.point(status)))
 
-    def point(self, look: Look) -> Point:
-        """What a look comes to. A lost car has no place: where it is nobody knows."""
+    def point(self, status: Status) -> Point:
+        """The point of a status. A lost car has no place: where it is nobody knows."""
         poses = {
             car.name: car.pose
-            for car in look.cars
+            for car in status.cars
             if car.pose is not None and car.tracking != "lost"
-        } | {one.name: one.pose for one in look.companions}
+        } | {one.name: one.pose for one in status.companions}
         return Point(
-            look.time,
-            MS * look.period.median,
-            MS * look.period.worst,
-            MS * look.latency.median,
+            status.time,
+            MS * status.period.median,
+            MS * status.period.worst,
+            MS * status.latency.median,
             least_distance(list(poses.values())),
-            {} if look.injected is None else phase_lags(self.plan, look.injected, poses),
+            {} if status.injected is None else phase_lags(self.plan, status.injected, poses),
         )
 
     @cached_property

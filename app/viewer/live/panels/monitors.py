@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from app.live.control.injected import Injection
-from app.live.control.look import Look
+from app.live.control.status import Status
 from app.viewer.live.course import Course
 from app.viewer.live.panels.plots import colours
 from app.viewer.panels.style import block, cards, key
@@ -29,7 +29,7 @@ class LiveMonitors:
 
     def refresh(
         self,
-        look: Look,
+        status: Status,
         frame: Frame,
         course: Course,
         plan: Injection,
@@ -37,9 +37,9 @@ class LiveMonitors:
         chosen: int | None,
     ) -> None:
         """Show the latest of everything; `chosen` is the row of the car that was clicked."""
-        self.cards.content = cards(numbers(look, course, plan, browsers))
+        self.cards.content = cards(numbers(status, course, plan, browsers))
         self.cars.visible = True
-        self.cars.content = block(cars(look, frame, course, chosen))
+        self.cars.content = block(cars(status, frame, course, chosen))
 
     def colours(self, colour: str, legend: list[tuple[str, str]]) -> None:
         """Say what the colours mean."""
@@ -49,28 +49,28 @@ class LiveMonitors:
         )
 
 
-def numbers(look: Look, course: Course, plan: Injection, browsers: int) -> dict[str, str]:
+def numbers(status: Status, course: Course, plan: Injection, browsers: int) -> dict[str, str]:
     """The cards, name -> text."""
     told = {
-        "loop": milliseconds(look.period.median),
-        "worst": milliseconds(look.period.worst),
-        "latency": milliseconds(look.latency.median),
+        "loop": milliseconds(status.period.median),
+        "worst": milliseconds(status.period.worst),
+        "latency": milliseconds(status.latency.median),
         "least distance": length(last(course.least)),
     }
     if plan.path == "circle":
         lags = [value for lag in course.lags.values() if math.isfinite(value := last(lag))]
         told["mean lag"] = degrees(sum(lags) / len(lags)) if lags else DASH
-    told["ticks missed"] = str(look.missed)
-    if look.dropped:
-        told["frames not sent"] = str(look.dropped)
+    told["ticks missed"] = str(status.missed)
+    if status.dropped:
+        told["frames not sent"] = str(status.dropped)
     return told | ({"browsers": str(browsers)} if browsers > 1 else {})
 
 
-def cars(look: Look, frame: Frame, course: Course, chosen: int | None) -> str:
+def cars(status: Status, frame: Frame, course: Course, chosen: int | None) -> str:
     """A table of all cars: state, age of the pose, speed, what is sent, lag."""
     live = frame.live
     rows = {} if live is None else {name: row for row, name in enumerate(live.names)}
-    ink = colours([*(car.name for car in look.cars), *(one.name for one in look.companions)])
+    ink = colours([*(car.name for car in status.cars), *(one.name for one in status.companions)])
 
     def line(name: str, state: str, *cells: str) -> str:
         row = rows.get(name)
@@ -87,9 +87,9 @@ def cars(look: Look, frame: Frame, course: Course, chosen: int | None) -> str:
 
     made = [
         line(car.name, car.state, aged(car.age), share(car.sent[0]), share(car.sent[1]))
-        for car in look.cars
+        for car in status.cars
     ]
-    made += [line(one.name, "simulated", DASH, share(one.steer), DASH) for one in look.companions]
+    made += [line(one.name, "simulated", DASH, share(one.steer), DASH) for one in status.companions]
     return (
         '<div class="fs-head">Cars</div><table class="fs-cars"><tr><th>car</th><th>age</th>'
         f"<th>m/s</th><th>steer</th><th>thr.</th>{'<th>lag</th>' if course.lags else ''}</tr>"

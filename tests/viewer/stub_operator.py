@@ -1,4 +1,4 @@
-"""A desk without a process: its loop is as good as the test wants it to be."""
+"""An operator without a process: its loop is as good as the test wants it to be."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import threading
 import time
 from types import SimpleNamespace
 
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.control.driver import Companion
 from app.live.control.events import Event
-from app.live.control.look import CarLook, Look
 from app.live.control.pose import Pose
+from app.live.control.status import CarStatus, Status
 from app.live.control.timing import Summary
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.operating.squashing_driver import model_for
@@ -23,12 +23,14 @@ SUMMARY = Summary(0.01, 0.012, 0.02)
 AT = Pose(1.0, 0.5, 0.0)
 
 
-def car_look(name, pose=AT, age=0.005, tracking="tracked", runs=True, sent=(0.5, 1.0)):
-    return CarLook(name, pose, age if pose else math.inf, tracking if pose else "lost", runs, sent)
+def car_status(name, pose=AT, age=0.005, tracking="tracked", runs=True, sent=(0.5, 1.0)):
+    return CarStatus(
+        name, pose, age if pose else math.inf, tracking if pose else "lost", runs, sent
+    )
 
 
-def look_at(tick=0, time=0.0, arm="safe", cars=(), injected=None, companions=(), events=0):
-    return Look(
+def status_at(tick=0, time=0.0, arm="safe", cars=(), injected=None, companions=(), events=0):
+    return Status(
         tick,
         time,
         arm,
@@ -50,7 +52,7 @@ def companion(number, x=0.0, y=0.0, steer=0.0):
     return Companion(f"sim {number}", Pose(x, y, 0.0), steer)
 
 
-class StubDesk:
+class StubOperator:
     """Answers at once, as the loop does; `mute` for one that does not."""
 
     def __init__(self, lab, opener, recording):
@@ -60,7 +62,7 @@ class StubDesk:
         self.events: list[Event] = []
         self.trouble = ""
         self.alive = True
-        self.asked: list[Request] = []
+        self.asked: list[OperatorRequest] = []
         self.placed: list[tuple[float, float]] = []
         self.arm = "safe"
         self.ticks = 0
@@ -75,7 +77,7 @@ class StubDesk:
             self.answer(request)
 
     def answer(self, request):
-        kind, words = request.wish, request.wish
+        kind, words = request.action, request.action
         after = {"arm": "armed", "disarm": "safe", "hold": "safe", "emergency": "emergency"}
         if self.refuses or (kind == "arm" and self.arm == "emergency"):
             kind, words = "refused", self.refuses or "latched"
@@ -83,7 +85,7 @@ class StubDesk:
             self.arm = "safe"
         elif self.arm != "emergency":
             self.arm = after.get(kind, self.arm)
-        self.happens(kind, words, request.cause, request.wish, request.words)
+        self.happens(kind, words, request.cause, request.action, request.words)
 
     def happens(self, kind, words, cause="", asked="", note="", car=""):
         self.events.append(
@@ -93,30 +95,30 @@ class StubDesk:
     def place(self, x, y):
         self.placed.append((x, y))
 
-    def look(self):
+    def status(self):
         if self.mute:
             return None
         self.ticks += 3
-        cars = [car_look(name, pose) for name, pose in self.seen.items()]
-        return look_at(self.ticks, time.monotonic(), self.arm, cars, events=len(self.events))
+        cars = [car_status(name, pose) for name, pose in self.seen.items()]
+        return status_at(self.ticks, time.monotonic(), self.arm, cars, events=len(self.events))
 
     def close(self):
         self.closed += 1
         self.alive = False
 
-    def wishes(self):
-        return [request.wish for request in self.asked]
+    def actions(self):
+        return [request.action for request in self.asked]
 
     def tuned(self):
         """The parameters that were asked for, in order."""
-        return [json.loads(request.words) for request in self.asked if request.wish == "tune"]
+        return [json.loads(request.words) for request in self.asked if request.action == "tune"]
 
 
-class Desks:
-    """Makes the desks of a room: `gate` closed keeps them from being ready."""
+class Operators:
+    """Makes the operators of a room: `gate` closed keeps them from being ready."""
 
     def __init__(self):
-        self.made: list[StubDesk] = []
+        self.made: list[StubOperator] = []
         self.begun = 0
         self.gate = threading.Event()
         self.gate.set()
@@ -127,7 +129,7 @@ class Desks:
         assert self.gate.wait(30)
         if self.refuses:
             raise Refusal(self.refuses)
-        self.made.append(StubDesk(lab, opener, recording))
+        self.made.append(StubOperator(lab, opener, recording))
         return self.made[-1]
 
     @property

@@ -1,4 +1,4 @@
-"""One tick of the control loop as it is recorded: what came in and what went out."""
+"""One tick of the control loop as it is recorded: its inputs and its outputs."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from app.live.control.arm import State
 from app.live.control.control import Step
 from app.live.control.events import Event
-from app.live.control.pose import Frame, Pose
+from app.live.control.pose import MocapFrame, Pose
 
 
 @dataclass(frozen=True)
-class Moment:
-    """A tick. With those before it, it holds all that its commands follow from."""
+class TickRecord:
+    """A tick. It and those before it hold all inputs that its commands depend on."""
 
     tick: int
     now: float
-    """`time.monotonic()` at its beginning, s; all that it decides, it decides for this time."""
-    frames: tuple[Frame, ...]
-    """Those that had come since the last tick; the last of them is the one that counts."""
+    """`time.monotonic()` at its beginning, s; the time for which its commands are computed."""
+    frames: tuple[MocapFrame, ...]
+    """Those that arrived since the last tick; the last of them is used."""
     injected: Pose | None
     step: Step
     arm: State

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.links.frame import Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.operating.desk import Desk
+from app.live.operating.operator import Operator
 from app.live.recording.replay import read
 from live.rooms import LAB, crawling, lab, named, refusing
 from worlds.refusal import Refusal
@@ -76,15 +76,15 @@ def cars():
 
 
 @pytest.fixture
-def desk(cars):
-    one = Desk(lab(cars.text), crawling)
+def operator(cars):
+    one = Operator(lab(cars.text), crawling)
     yield one
     one.close()
 
 
-def arm(desk, cars):
+def arm(operator, cars):
     cars.listen(lambda: cars.mode() == STOP)
-    desk.ask(Request("arm", "test"))
+    operator.ask(OperatorRequest("arm", "test"))
     cars.listen(lambda: cars.mode() == RUN)
 
 
@@ -95,20 +95,20 @@ def wait_for(what):
         time.sleep(0.01)
 
 
-def test_the_desk_arms_stops_and_leaves(desk, cars):
-    arm(desk, cars)
-    wait_for(lambda: desk.look() is not None and desk.look().mode == RUN)
-    assert {car.state for car in desk.look().cars} == {"tracked"}
+def test_the_operator_arms_stops_and_leaves(operator, cars):
+    arm(operator, cars)
+    wait_for(lambda: operator.status() is not None and operator.status().mode == RUN)
+    assert {car.state for car in operator.status().cars} == {"tracked"}
     assert cars.heard[-1].commands[1][1] == pytest.approx(0.1, abs=0.005)
-    desk.ask(Request("emergency", "browser 1"))
+    operator.ask(OperatorRequest("emergency", "browser 1"))
     cars.listen(lambda: cars.mode() == EMERGENCY)
-    desk.ask(Request("arm", "browser 1"))
-    wait_for(lambda: desk.look() and "refused" in [event.kind for event in desk.events])
+    operator.ask(OperatorRequest("arm", "browser 1"))
+    wait_for(lambda: operator.status() and "refused" in [event.kind for event in operator.events])
     assert cars.mode() == EMERGENCY
-    desk.ask(Request("reset", "test"))
+    operator.ask(OperatorRequest("reset", "test"))
     cars.listen(lambda: cars.mode() == STOP)
-    wait_for(lambda: desk.look() and len(desk.events) == 6)
-    assert [(event.kind, event.cause) for event in desk.events] == [
+    wait_for(lambda: operator.status() and len(operator.events) == 6)
+    assert [(event.kind, event.cause) for event in operator.events] == [
         ("arm", "test"),
         ("run", ""),
         ("emergency", "browser 1"),
@@ -116,54 +116,54 @@ def test_the_desk_arms_stops_and_leaves(desk, cars):
         ("refused", "browser 1"),
         ("reset", "test"),
     ]
-    desk.close()
-    assert not desk.alive
+    operator.close()
+    assert not operator.alive
     assert cars.silence()[-5:] == [STOP] * 5
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_to_the_loop_stops_the_cars(desk, cars, number):
-    arm(desk, cars)
-    os.kill(desk.process.pid, number)
+def test_a_signal_to_the_loop_stops_the_cars(operator, cars, number):
+    arm(operator, cars)
+    os.kill(operator.process.pid, number)
     assert cars.silence()[-5:] == [STOP] * 5
-    wait_for(lambda: not desk.alive)
+    wait_for(lambda: not operator.alive)
 
 
-def test_a_killed_loop_says_nothing_more_and_the_desk_knows(desk, cars):
-    arm(desk, cars)
-    desk.process.kill()
-    wait_for(lambda: not desk.alive)
+def test_a_killed_loop_says_nothing_more_and_the_operator_knows(operator, cars):
+    arm(operator, cars)
+    operator.process.kill()
+    wait_for(lambda: not operator.alive)
     assert cars.silence()[-1] == RUN
-    desk.look()
-    assert desk.trouble == "the control loop is gone: the cars stop themselves"
-    desk.look()
+    operator.status()
+    assert operator.trouble == "the control loop is gone: the cars stop themselves"
+    operator.status()
 
 
-DESK = """
+PROGRAM = """
 import sys, time
 sys.path[:0] = {path!r}
 from live.rooms import crawling, lab
-from app.live.control.arm import Request
-from app.live.operating.desk import Desk
+from app.live.control.arm import OperatorRequest
+from app.live.operating.operator import Operator
 
 if __name__ == "__main__":
-    desk = Desk(lab(open({file!r}).read()), crawling)
-    desk.look()
+    operator = Operator(lab(open({file!r}).read()), crawling)
+    operator.status()
     time.sleep(0.3)
-    desk.ask(Request("arm", "test"))
+    operator.ask(OperatorRequest("arm", "test"))
     while True:
         time.sleep(0.01)
-        desk.look()
+        operator.status()
 """
 
 
 @pytest.fixture
 def other(cars, tmp_path):
-    """A desk in a process of its own, armed, that can be stopped and killed."""
+    """An operator in a process of its own, armed, that can be stopped and killed."""
     (tmp_path / "lab.toml").write_text(cars.text)
     path = [str(ROOT), str(ROOT / "tests")]
-    script = tmp_path / "desk.py"
-    script.write_text(DESK.format(path=path, file=str(tmp_path / "lab.toml")))
+    script = tmp_path / "drives.py"
+    script.write_text(PROGRAM.format(path=path, file=str(tmp_path / "lab.toml")))
     process = subprocess.Popen([sys.executable, str(script)], cwd=ROOT)
     cars.listen(lambda: cars.mode() == RUN)
     yield process
@@ -171,13 +171,13 @@ def other(cars, tmp_path):
     process.wait()
 
 
-def test_a_killed_desk_stops_the_cars(other, cars):
+def test_a_killed_operator_stops_the_cars(other, cars):
     other.kill()
     other.wait()
     assert cars.silence()[-5:] == [STOP] * 5
 
 
-def test_a_desk_that_hangs_does_not_hold_the_loop_up(other, cars):
+def test_an_operator_that_hangs_does_not_hold_the_loop_up(other, cars):
     os.kill(other.pid, signal.SIGSTOP)
     try:
         heard = len(cars.heard)
@@ -194,19 +194,26 @@ MOCK = "mock:?frequency=100&rigid_bodies=red(0,0,0,1,0,0,0);blue body(0,1,0,1,0,
 
 
 def test_a_source_whose_process_is_killed_stops_the_cars_and_is_in_the_log(cars):
-    desk = Desk(lab(cars.text.replace("mock:", MOCK)), named)
+    operator = Operator(lab(cars.text.replace("mock:", MOCK)), named)
     try:
-        wait_for(lambda: desk.look() and {car.tracking for car in desk.look().cars} == {"tracked"})
-        arm(desk, cars)
-        (source,) = children(desk.process.pid)
+        wait_for(
+            lambda: (
+                operator.status()
+                and {car.tracking for car in operator.status().cars} == {"tracked"}
+            )
+        )
+        arm(operator, cars)
+        (source,) = children(operator.process.pid)
         os.kill(source, signal.SIGKILL)
         cars.listen(lambda: cars.mode() == STOP)
-        wait_for(lambda: desk.look() and "asleep" in [event.kind for event in desk.events])
-        words = [event.words for event in desk.events if event.kind == "source"]
+        wait_for(
+            lambda: operator.status() and "asleep" in [event.kind for event in operator.events]
+        )
+        words = [event.words for event in operator.events if event.kind == "source"]
         assert len(words) == 1
         assert "its process was killed (SIGKILL)" in words[0]
     finally:
-        desk.close()
+        operator.close()
 
 
 def children(pid):
@@ -221,13 +228,13 @@ def children(pid):
 
 def test_what_cannot_begin_is_refused_in_one_line():
     with pytest.raises(Refusal, match="unknown link 'dri': did you mean 'dry'"):
-        Desk(lab(), refusing)
+        Operator(lab(), refusing)
 
 
-def test_a_recording_is_finished_when_the_desk_closes(cars, tmp_path):
-    desk = Desk(lab(cars.text), crawling, tmp_path / "run")
-    arm(desk, cars)
-    desk.close()
+def test_a_recording_is_finished_when_the_operator_closes(cars, tmp_path):
+    operator = Operator(lab(cars.text), crawling, tmp_path / "run")
+    arm(operator, cars)
+    operator.close()
     recorded = read(tmp_path / "run")
     kinds = [event["kind"] for event in recorded.events()]
     assert kinds == ["arm", "run", "hold", "stop", "end"]
@@ -244,15 +251,15 @@ def software():
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     text = LAB.replace('"mock:"', '"simulated"').replace('"dry"', f'"simulated?port={port}"')
-    one = Desk(lab(text), named)
+    one = Operator(lab(text), named)
     one.port = port
     yield one
     one.close()
 
 
-def tracked(desk):
-    look = desk.look()
-    return look is not None and {car.tracking for car in look.cars} == {"tracked"}
+def tracked(operator):
+    status = operator.status()
+    return status is not None and {car.tracking for car in status.cars} == {"tracked"}
 
 
 def taken(port):
@@ -267,14 +274,14 @@ def taken(port):
 def test_a_room_in_software_is_seen_and_its_cars_obey(software):
     wait_for(lambda: tracked(software))
     assert taken(software.port)
-    begun = {car.name: car.pose for car in software.look().cars}
-    software.ask(Request("arm", "test"))
-    wait_for(lambda: software.look().mode == RUN)
+    begun = {car.name: car.pose for car in software.status().cars}
+    software.ask(OperatorRequest("arm", "test"))
+    wait_for(lambda: software.status().mode == RUN)
 
     def gone():
         return [
             math.hypot(car.pose.x - begun[car.name].x, car.pose.y - begun[car.name].y)
-            for car in software.look().cars
+            for car in software.status().cars
         ]
 
     wait_for(lambda: min(gone()) > 0.1)
@@ -283,9 +290,9 @@ def test_a_room_in_software_is_seen_and_its_cars_obey(software):
 
 
 def test_a_room_in_software_is_seen_with_a_dry_link_too():
-    dry = Desk(lab(LAB.replace('"mock:"', '"simulated"')), named)
+    dry = Operator(lab(LAB.replace('"mock:"', '"simulated"')), named)
     try:
         wait_for(lambda: tracked(dry))
-        assert dry.look().troubles == {}
+        assert dry.status().troubles == {}
     finally:
         dry.close()

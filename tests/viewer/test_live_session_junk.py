@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.models.declare import checked
-from app.live.example import example
-from app.live.operating.choices import links, rules, sources
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices
 from app.live.operating.squashing_driver import NOT_SIMULATED, model_for
-from app.viewer.live.room import Room
-from tests.viewer.stub_desk import Desks, driver
+from app.viewer.live.session import Session
+from tests.viewer.stub_operator import Operators, driver
 from tests.viewer.waiting import until
 
-LAB = example()
+CHOICES = Choices.of(example())
 JUNK = st.one_of(
     st.none(),
     st.booleans(),
@@ -35,9 +35,9 @@ CALLS = st.one_of(
     st.tuples(st.just("place"), JUNK, st.one_of(JUNK, st.floats(-1.0, 1.0))),
     st.tuples(
         st.just("choose"),
-        st.one_of(JUNK, st.sampled_from(list(sources(LAB)))),
-        st.one_of(JUNK, st.sampled_from(list(links(LAB)))),
-        st.one_of(JUNK, st.sampled_from(list(rules(LAB)))),
+        st.one_of(JUNK, st.sampled_from(list(CHOICES.sources))),
+        st.one_of(JUNK, st.sampled_from(list(CHOICES.links))),
+        st.one_of(JUNK, st.sampled_from(CHOICES.rules)),
     ),
     st.tuples(st.just("emergency")),
     st.tuples(st.just("reopen")),
@@ -48,32 +48,32 @@ CALLS = st.one_of(
 @settings(max_examples=60, deadline=None)
 @given(st.lists(CALLS, max_size=25))
 def test_nothing_raises_and_nothing_exceeds_a_limit(calls):
-    desks = Desks()
-    room = Room(LAB, desk=desks, driver=driver)
+    operators = Operators()
+    session = Session(CHOICES, operator=operators, driver=driver)
     try:
-        until(lambda: room.state.status == "open")
+        until(lambda: session.state.phase == "open")
         for name, *values in calls:
             more = () if name in ("place", "choose") else ("browser 1",)
-            getattr(room, name)(*values, *((0,) if name == "browsers" else more))
-        until(lambda: room.next is None and room.state.status == "open")
-        room.emergency("browser 1")
-        until(lambda: room.look is not None and room.look.arm == "emergency")
+            getattr(session, name)(*values, *((0,) if name == "browsers" else more))
+        until(lambda: session.next is None and session.state.phase == "open")
+        session.emergency("browser 1")
+        until(lambda: session.status is not None and session.status.arm == "emergency")
     finally:
-        room.close()
-    assert room.state.status == "closed"
-    for desk in desks.made:
-        assert desk.closed == 1
-        assert desk.lab.source in sources(LAB).values()
-        assert desk.lab.link in {*links(LAB).values(), "simulated"}
-        model = model_for(desk.lab.rule)
-        for values in desk.tuned():
+        session.close()
+    assert session.state.phase == "closed"
+    for operator in operators.made:
+        assert operator.closed == 1
+        assert operator.lab.source in CHOICES.sources.values()
+        assert operator.lab.link in {*CHOICES.links.values(), "simulated"}
+        model = model_for(operator.lab.rule)
+        for values in operator.tuned():
             assert not set(values) & set(NOT_SIMULATED)
             assert checked(model.parameters, values)
-        for x, y in desk.placed:
+        for x, y in operator.placed:
             assert math.isfinite(x)
             assert math.isfinite(y)
-        for request in desk.asked:
-            if request.wish == "accompany":
-                assert 0 <= int(request.words) <= LAB.simulated.most
-    while not room.notices.empty():
-        assert len(room.notices.get()) < 1000
+        for request in operator.asked:
+            if request.action == "accompany":
+                assert 0 <= int(request.words) <= CHOICES.lab.simulated.most
+    while not session.notices.empty():
+        assert len(session.notices.get()) < 1000

@@ -1,4 +1,4 @@
-"""What is other in a row of an experiment than in its world's mission: where it starts, and how."""
+"""What a row of an experiment overrides of its world's mission: the start, the goal's speed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from worlds.world import World
 
 
 class Ranks(Strict):
-    """Agents in order on a plane, from which they are a little off: normal numbers, by the seed."""
+    """Places on a plane for the first agents, with normal noise that follows from the seed."""
 
     places: tuple[tuple[float, float], ...] = Field(min_length=1)
     """Where they stand, the first agents at the first places; length."""
@@ -40,8 +40,8 @@ class Ranks(Strict):
         }
 
 
-class Errand(Strict):
-    """What is other in a row than in the world's mission."""
+class Overrides(Strict):
+    """What a row overrides of the world's mission."""
 
     ranks: Ranks | None = None
     """Where agents start; None: at random in the world's own region."""
@@ -49,15 +49,15 @@ class Errand(Strict):
     """Speed of the goal along its route; None: the world's own."""
 
 
-PLAIN = Errand()
-"""Nothing is other."""
+PLAIN = Overrides()
+"""Nothing is overridden."""
 
 
-def sent_on(world: World, errand: Errand) -> World:
-    """The world with the goal as fast as the errand says. Raises Refusal if it has none."""
-    if errand.speed is None:
+def with_goal_speed(world: World, overrides: Overrides) -> World:
+    """The world with the goal at the speed of the overrides. Raises Refusal if it has no goal."""
+    if overrides.speed is None:
         return world
     if world.mission is None or world.mission.goal is None:
-        raise Refusal(f"speed = {errand.speed:g}: the world {world.name!r} has no goal")
-    goal = world.mission.goal.model_copy(update={"speed": errand.speed})
+        raise Refusal(f"speed = {overrides.speed:g}: the world {world.name!r} has no goal")
+    goal = world.mission.goal.model_copy(update={"speed": overrides.speed})
     return replace(world, mission=world.mission.model_copy(update={"goal": goal}))

@@ -1,4 +1,4 @@
-"""Looks at what browsers want before it goes to the control loop, which looks again."""
+"""Checks of what browsers send, before it goes to the control loop, which checks again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a look at the control loop shows: a picture of one tick, for the viewer and the terminal."""
+"""What the control loop reports of itself at a tick, for the viewer and the terminal."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Tracking = Literal["tracked", "late", "lost"]
 
 
 @dataclass(frozen=True)
-class CarLook:
-    """One car."""
+class CarStatus:
+    """One car at a tick."""
 
     name: str
     pose: Pose | None
@@ -28,7 +28,7 @@ class CarLook:
     """Seconds since then; infinite if it never was."""
     tracking: Tracking
     runs: bool
-    """Whether it is told to run."""
+    """Whether the command sent to it was to run."""
     sent: Command
 
     @property
@@ -40,8 +40,8 @@ class CarLook:
 
 
 @dataclass(frozen=True)
-class Look:
-    """The laboratory at one tick."""
+class Status:
+    """The control loop and its cars at one tick."""
 
     tick: int
     time: float
@@ -50,7 +50,7 @@ class Look:
     mode: int
     reasons: tuple[Reason, ...]
     """Why the cars do not run, or could not be armed."""
-    cars: tuple[CarLook, ...]
+    cars: tuple[CarStatus, ...]
     injected: Pose | None
     companions: tuple[Companion, ...]
     """The simulated cars beside them."""
@@ -59,19 +59,19 @@ class Look:
     latency: Summary
     """Seconds from the arrival of a frame to the commands that it leads to."""
     missed: int
-    """Deadlines that passed unused, in all."""
+    """Ticks left out because their deadline had passed, in all."""
     dropped: int
     """Frames that the link did not send, in all."""
     troubles: dict[str, str]
     """What is wrong with the source, the link and the recording, by these names."""
     events: int
-    """How many there were so far."""
+    """Number of events so far."""
 
 
-def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarLook, ...]:
-    """The cars as they are at `now` (s)."""
+def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarStatus, ...]:
+    """The status of each car at `now` (s)."""
     return tuple(
-        CarLook(
+        CarStatus(
             name,
             safety.seen.last[name].pose if name in safety.seen.last else None,
             safety.seen.age(name, now),
@@ -84,7 +84,7 @@ def cars_of(safety: Safety, verdict: Verdict, now: float) -> tuple[CarLook, ...]
 
 
 def tracking(age: float, stale: float) -> Tracking:
-    """What a car's age (s) means.
+    """Whether a car is tracked, late or lost, by the age (s) of its last pose.
 
     >>> tracking(0.02, stale=0.1), tracking(0.09, stale=0.1), tracking(0.11, stale=0.1)
     ('tracked', 'late', 'lost')

@@ -1,4 +1,4 @@
-"""A laboratory as its page sees it."""
+"""The page's session with a laboratory: its control loop is opened, polled and closed here."""
 
 from __future__ import annotations
 
@@ -8,97 +8,95 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from datetime import datetime
+from itertools import count
 from pathlib import Path
 from typing import Protocol
 
 from agents.models.declare import Parameters
 from agents.models.model import Model
-from app.live.control.arm import Request
+from app.live.control.arm import OperatorRequest
 from app.live.control.events import Event, Events
-from app.live.control.look import Look
+from app.live.control.status import Status
 from app.live.laboratory.lab import Lab
-from app.live.operating.desk import Desk
+from app.live.operating.choices import Choices
 from app.live.operating.driven import open_driven
 from app.live.operating.ends import Opener
+from app.live.operating.operator import Operator
 from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.arming_code import ArmingCode, Verdict
-from app.viewer.live.asking import CLOSED, Asking
 from app.viewer.live.course import Course
-from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted
-from app.viewer.live.opened import Counter, Opened
-from app.viewer.live.room_state import Choice
+from app.viewer.live.opening import Opening, OperatorProtocol
+from app.viewer.live.session_requests import CLOSED, SessionRequests
 from app.viewer.run.words import in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
 
-LOOK_EVERY = 1 / 50
-"""Seconds between two looks at the loop."""
+POLL_EVERY = 1 / 50
+"""Seconds between two polls of the loop."""
 OFF = "no browser arms until the next start"
 """What is said after too many wrong codes."""
 FAREWELL = 2.0
-"""Seconds that closing waits for an opening; its desk closes by itself when it is ready."""
+"""Seconds that closing waits for an opening; its loop is closed when it is ready."""
 
 
 class Driving(Protocol):
-    """What a room has to know of what drives the cars."""
+    """What a session has to know of what drives the cars."""
 
     model: Model
     parameters: Parameters
 
 
-class Room(Asking):
-    """Opens and closes the desk of a laboratory in a thread of its own and looks at it 50 times a
-    second; `frame`, `look`, `course` and `state` are always the latest.
+class Session(SessionRequests):
+    """Opens and closes the control loop of a laboratory in a thread of its own, and polls it 50
+    times a second; `frame`, `status`, `course` and `state` are always the latest.
 
-    With `recording`, a folder, each opening is recorded in a new folder in it. For `source`, and
-    what is raised, see `Asking`.
+    With `recording`, a folder, each opening is recorded in a new folder in it.
     """
 
     def __init__(
         self,
-        lab: Lab,
-        source: str | None = None,
+        choices: Choices,
         recording: Path | None = None,
         opener: Opener = open_driven,
-        desk: Callable[[Lab, Opener, Path | None], Counter] = Desk,
+        operator: Callable[[Lab, Opener, Path | None], OperatorProtocol] = Operator,
         driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
     ):
-        super().__init__(lab, source)
+        super().__init__(choices)
         self.folder = recording
         self.opener = opener
-        self.make_desk = desk
+        self.make_operator = operator
         self.make_driver = driver
         self.frame: Frame | None = None
-        self.look: Look | None = None
-        """The newest of the desk that is open."""
-        self.course = Course(lab.injected)
+        self.status: Status | None = None
+        """The newest of the loop that is open."""
+        self.course = Course(self.lab.injected)
         self.events = Events()
         """Those of all openings."""
         self.code = ArmingCode()
-        """What a browser needs to arm, for as long as this room is served."""
+        """What a browser needs to arm, for as long as this page is served."""
         self.parting = threading.Lock()
-        """Held while a desk is closed, never while one is opened."""
+        """Held while a loop is closed, never while one is opened."""
         self.traced = ""
-        """What was traced last in the terminal."""
-        self.thread = threading.Thread(target=self.live, name="room", daemon=True)
+        """The error whose traceback was printed last."""
+        self.thread = threading.Thread(target=self.run, name="room", daemon=True)
         self.thread.start()
 
     def close(self) -> None:
         """Stop the cars and close for good."""
         self.closing.set()
         self.woken.set()
-        self.part()
+        self.close_loop()
         self.thread.join(FAREWELL)
-        self.change(status="closed")
+        self.change(phase="closed")
 
-    def part(self) -> None:
-        """Close the desk, if one is open: the cars stop."""
+    def close_loop(self) -> None:
+        """Close the loop, if one is open: the cars stop."""
         with self.parting:
-            opened, self.opened = self.opened, None
-            if opened is not None:
-                opened.desk.close()
-                opened.tuning.end(CLOSED)
+            opening, self.opening = self.opening, None
+            if opening is not None:
+                opening.operator.close()
+                opening.tuning.end(CLOSED)
 
     def arm_by_code(self, entered: str, cause: str) -> Verdict:
         """Arm for a browser, if it gives the code; every code that is tried becomes an event."""
@@ -114,54 +112,54 @@ class Room(Asking):
                 self.change(browsers_arm=False)
         return verdict
 
-    # The room's own thread.
+    # The session's own thread.
 
-    def live(self) -> None:
-        """Open what is chosen and look at it, until closed; whatever goes wrong is told."""
+    def run(self) -> None:
+        """Open what is chosen and poll it, until closed; whatever goes wrong becomes a notice."""
         while not self.closing.is_set():
             try:
                 if self.next is not None:
-                    self.turn_to_next()
+                    self.open_next()
                 self.poll()
             except Exception as error:
                 if in_words(error) != self.state.trouble:
                     self.change(trouble=in_words(error))
                     self.notices.put(in_words(error))
                     self.trace(error)
-            self.woken.wait(LOOK_EVERY)
+            self.woken.wait(POLL_EVERY)
             self.woken.clear()
 
-    def turn_to_next(self) -> None:
+    def open_next(self) -> None:
         """Close what is open, and open what was chosen last."""
         with self.changing:
-            choice, self.next = self.next, None
-        assert choice is not None
-        with suppress(Exception):  # what is wrong with the room that is left has been told
+            wanted, self.next = self.next, None
+        assert wanted is not None
+        choices, cause = wanted
+        with suppress(Exception):  # what is wrong with the loop that is left has become a notice
             self.poll()
-        self.part()
+        self.close_loop()
         self.forget()
         self.change(
-            status="opening",
+            phase="opening",
             trouble="",
-            source=choice.source,
-            link=choice.link,
-            rule=choice.rule,
+            source=choices.source,
+            link=choices.link,
+            rule=choices.rule,
             model=None,
             values={},
             recording="",
             compiling="",
             run=self.state.run + 1,
         )
-        self.say("room", f"opening {choice.source}, {choice.rule}", choice.cause)
+        self.say("room", f"opening {choices.source}, {choices.rule}", cause)
         try:
-            self.open(choice)
+            self.open(choices.lab, cause)
         except Exception as error:
             self.trace(error)
             self.fail(in_words(error))
 
-    def open(self, choice: Choice) -> None:
-        """Open a choice, unless it is overtaken by another or by the end. Raises Refusal."""
-        lab = self.fitting(choice)
+    def open(self, lab: Lab, cause: str) -> None:
+        """Open a laboratory, unless another is chosen or the session closed. Raises Refusal."""
         driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
         self.change(compiling="")
         setting = Setting.of(self.state.run, lab, driver.model)
@@ -170,60 +168,60 @@ class Room(Asking):
         if self.overtaken:
             return
         folder = None if self.folder is None else new_folder(self.folder, datetime.now())
-        desk = self.make_desk(lab, self.opener, folder)
+        operator = self.make_operator(lab, self.opener, folder)
         if self.overtaken:
-            desk.close()
+            operator.close()
             return
-        self.take_over(Opened(setting, desk, values, self.notices.put))
-        self.change(status="open", recording="" if folder is None else str(folder))
-        self.say("room", "open", choice.cause)
+        self.take_over(Opening(setting, operator, values, self.notices.put))
+        self.change(phase="open", recording="" if folder is None else str(folder))
+        self.say("room", "open", cause)
 
     def compiles(self, words: str) -> None:
-        """Say that a rule is being compiled."""
+        """Report that a rule is being compiled."""
         self.change(compiling=words)
         self.say("compile", words)
 
     @property
     def overtaken(self) -> bool:
-        """Whether something else has been chosen meanwhile, or the room is to close."""
+        """Whether another choice has been made meanwhile, or the session is to close."""
         return self.closing.is_set() or self.next is not None
 
-    def take_over(self, opened: Opened) -> None:
-        """Let everybody ask the desk, once it has heard of an emergency stop that is latched."""
+    def take_over(self, opening: Opening) -> None:
+        """Let everybody ask the loop, once it has been sent an emergency stop that is latched."""
         given = self.latch
         if given:
-            opened.desk.ask(Request("emergency", given))
-        self.opened = opened
+            opening.operator.ask(OperatorRequest("emergency", given))
+        self.opening = opening
         if self.latch != given:  # another one, while nobody was there to hear it
-            opened.desk.ask(Request("emergency", self.latch))
+            opening.operator.ask(OperatorRequest("emergency", self.latch))
         if self.closing.is_set():
-            self.part()
+            self.close_loop()
 
     def poll(self) -> None:
-        """Look at the desk that is open, and pass on what is new."""
-        opened = self.opened
-        if opened is None:
+        """Ask the loop that is open for its status, and pass on what is new."""
+        opening = self.opening
+        if opening is None:
             return
         try:
-            for event in opened.poll():
+            for event in opening.poll():
                 self.note(event)
-            if opened.values is not self.state.values:
-                self.change(values=opened.values)
-            opened.tuning.settle()
-            opened.see()
-            if opened.look is not None:
-                self.look, self.frame, self.course = opened.look, opened.frame, opened.course
-            silence = opened.silence
+            if opening.values is not self.state.values:
+                self.change(values=opening.values)
+            opening.tuning.settle()
+            opening.update()
+            if opening.status is not None:
+                self.status, self.frame, self.course = opening.status, opening.frame, opening.course
+            silence = opening.silence
             if silence != self.state.trouble:
                 self.change(trouble=silence)
                 if silence:
                     self.notices.put(silence)
         finally:
-            if opened.ended:
-                self.lose(opened)
+            if opening.ended:
+                self.lose(opening)
 
     def note(self, event: Event) -> None:
-        """Take an event down; an emergency stop lasts beyond this opening until it is reset."""
+        """Keep an event; an emergency stop lasts beyond this opening until it is reset."""
         self.events.add(event)
         if event.kind == "emergency":
             self.latch = event.cause or event.kind
@@ -232,34 +230,41 @@ class Room(Asking):
             self.latch = ""
             self.change(latched=False)
 
-    def lose(self, opened: Opened) -> None:
-        """The loop has ended by itself; `reopen` and `choose` lead on."""
+    def lose(self, opening: Opening) -> None:
+        """Close a loop that has ended by itself; `reopen` and `choose` open one again."""
         with self.parting:
-            closed = self.opened is not opened
+            closed = self.opening is not opening
         if not closed:
-            self.part()
+            self.close_loop()
             self.forget()
-            self.fail(opened.ended)
+            self.fail(opening.ended)
 
     def forget(self) -> None:
-        """What was seen is not what is."""
-        self.look = None
+        """Nothing is known any more of the loop that was open."""
+        self.status = None
         self.course = Course(self.lab.injected)
         if self.frame is not None:
             self.frame = deserted(self.frame)
 
     def fail(self, why: str) -> None:
-        """There is no room now, and why."""
-        self.change(status="failed", trouble=why)
+        """Report why no loop is open."""
+        self.change(phase="failed", trouble=why)
         self.say("failed", why)
         self.notices.put(why)
 
     def say(self, kind: str, words: str, cause: str = "") -> None:
-        """Put an event of the room's own among the others."""
+        """Add an event of the session itself."""
         self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 
     def trace(self, error: Exception) -> None:
-        """Show in the terminal what should not have happened, but not again and again."""
+        """Print the traceback of an unexpected error, once while it repeats."""
         if not isinstance(error, Refusal) and in_words(error) != self.traced:
             self.traced = in_words(error)
             traceback.print_exception(error)
+
+
+def new_folder(folder: Path, now: datetime) -> Path:
+    """A folder in `folder` that does not exist, named for the time: `2026-11-22-093015`."""
+    name = now.strftime("%Y-%m-%d-%H%M%S")
+    names = (name if number == 1 else f"{name}-{number}" for number in count(1))
+    return next(folder / one for one in names if not (folder / one).exists())

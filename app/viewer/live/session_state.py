@@ -1,4 +1,4 @@
-"""How a room stands."""
+"""The state of a session."""
 
 from __future__ import annotations
 
@@ -7,36 +7,26 @@ from typing import Any, Literal
 
 from agents.models.model import Model
 
-Status = Literal["opening", "open", "failed", "closed"]
+Phase = Literal["opening", "open", "failed", "closed"]
 
 
 @dataclass(frozen=True)
-class Choice:
-    """What was chosen to be opened, in the words of `app.live.operating.choices`, and by whom."""
+class SessionState:
+    """The state of a session; replaced as a whole, never changed."""
 
     source: str
+    """Names of the source, the link and the rule that are open or being opened."""
     link: str
     rule: str
-    cause: str = ""
-
-
-@dataclass(frozen=True)
-class RoomState:
-    """How a room stands; replaced as a whole, never changed."""
-
-    source: str
-    """Words of the source, the link and the rule that are open or being opened."""
-    link: str
-    rule: str
-    status: Status = "opening"
+    phase: Phase = "opening"
     trouble: str = ""
     """What is wrong, in one line."""
     model: Model | None = None
-    """The cars that go by the rule; None until they are known."""
+    """The rule with its body; None until it is known."""
     values: dict[str, Any] = field(default_factory=dict)
     """The parameters of the model, name -> value, as the control loop has them."""
     compiling: str = ""
-    """Says so while the rule is being compiled, which it is the first time that it is used."""
+    """A line of text while the rule is compiled, the first time that it is used; else empty."""
     recording: str = ""
     """The folder of this opening's recording; empty: none is made."""
     run: int = 0

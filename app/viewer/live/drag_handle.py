@@ -18,7 +18,7 @@ SETTLE = 0.35
 Placed = Callable[[float, float], None]
 
 
-class Hand:
+class DragHandle:
     """Two arrows and a plate on the injected car; what is dragged out of the fence stays at it."""
 
     def __init__(self, scene: SceneApi, area: Area, placed: Placed):

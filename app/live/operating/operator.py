@@ -1,7 +1,7 @@
-"""The operator's desk: the near end of a control loop that runs in a process of its own.
+"""The operator's end of a control loop, which runs in a process of its own.
 
-Whatever happens to the process of the desk, be it busy, stopped or killed, the loop is not held up:
-it notices that its desk is gone, stops the cars and leaves. Nothing at the desk waits for the loop.
+Whatever happens to the operator's process, be it busy, stopped or killed, the loop is not held up:
+it notices that the operator is gone, stops the cars and ends. The operator never waits for it.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from app.live.control.arm import UNDOING, Request
+from app.live.control.arm import UNDOING, OperatorRequest
 from app.live.control.events import Events
-from app.live.control.look import Look
+from app.live.control.status import Status
 from app.live.laboratory.lab import Lab
 from app.live.operating.ends import Opener
-from app.live.operating.loop_process import Answer, Asked, serve
+from app.live.operating.loop_process import Answer, NumberedRequest, serve
 from worlds.refusal import Refusal
 
 PATIENCE = 180.0
@@ -31,11 +31,12 @@ AGAIN = 1.0
 """Seconds in which an emergency stop is not sent again, if nobody has asked to undo it."""
 
 
-class Desk:
-    """Starts the control loop of a laboratory and speaks to it; any thread may use it.
+class Operator:
+    """Starts the control loop of a laboratory and sends it requests; any thread may use it.
 
-    `opener` opens its ends in the new process: a function of a module, which can be pickled. With
-    `recording`, a folder, all is recorded there. Raises Refusal if the loop cannot begin.
+    `opener` opens source, link and driver in the new process: a function of a module, which can be
+    pickled. With `recording`, a folder, all is recorded there. Raises Refusal if the loop cannot
+    begin.
     """
 
     def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
@@ -54,11 +55,11 @@ class Desk:
         self.known = 0
         self.trouble = ""
         """Why the loop ended, if it did by itself."""
-        self.newest: Look | None = None
+        self.newest: Status | None = None
         self.hand: tuple[float, float] | None = None
         self.closed = False
         self.waits = False
-        """Whether a look was asked for and has not come."""
+        """Whether the status was asked for and has not come."""
         # not a daemon: the loop has a child of its own, its tracking
         self.process = spawn.Process(
             target=serve,
@@ -90,45 +91,45 @@ class Desk:
         """Whether the loop runs."""
         return self.process.is_alive()
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: OperatorRequest) -> None:
         """Ask for something, which is done at the loop's next tick; events say what came of it.
 
         An emergency stop waits for nothing that was asked before, and of many only one is sent.
         """
-        if request.wish == "emergency":
+        if request.action == "emergency":
             self.stop(request)
             return
-        if request.wish in UNDOING:
+        if request.action in UNDOING:
             self.stopped = None  # before its number is taken: a stop from now on is a new one
-        asked = Asked(next(self.numbers), request)
+        asked = NumberedRequest(next(self.numbers), request)
         with self.lock, suppress(OSError):
             self.line.send(asked)
 
-    def stop(self, request: Request) -> None:
+    def stop(self, request: OperatorRequest) -> None:
         """Send an emergency stop, unless one has just been sent that nobody has asked to undo."""
         with self.stopping, suppress(OSError):
             now = time.monotonic()
             if self.stopped is None or now - self.stopped >= AGAIN:
                 self.stopped = now
-                self.stops.send(Asked(next(self.numbers), request))
+                self.stops.send(NumberedRequest(next(self.numbers), request))
 
     def place(self, x: float, y: float) -> None:
-        """Move the injected car of the hand, m; goes out with the next look. Raises Refusal."""
+        """Move the injected car of the hand, m, with the next call of `status`. Raises Refusal."""
         if not (math.isfinite(x) and math.isfinite(y)):
             raise Refusal(f"the injected car cannot be at ({x}, {y})")
         self.hand = (x, y)
 
-    def look(self) -> Look | None:
-        """The newest look at the loop, which the last call has asked for; None before the first.
+    def status(self) -> Status | None:
+        """The newest status of the loop, which the last call has asked for; None before the first.
 
-        Looks are asked for one at a time, so that a slow desk never has a heap of them.
+        It is asked for one at a time, so that a slow operator never has many that wait.
         """
         with self.lock:
             try:
                 while self.line.poll():
                     answer: Answer = self.line.recv()
                     self.waits = False
-                    self.newest = answer.look or self.newest
+                    self.newest = answer.status or self.newest
                     self.events.add(*answer.events)
                     self.known = answer.known
                 if not self.waits:
