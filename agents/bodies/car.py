@@ -11,11 +11,20 @@ import math
 from dataclasses import replace
 from typing import Any, Literal
 
-from agents.bodies.car_signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOPS
+from agents.bodies.car_signals import (
+    FRESH,
+    PACE,
+    QUEUE,
+    ROWS,
+    SIGNALS,
+    STEERING,
+    STOPS,
+    STUCK,
+)
 from agents.bodies.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
 from agents.bodies.command import command, received, sent
 from agents.bodies.tracking import Tracking
-from agents.declare import Body, Rule, parameter
+from agents.declare import Body, Rule, Vehicle, parameter
 from agents.engine.block import Moved
 from agents.model import Model
 from worlds.compiled import compiled
@@ -239,6 +248,14 @@ BODY = Body(
     stops=True,
     lasts=lambda p: p.dt,
     unit="s",
+    vehicle=Vehicle(
+        fresh=SIGNALS[FRESH],
+        steering=SIGNALS[STEERING],
+        pace=SIGNALS[PACE],
+        stuck=SIGNALS[STUCK],
+        wheel=SIGNALS[QUEUE],
+        throttle=SIGNALS[QUEUE + 1],
+    ),
 )
 STEERED = replace(BODY, name="steered-car", takes="heading")
 """The same car for rules that wish a heading; of a wish only the direction counts for either."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from agents.bodies.tracking import Tracking
-from agents.declare import Body, parameter
+from agents.declare import Body, Vehicle, parameter
 from agents.engine.block import Moved
 from worlds.compiled import compiled
 
@@ -49,4 +49,5 @@ BODY = Body(
     takes="velocity",
     lasts=lambda p: p.dt,
     unit="s",
+    vehicle=Vehicle(),
 )

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
+from agents.declare import Vehicle
 from app.viewer.run.picture import Camera
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
@@ -25,7 +26,7 @@ from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
 from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
 from app.viewer.scene.marks.world.injected import InjectedCar, along_route
 from app.viewer.scene.marks.world.mission import MissionMarks
-from app.viewer.scene.shown.cars import LENGTH, WIDTH, cars
+from app.viewer.scene.shown.cars import cars
 from app.viewer.scene.shown.frame import Errand
 from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
@@ -184,7 +185,7 @@ def test_what_is_stuck_has_a_ring():
     assert np.linalg.norm(away, axis=-1) == pytest.approx(RADIUS * 0.22 * 1.25)
     draw(marks, shown(frame()))
     assert not lines.visible
-    assert 0.5 * math.hypot(1.0, WIDTH / LENGTH) < RADIUS_CAR
+    assert 0.5 * math.hypot(1.0, Vehicle().width / Vehicle().length) < RADIUS_CAR
 
 
 @pytest.mark.parametrize("model", ["squashing", "squashing-cars"])

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.observables.catalogue import usual_charts
 from app.viewer.measuring.course import POINTS, Course
-from app.viewer.measuring.curves import choices, points, steps, together, usual, worded
+from app.viewer.measuring.curves import choices, points, steps, together, worded
 from app.viewer.measuring.measured import offered
 from app.viewer.measuring.readings import Readings
 
@@ -91,7 +92,7 @@ def test_curves_share_the_ticks_of_all_and_the_time_of_the_first():
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_brings_plots_that_can_be_chosen(name):
     flock = Flock(name, agents=4, rng=1)
-    usual_ones = usual(flock.model, offered(flock))
+    usual_ones = usual_charts(flock.model, offered(flock))
     assert len(usual_ones) == 3
     assert set(usual_ones) <= set(choices(offered(flock)).values())
     assert all(choices(offered(flock))[worded(names)] == names for names in usual_ones)
@@ -100,7 +101,7 @@ def test_every_model_brings_plots_that_can_be_chosen(name):
 def test_a_model_brings_what_matters_for_it():
     def brought(name: str) -> tuple:
         flock = Flock(name, agents=4, rng=1)
-        return usual(flock.model, offered(flock))
+        return usual_charts(flock.model, offered(flock))
 
     assert brought("couzin")[0] == ("polarisation", "angular-momentum")
     assert brought("safe") == (("groups",), ("polarisation",), ("crashes",))

@@ -8,15 +8,15 @@ from datetime import datetime
 import numpy as np
 import pytest
 
+from agents.catalogue import cars_by
 from app.live.control.pose import Pose
 from app.live.example import example
-from app.live.operating.squashing_driver import model_for
 from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted, frame_of
 from tests.viewer.stub_desk import car_look, companion, look_at
 
 LAB = example()
-MODEL = model_for("squashing")
+MODEL = cars_by("squashing")
 VALUES = MODEL.parameters().model_dump()
 SETTING = Setting.of(3, LAB, MODEL)
 

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from agents.catalogue import cars_by
 from app.live.control.events import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import Reason
 from app.live.example import example
 from app.live.links.link import RUN
-from app.live.operating.squashing_driver import model_for
 from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.hand import Hand
@@ -96,7 +96,7 @@ def whole_look(arm="armed"):
 
 def whole_frame(look=None):
     lab = example()
-    setting = Setting.of(1, lab, model_for(lab.rule))
+    setting = Setting.of(1, lab, cars_by(lab.rule))
     return frame_of(setting, look or whole_look(), {"length": 0.22})
 
 

@@ -7,10 +7,11 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from agents.catalogue import cars_by
 from agents.declare import checked
 from app.live.example import example
 from app.live.operating.choices import links, rules, sources
-from app.live.operating.squashing_driver import NOT_SIMULATED, model_for
+from app.live.operating.squashing_driver import NOT_SIMULATED
 from app.viewer.live.room import Room
 from tests.viewer.stub_desk import Desks, driver
 from tests.viewer.waiting import until
@@ -27,7 +28,7 @@ JUNK = st.one_of(
     st.just("x" * 10_000),
     st.lists(st.integers(), max_size=2),
 )
-NAMES = st.one_of(JUNK, st.sampled_from(sorted(model_for("squashing").parameters.model_fields)))
+NAMES = st.one_of(JUNK, st.sampled_from(sorted(cars_by("squashing").parameters.model_fields)))
 CALLS = st.one_of(
     st.tuples(st.just("ask"), st.one_of(JUNK, st.sampled_from(["arm", "disarm", "reset"]))),
     st.tuples(st.just("tune"), NAMES, st.one_of(JUNK, st.floats(0.0, 5.0))),
@@ -65,7 +66,7 @@ def test_nothing_raises_and_nothing_exceeds_a_limit(calls):
         assert desk.closed == 1
         assert desk.lab.source in sources(LAB).values()
         assert desk.lab.link in {*links(LAB).values(), "simulated"}
-        model = model_for(desk.lab.rule)
+        model = cars_by(desk.lab.rule)
         for values in desk.tuned():
             assert not set(values) & set(NOT_SIMULATED)
             assert checked(model.parameters, values)

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from agents.catalogue import MODELS
+from agents.catalogue import cars_by, obedient
 from app.live.kinds import CALLED, DRY, SIMULATED, kind_of, words_of
 from app.live.laboratory.lab import Lab
-from app.live.operating.squashing_driver import CARS, model_for
 from worlds.refusal import unknown
 
 
@@ -34,8 +33,7 @@ def offered(own: str, others: dict[str, str], always: str) -> dict[str, str]:
 
 def rules(lab: Lab) -> tuple[str, ...]:
     """The file's rule, then the models of cars of the catalogue."""
-    models = [name for name, model in MODELS.items() if model.body.name in CARS]
-    return tuple(dict.fromkeys([lab.rule, *models]))
+    return tuple(dict.fromkeys([lab.rule, *obedient()]))
 
 
 def chosen(lab: Lab, source: str, link: str, rule: str) -> Lab:
@@ -66,5 +64,5 @@ def kept(lab: Lab, rule: str) -> dict:
     """Those of the file's parameters that a rule has too. Raises Refusal."""
     if rule == lab.rule:
         return dict(lab.parameters)
-    fields = model_for(rule).parameters.model_fields
+    fields = cars_by(rule).parameters.model_fields
     return {name: value for name, value in lab.parameters.items() if name in fields}

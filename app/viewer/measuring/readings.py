@@ -20,7 +20,7 @@ from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.course import Course
 from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.extremes import Extremes
-from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, offered, says
+from app.viewer.measuring.measured import COUNTED, QUICK, STEADY, offered
 from app.viewer.measuring.ration import Ration
 from worlds.refusal import Refusal
 
@@ -82,6 +82,8 @@ class Readings:
     """Agents that no information reaches."""
     crashes: Crashes | None = None
     """Who has crashed so far; None where nobody can."""
+    events: dict[str, np.ndarray] = field(default_factory=dict)
+    """The ticks of what is counted, by its observable."""
     tick: int = 0
     """When that was."""
     courses: dict[str, Course] = field(default_factory=dict)
@@ -122,14 +124,18 @@ class Readings:
         """Read what is cheap."""
         flock = self.flock
         self.offered = offered(flock)
-        seen = {name: float(flock.observe(name)) for name in QUICK if says(flock, name)}
+        seen = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
         self.note(flock.tick, seen)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
             seen["through"] = arrived(flock)
         if flock.can_crash:
             self.crashes = flock.crashes
-            seen[CRASHES] = float(len(self.crashes))
+        for name in COUNTED:
+            count = OBSERVABLES[name].events
+            if count is not None and name in self.offered:
+                self.events[name] = count(flock)
+                seen[name] = float(len(self.events[name]))
         self.values = self.values | seen | self.extremes.values()
         self.tick = flock.tick
 
@@ -148,7 +154,7 @@ class Readings:
         It is done on a snapshot, so that the flock can go on meanwhile.
         """
         now = self.flock.snapshot().measurable()
-        wanted = (*GRAPH, *sorted(self.watched.difference(GRAPH, QUICK, [CRASHES])))
+        wanted = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
         names = [name for name in wanted if name in self.offered]
 
         def work() -> Found:
@@ -159,7 +165,7 @@ class Readings:
 
     def take(self, found: Callable[[], Found]) -> None:
         """Take what was found; without it nothing old is shown."""
-        lasting = (*QUICK, CRASHES)
+        lasting = (*QUICK, *COUNTED)
         self.values = {
             name: value
             for name, value in self.values.items()

@@ -10,7 +10,8 @@ import viser
 from viser import uplot
 
 from agents.model import Model
-from app.viewer.measuring.curves import choices, points, together, usual, worded
+from agents.observables.catalogue import usual_charts
+from app.viewer.measuring.curves import choices, points, together, worded
 from app.viewer.measuring.measured import scale, told
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.style import BLUE, GREEN, block, key
@@ -78,7 +79,7 @@ class Plots:
         model = readings.flock.model
         if model is not self.model:
             self.model = model
-            for chart, names in zip(self.charts, usual(model, offered), strict=True):
+            for chart, names in zip(self.charts, usual_charts(model, offered), strict=True):
                 show(chart.choice, worded(names))
 
 

@@ -12,7 +12,7 @@ from app.viewer.lab.panels.bars import layer_bars, size_bars
 from app.viewer.lab.panels.compared import compared, keeping_up, titled_columns
 from app.viewer.lab.panels.crashes import counted
 from app.viewer.lab.panels.more import SIZES, MoreNumbers
-from app.viewer.measuring.measured import told as told_value
+from app.viewer.measuring import measured
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.style import block, cards, grid, key
 from app.viewer.run.state import State
@@ -119,33 +119,14 @@ def all_bars(frame: Frame, readings: Readings, sizes: bool, model: str = "") -> 
 
 
 def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int) -> dict[str, str]:
-    """The cards, name -> text; consistency only of models that have no zones."""
-
-    def shown(name: str, form: str) -> str:
-        return format(values[name], form) if name in values else "–"
-
-    zoned = bool(MODELS[state.start.model].rule.zones)
+    """The cards, name -> text."""
     return {
         "tick": spaced(frame.tick),
         **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),
         "agents": spaced(len(frame.ids)),
         "ticks / s": rate_text(state.rate),
-        "polarisation": shown("polarisation", ".3f"),
-        **({} if zoned else {"consistency": shown("consistency", ".4f")}),
-        "rotation": shown("angular-momentum", ".3f"),
-        "neighbours": shown("mean-neighbours", ".1f"),
-        "groups": shown("groups", ".0f"),
-        "largest group": shown("largest-group", ".0f"),
-        **energy_numbers(values),
+        **measured.cards("flock", frame.world, values, MODELS[state.start.model]),
         **({"browsers": str(browsers)} if browsers > 1 else {}),
-    }
-
-
-def energy_numbers(values: dict[str, float]) -> dict[str, str]:
-    """The cards of what flying in formation saves, name -> text; nothing where it is not known."""
-    named = {"drag-saved": "drag saved", "energy-saved": "power saved"}
-    return {
-        words: told_value(name, values[name]) for name, words in named.items() if name in values
     }
 
 
@@ -183,17 +164,14 @@ def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
     told: dict[str, str] = {}
     if not errand_title(frame):
         return told
-    if "goal-distance" in values:
-        where = "goal" if mission.goal is not None else "path's end"
-        told[f"to {where}"] = length_text(values["goal-distance"])
+    told |= measured.cards("way", frame.world, values)
     if mission.path is not None and frame.informed.any():
         count = len(mission.path.waypoints)
         here = frame.errand.done + 1
         told["waypoint"] = f"{here} / {count}" if here <= count else "all done"
     if mission.goal is not None and "through" in values:
         told["arrived"] = f"{100 * values['through']:.0f} %"
-    if "following" in values:
-        told["following"] = f"{100 * values['following']:.0f} %"
+    told |= measured.cards("team", frame.world, values)
     if "least-gap" in values:
         told["closest pair"] = length_text(values["least-gap"])
     if "least-clearance" in values:
