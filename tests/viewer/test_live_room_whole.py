@@ -65,9 +65,9 @@ def test_it_opens_drives_stops_and_leaves_nothing_behind(room):
     room.accompany(2, "browser 1")
     until_driven(room, lambda: room.frame.live.names[2:] == ("sim 1", "sim 2"))
     until_driven(room, lambda: room.frame.speed[2:].min() > 0.2)
-    until_driven(room, lambda: set(room.course.lags) >= {"red", "blue", "sim 1"})
-    assert 0.1 < room.course.least[-1] < 6.0
-    assert 8.0 < room.course.loop[-1] < 30.0
+    until_driven(room, lambda: set(room.readings.lags) >= {"red", "blue", "sim 1"})
+    assert 0.1 < room.readings.least.newest < 6.0
+    assert 8.0 < room.readings.loop.newest < 30.0
 
     stopped = room.look.time
     room.emergency("browser 2")

@@ -85,7 +85,7 @@ def test_fluctuations_are_of_the_plotted_part_of_the_run():
     readings = Readings(StubFlock(Start(agents=8)))
     series = [0.0] * 100 + [0.2, 0.4] * 50
     for tick, value in enumerate(series):
-        readings.course("polarisation").add(tick, value)
+        readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility", last=99) == pytest.approx(8 * 0.01)
     assert readings.over("susceptibility") == pytest.approx(8 * np.var(series))
     assert readings.over("binder", last=99) == pytest.approx(1 - 0.0136 / 3 / 0.1**2)
@@ -103,7 +103,7 @@ def test_only_those_that_fly_are_counted():
         np.linalg.norm(flock.heading[4:].mean(axis=0))
     )
     for tick, value in enumerate([0.2, 0.4]):
-        readings.course("polarisation").add(tick, value)
+        readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility") == pytest.approx(8 * 0.01)
 
 

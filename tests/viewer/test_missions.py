@@ -13,7 +13,7 @@ from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from app.viewer.lab.panels.inspector import signal_facts
-from app.viewer.lab.panels.monitors import errand_title, headed, mission_numbers, numbers
+from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
 from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
 from app.viewer.measuring.readings import Readings, arrived
 from app.viewer.run.picture import Camera, Wanted
@@ -79,7 +79,7 @@ def test_readings_of_a_mission_have_its_distance_and_who_follows():
     away = np.linalg.norm(flock.position.mean(axis=0) - end)
     assert readings.values["goal-distance"] == pytest.approx(away)
     assert readings.values["following"] == pytest.approx(flock.observe("following"))
-    ticks, distance = readings.course("goal-distance").arrays()
+    ticks, distance = readings.series("goal-distance").arrays()
     assert ticks.tolist() == [0, 30]
     assert distance[1] == pytest.approx(away)
     assert "through" not in readings.values
@@ -146,7 +146,7 @@ def frame_of(place: World, **more) -> Frame:
 
 def test_monitors_say_only_what_the_world_has():
     plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    assert (errand_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
+    assert (mission_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
     assert headed("Mission", {}) == ""
     walled = World("box", (5.0, 5.0), ("solid", "solid"))
     told = mission_numbers(frame_of(walled), {"least-clearance": 0.25, "inside": 1.0})

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 from app.live.control.arm import Request
 from app.live.control.events import Event
 from app.live.control.look import Look
-from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
+from app.viewer.live.readings import RoomReadings
 from app.viewer.live.tuning import Tuning
 from app.viewer.live.worth_telling import notice_of
 from app.viewer.scene.shown.frame import Frame
@@ -84,7 +84,7 @@ class Opened:
         self.look: Look | None = None
         """The one that the frame is of."""
         self.frame: Frame | None = None
-        self.course = Course(setting.lab.injected)
+        self.readings = RoomReadings(setting.lab.injected)
         self.past: deque[Look] = deque(maxlen=LOOKS)
         self.heard = time.monotonic()
         self.known = 0
@@ -131,7 +131,7 @@ class Opened:
         self.look = look
         self.heard = time.monotonic()
         self.frame = frame_of(self.setting, look, self.values, tuple(self.past))
-        self.course = self.course.after(look)
+        self.readings.note(look)
         self.past.append(look)
 
     def deserted(self) -> None:

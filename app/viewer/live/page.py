@@ -14,7 +14,7 @@ from app.live.operating.choices import links, rules, sources
 from app.viewer.live.hand import Hand
 from app.viewer.live.keys import KEYS, STOP_KEY
 from app.viewer.live.panels.log import LogPanel
-from app.viewer.live.panels.monitors import LiveMonitors
+from app.viewer.live.panels.monitors import BLOCKS, contents
 from app.viewer.live.panels.plots import LivePlots
 from app.viewer.live.panels.room import RoomPanel
 from app.viewer.live.panels.rule import RulePanel
@@ -22,6 +22,7 @@ from app.viewer.live.panels.state import StatePanel
 from app.viewer.live.panels.view import CONTROLS, LOOK
 from app.viewer.live.room import Room
 from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress, settle
 from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
@@ -110,7 +111,7 @@ class LivePage:
             self.log = LogPanel(gui, self.room)
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
-            self.monitors = LiveMonitors(gui)
+            self.monitors = Monitors(gui, BLOCKS, "loop")
             self.plots = LivePlots(gui, lab.rate)
         dock(gui, left)
 
@@ -189,16 +190,15 @@ class LivePage:
 
     def measure(self) -> None:
         """Show what is measured."""
-        look, course = self.room.look, self.room.course
+        look, readings = self.room.look, self.room.readings
         if self.drawing.drawn is None or look is None:
             return
         frame, drawn_as = self.drawing.drawn
         names = [*(car.name for car in look.cars), *(one.name for one in look.companions)]
-        plan, browsers = self.lab.injected, self.browsers()
-        self.monitors.refresh(look, frame, course, plan, browsers, self.selected)
+        self.monitors.show(contents(look, frame, readings, self.browsers(), self.selected))
         self.monitors.colours(drawn_as.colour, self.scene.legend(drawn_as, frame))
         if frame.cars is not None:
-            self.plots.refresh(course, names, frame.cars.length)
+            self.plots.refresh(readings, names, frame.cars.length)
 
     def browsers(self) -> int:
         """Number of browsers that watch."""

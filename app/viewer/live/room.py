@@ -23,10 +23,10 @@ from app.live.operating.ends import Opener
 from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.asking import CLOSED, Asking
-from app.viewer.live.course import Course
 from app.viewer.live.folders import new_folder
 from app.viewer.live.framing import Setting, deserted
 from app.viewer.live.opened import Counter, Opened
+from app.viewer.live.readings import RoomReadings
 from app.viewer.live.room_state import Choice
 from app.viewer.run.words import in_words
 from app.viewer.scene.shown.frame import Frame
@@ -49,7 +49,7 @@ class Driving(Protocol):
 
 class Room(Asking):
     """Opens and closes the desk of a laboratory in a thread of its own and looks at it 50 times a
-    second; `frame`, `look`, `course` and `state` are always the latest.
+    second; `frame`, `look`, `readings` and `state` are always the latest.
 
     With `recording`, a folder, each opening is recorded in a new folder in it. For `source`, and
     what is raised, see `Asking`.
@@ -72,7 +72,7 @@ class Room(Asking):
         self.frame: Frame | None = None
         self.look: Look | None = None
         """The newest of the desk that is open."""
-        self.course = Course(lab.injected)
+        self.readings = RoomReadings(lab.injected)
         self.events = Events()
         """Those of all openings."""
         self.code = ArmingCode()
@@ -212,7 +212,7 @@ class Room(Asking):
             opened.tuning.settle()
             opened.see()
             if opened.look is not None:
-                self.look, self.frame, self.course = opened.look, opened.frame, opened.course
+                self.look, self.frame, self.readings = opened.look, opened.frame, opened.readings
             silence = opened.silence
             if silence != self.state.trouble:
                 self.change(trouble=silence)
@@ -244,7 +244,7 @@ class Room(Asking):
     def forget(self) -> None:
         """What was seen is not what is."""
         self.look = None
-        self.course = Course(self.lab.injected)
+        self.readings = RoomReadings(self.lab.injected)
         if self.frame is not None:
             self.frame = deserted(self.frame)
 

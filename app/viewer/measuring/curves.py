@@ -37,7 +37,7 @@ def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
 def points(readings: Readings, name: str, last: float = math.inf) -> Points:
     """How an observable went over the whole run, or over its `last` ticks."""
     if OBSERVABLES[name].events is None:
-        return readings.course(name).arrays(last)
+        return readings.series(name).arrays(last)
     if name not in readings.events:
         return np.empty(0), np.empty(0)
     return steps(readings.events[name], readings.tick, last)

@@ -1,4 +1,4 @@
-"""What the monitors show of a flock, and its course over the run."""
+"""What the monitors show of a flock, and how that goes over the run."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from agents.observables.groups import group_sizes
 from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
 from app.viewer.measuring.aside import Aside
-from app.viewer.measuring.course import Course
 from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.extremes import Extremes
 from app.viewer.measuring.measured import COUNTED, QUICK, STEADY, offered
 from app.viewer.measuring.ration import Ration
+from app.viewer.measuring.time_series import TimeSeries
 from worlds.refusal import Refusal
 
 NOBODY = np.zeros(0, int)
@@ -86,7 +86,7 @@ class Readings:
     """The ticks of what is counted, by its observable."""
     tick: int = 0
     """When that was."""
-    courses: dict[str, Course] = field(default_factory=dict)
+    all_series: dict[str, TimeSeries] = field(default_factory=dict)
     extremes: Extremes = field(init=False)
     offered: tuple[str, ...] = field(init=False)
     """What can be measured of this flock."""
@@ -139,14 +139,14 @@ class Readings:
         self.values = self.values | seen | self.extremes.values()
         self.tick = flock.tick
 
-    def course(self, name: str) -> Course:
+    def series(self, name: str) -> TimeSeries:
         """How an observable went; without points if it has not been measured."""
-        return self.courses.setdefault(name, Course())
+        return self.all_series.setdefault(name, TimeSeries())
 
     def note(self, tick: int, values: dict[str, float]) -> None:
-        """Take values into their courses."""
+        """Take values into their time series."""
         for name, value in values.items():
-            self.course(name).add(tick, value)
+            self.series(name).add(tick, value)
 
     def study(self) -> Callable[[], Found]:
         """The work of measuring what is costly of the flock now, which counts against its ration.
@@ -181,7 +181,7 @@ class Readings:
 
     def over(self, name: str, last: float = math.inf) -> float:
         """An observable that is measured over a run, over its `last` ticks or all of it."""
-        series = self.course(SERIES).arrays(last)[1]
+        series = self.series(SERIES).arrays(last)[1]
         take = OBSERVABLES[name].over
         assert take is not None
         fallen = 0 if self.crashes is None else len(self.crashes)
