@@ -21,6 +21,7 @@ from agents.bodies import (
     turning,
     zero_turn,
 )
+from agents.bodies.tracking import Tracking
 from agents.models.declare import Body, Rule, declared
 from agents.models.model import Model
 from agents.models.rule_file import thing_in
@@ -88,6 +89,7 @@ BUILT_IN = [
         agents=30,
         spacing=3.0,
         defaults={"v0": 3.5, "v_min": 3.0, "v_max": 5.0, "body": 0.5, "b": 2.5},
+        charts=(("drag-saved", "energy-saved"), ("polarisation",), ("groups",)),
     ),
     Model(
         squashing.SQUASHING,
@@ -158,6 +160,9 @@ BODIES |= plug_ins("flockscope.bodies", brought_body, BODIES)
 ON_WHEELS = "-cars"
 """Behind the name of a rule: the model of cars that go by it."""
 
+DEFAULT = "hwvem"
+"""The model that is taken where none is asked for."""
+
 MODELS = collect()
 FILES: dict[str, Path] = {}
 """The files that models were read from, by the models' names."""
@@ -220,3 +225,40 @@ def on_wheels(rule: Rule) -> Model:
             f"{' and '.join(f'{dim}-D' for dim in rule.dimensions)}, they take a heading in 2-D"
         )
     return car.driving(rule, world="cars-torus", agents=12, spacing=0.6, defaults={"yields": True})
+
+
+def obedient() -> tuple[str, ...]:
+    """The models of cars whose commands real cars can obey."""
+    return tuple(
+        name
+        for name, one in MODELS.items()
+        if one.body.vehicle is not None and one.body.vehicle.wheel
+    )
+
+
+def cars_by(name: str) -> Model:
+    """The cars that go by a rule: a model of cars, or the rule of another one. Raises Refusal."""
+    models = obedient()
+    if name in models:
+        return MODELS[name]
+    rules: dict[str, Rule] = {}
+    for key, model in MODELS.items():
+        rules |= {model.rule.name: model.rule, key: model.rule}
+    if name not in rules:
+        raise unknown("rule", name, dict.fromkeys([*models, *rules]), "the laboratory")
+    rule = rules[name]
+    if rule.name + ON_WHEELS in MODELS:
+        return MODELS[rule.name + ON_WHEELS]
+    if 2 not in rule.dimensions or rule.wish not in ("heading", "velocity"):
+        raise Refusal(
+            f"rule {name} cannot drive cars: it wishes {rule.wish} in "
+            f"{' and '.join(f'{d}-D' for d in rule.dimensions)}, and cars take a heading or a "
+            "velocity in 2-D"
+        )
+    taken = set(rule.parameters.model_fields) & set(car.Car.model_fields)
+    if taken and not issubclass(rule.parameters, Tracking):
+        raise Refusal(
+            f"rule {name} cannot drive cars: it has a parameter {sorted(taken)[0]} of its own, "
+            "and so have they"
+        )
+    return car.driving(rule)

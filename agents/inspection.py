@@ -57,6 +57,10 @@ class Inspection:
     """The zones of its rule from the inside out."""
     view: float = 360.0
     """Full angle of its field of view, deg."""
+    places: tuple[str, ...] = ()
+    """Points among its signals, NAME_x and NAME_y of each; it heads for the last of them."""
+    minds: bool = False
+    """Whether these points count now."""
 
 
 def as_me(flock: State, row: int, signals: np.ndarray) -> Me:
@@ -208,6 +212,7 @@ def inspected(
     apart = apart[rows]
     signals = flock.arrays.memory
     own = signals[:, row].copy()
+    known = dict(zip(flock.model.columns, own.tolist(), strict=True))
     seen = perceived(flock, surroundings, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
@@ -228,10 +233,12 @@ def inspected(
         rows,
         apart,
         weights,
-        dict(zip(flock.model.columns, own.tolist(), strict=True)),
+        known,
         forces,
         seen,
         zones_of(apart, flock.heading[row], own_shells, view) if own_shells else np.empty(0, int),
         own_shells,
         view,
+        rule.places,
+        known.get(rule.places_while) == 1.0,
     )

@@ -35,7 +35,7 @@ from agents.observables.formation import (
 from agents.observables.groups import algebraic_connectivity, group_labels, group_sizes
 from agents.observables.layers import layer_histogram, layers
 from agents.observables.neighbours import links, mean_neighbours, nearest_neighbour, separation
-from agents.observables.observable import Observable
+from agents.observables.observable import Observable, Range, Table
 from agents.observables.of_agents import OfAgents
 from agents.observables.order import polarisation
 from agents.observables.per_group import (
@@ -52,7 +52,9 @@ __all__ = [
     "LeftOut",
     "Observable",
     "OfAgents",
+    "Range",
     "Spacing",
+    "Table",
     "algebraic_connectivity",
     "angular_momenta",
     "angular_momentum",

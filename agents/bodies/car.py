@@ -13,10 +13,10 @@ from typing import Any, Literal
 
 from agents.bodies.cars.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
 from agents.bodies.cars.command import command, received, sent
-from agents.bodies.cars.signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOPS
+from agents.bodies.cars.signals import FRESH, PACE, QUEUE, ROWS, SIGNALS, STEERING, STOPS, STUCK
 from agents.bodies.tracking import Tracking
 from agents.engine.block import Moved
-from agents.models.declare import Body, Rule, parameter
+from agents.models.declare import Body, Rule, Vehicle, parameter
 from agents.models.model import Model
 from worlds.compiled import compiled
 
@@ -239,6 +239,14 @@ BODY = Body(
     stops=True,
     lasts=lambda p: p.dt,
     unit="s",
+    vehicle=Vehicle(
+        fresh=SIGNALS[FRESH],
+        steering=SIGNALS[STEERING],
+        pace=SIGNALS[PACE],
+        stuck=SIGNALS[STUCK],
+        wheel=SIGNALS[QUEUE],
+        throttle=SIGNALS[QUEUE + 1],
+    ),
 )
 STEERED = replace(BODY, name="steered-car", takes="heading")
 """The same car for rules that wish a heading; of a wish only the direction counts for either."""

@@ -39,6 +39,7 @@ def move(me, near, surroundings, want, p, out):
 BODY = Body(
     name="constant-speed",
     title="Constant speed",
+    family="vicsek",
     source="Liu et al. 2021, (7), (8)",
     parameters=ConstantSpeed,
     move=move,

@@ -205,6 +205,7 @@ def passes(p):
 BODY = Body(
     name="navigator",
     title="Navigating UAV",
+    family="mission",
     source="Liu et al. 2021, (18) to (26)",
     parameters=Navigator,
     move=move,

@@ -10,7 +10,7 @@ import math
 
 from agents.bodies.tracking import Tracking
 from agents.engine.block import Moved
-from agents.models.declare import Body, parameter
+from agents.models.declare import Body, Vehicle, parameter
 from worlds.compiled import compiled
 
 
@@ -49,4 +49,5 @@ BODY = Body(
     takes="velocity",
     lasts=lambda p: p.dt,
     unit="s",
+    vehicle=Vehicle(),
 )

@@ -212,6 +212,12 @@ class Rule:
     """Compiled: (me, near, p, out). Signals for the next tick."""
     memory: tuple[str, ...] = ()
     """What an agent keeps to itself, in the order of `me.memory`; 0 at the start."""
+    places: tuple[str, ...] = ()
+    """Points in that memory, NAME_x and NAME_y of each; an agent heads for the last of them."""
+    places_while: str = ""
+    """Which of the memory is 1.0 while these points count."""
+    hunters: str = ""
+    """The signal that is 1.0 for agents that hunt the others."""
     perceive: Callable | None = None
     """Compiled: (me, near, surroundings, p). Brings `me.memory` up to date, before `decide`."""
     prepare: Callable | None = None
@@ -243,6 +249,30 @@ class Rule:
 
     def __post_init__(self) -> None:
         demand_compiled(f"rule {self.name!r}", self, OF_RULES)
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """What makes a body a car: which of its signals are what; empty where it has no such signal.
+
+    Its size is that of its parameters `length` and `width`, if it has them.
+    """
+
+    length: float = 0.22
+    """Of the body of one without that parameter, m."""
+    width: float = 0.12
+    fresh: str = ""
+    """1.0 until it has moved once; its other signals count from then on."""
+    steering: str = ""
+    """Angle of its front wheels, rad, to the left positive."""
+    pace: str = ""
+    """Speed, m/s."""
+    stuck: str = ""
+    """Time for which it has not got on, s; below 0 while it backs out for that."""
+    wheel: str = ""
+    """The command sent last: angle of the wheels, rad. A real car can obey a body that has it."""
+    throttle: str = ""
+    """The command sent last: share of full throttle."""
 
 
 def one_tick(parameters: Parameters) -> float:  # noqa: ARG001 - the signature of `Body.lasts`
@@ -303,6 +333,10 @@ class Body:
     """Unit of that time."""
     symmetries: tuple[Symmetry, ...] = ALL_ALIKE
     """What makes no difference to it in empty space, noise apart."""
+    vehicle: Vehicle | None = None
+    """What there is to a car; None: it is none."""
+    family: str = ""
+    """With which models it is listed in the documentation: vicsek, mission, else as its rule is."""
 
     def __post_init__(self) -> None:
         demand_compiled(f"body {self.name!r}", self, OF_BODIES)

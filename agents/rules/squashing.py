@@ -221,6 +221,7 @@ SQUASHING = Rule(
     wish="velocity",
     dimensions=(2,),
     signals=("error_x", "error_y", "predator"),
+    hunters="predator",
     show=show,
     remember=remember,
     memory=("last_x", "last_y", "known", "rate_x", "rate_y"),

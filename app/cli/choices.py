@@ -72,7 +72,7 @@ def observables() -> Rows:
     from agents.observables.catalogue import OBSERVABLES
 
     return [
-        {"name": one.name, "unit": one.unit, "range": one.range, "title": one.title}
+        {"name": one.name, "unit": one.unit, "range": str(one.range), "title": one.title}
         for one in OBSERVABLES.values()
     ]
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from agents.catalogue import MODELS
+from agents.catalogue import DEFAULT, MODELS
 from agents.catalogue import model as find_model
 from agents.models.declare import checked
 from app.cli.rule_option import Rules, by_name, first_of
@@ -20,8 +20,6 @@ from app.viewer.run.start import at_home
 from app.viewer.web.origin import allowed
 from worlds.layout import layout_names
 
-DEFAULT = "hwvem"
-"""The model that is shown where none is asked for."""
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
 LOOK = 0.1

@@ -87,17 +87,17 @@ def test_the_face_may_be_imported_while_plug_ins_are_collected(first):
 EVERYTHING = """
 import dataclasses
 from agents.bodies.point_mass import BODY
-from agents.observables.observable import Observable
+from agents.observables.observable import COUNT, Observable
 
 HEAVY = dataclasses.replace(BODY, name="heavy", title="Heavy")
-COUNT = Observable("head-count", "Agents", "agents", "[0, N]", lambda flock: len(flock.position))
+HEADS = Observable("head-count", "Agents", "agents", COUNT, lambda flock: len(flock.position))
 YARD = {"title": "Yard", "edges": "solid", "size": 9.0}
 NOT_A_YARD = 3
 def opened(address): raise ValueError(address.kind)
 """
 GROUPS = {
     "bodies": "heavy = everything:HEAVY\nwrong_body = everything:YARD",
-    "observables": "head-count = everything:COUNT\nwrong_observable = everything:YARD",
+    "observables": "head-count = everything:HEADS\nwrong_observable = everything:YARD",
     "layouts": "yard = everything:YARD\nwrong_layout = everything:NOT_A_YARD",
     "sources": "mine = everything:opened\nwrong_source = everything:YARD",
 }

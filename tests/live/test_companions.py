@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from agents.bodies.cars.chassis import separation
+from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.arm import OperatorRequest
 from app.live.control.control import Control
@@ -20,7 +21,7 @@ from app.live.control.driver import Accompanied
 from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
 from app.live.operating.companions import APART
-from app.live.operating.squashing_driver import FlockDriver, model_for, world_of
+from app.live.operating.squashing_driver import FlockDriver, world_of
 from live.rooms import lab
 from live.test_squashing_driver import PERFECT, SQUASHING, naive, text_of
 from worlds.refusal import Refusal
@@ -122,7 +123,7 @@ def test_they_drive_as_in_a_simulation_to_the_bit_and_hear_the_real_ones():
     driver = begun(beside(text_of(2), cars=2, seed=3))
     poses = [*PLACES[:2], *at(driver)]
     flock = Flock(
-        model_for(one.rule).name,
+        cars_by(one.rule).name,
         world=world_of(one),
         start={
             "position": [(pose.x, pose.y) for pose in poses],

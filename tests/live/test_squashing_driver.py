@@ -10,11 +10,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from agents.bodies.cars.signals import SIGNALS
+from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.injected import Injected
 from app.live.control.pose import Pose, seen, unseen
 from app.live.emulation.plant import EmulatedPlant
-from app.live.operating.squashing_driver import FlockDriver, model_for, world_of
+from app.live.operating.squashing_driver import FlockDriver, world_of
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal
 
@@ -86,7 +87,7 @@ def simulated(text, tracks, targets):
     one = lab(text)
     n = len(one.cars)
     flock = Flock(
-        model_for(one.rule).name,
+        cars_by(one.rule).name,
         world=world_of(one),
         start={"position": np.zeros((n, 2)), "heading": np.tile((1.0, 0.0), (n, 1))},
         rng=0,

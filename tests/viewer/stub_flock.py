@@ -50,9 +50,10 @@ class StubFlock:
         self.ids = np.arange(n)
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
-            rule=SimpleNamespace(converges=False, zones=(), view=""),
-            body=SimpleNamespace(unit="ticks", touches=None),
+            rule=SimpleNamespace(converges=False, zones=(), view="", hunters=""),
+            body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             columns=(),
+            charts=(),
             signals=(),
         )
         self.dt = 1.0

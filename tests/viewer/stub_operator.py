@@ -8,6 +8,7 @@ import threading
 import time
 from types import SimpleNamespace
 
+from agents.catalogue import cars_by
 from app.live.control.arm import OperatorRequest
 from app.live.control.driver import Companion
 from app.live.control.events import Event
@@ -15,7 +16,6 @@ from app.live.control.pose import Pose
 from app.live.control.status import CarStatus, Status
 from app.live.control.timing import Summary
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.operating.squashing_driver import model_for
 from worlds.refusal import Refusal
 
 MODES = {"safe": STOP, "armed": RUN, "emergency": EMERGENCY}
@@ -139,5 +139,5 @@ class Operators:
 
 def driver(lab, _tell):
     """What a room has to know of a driver, without compiling one."""
-    model = model_for(lab.rule)
+    model = cars_by(lab.rule)
     return SimpleNamespace(model=model, parameters=model.parameters(**lab.parameters))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from agents.declare import Vehicle
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,7 +26,7 @@ from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
 from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
 from app.viewer.scene.marks.world.injected import InjectedCar, along_route
 from app.viewer.scene.marks.world.mission import MissionMarks
-from app.viewer.scene.shown.cars import LENGTH, WIDTH, cars
+from app.viewer.scene.shown.cars import cars
 from app.viewer.scene.shown.frame import Progress
 from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
@@ -184,7 +185,7 @@ def test_what_is_stuck_has_a_ring():
     assert np.linalg.norm(away, axis=-1) == pytest.approx(RADIUS * 0.22 * 1.25)
     draw(marks, shown(frame()))
     assert not lines.visible
-    assert 0.5 * math.hypot(1.0, WIDTH / LENGTH) < RADIUS_CAR
+    assert 0.5 * math.hypot(1.0, Vehicle().width / Vehicle().length) < RADIUS_CAR
 
 
 @pytest.mark.parametrize("model", ["squashing", "squashing-cars"])

@@ -136,19 +136,19 @@ def test_what_somebody_chooses_is_measured_and_shown(laboratory, browser):
     assert "nearest-neighbour" not in simulation.readings.values
     turn(browser, chart.choice, "nearest neighbour")
     until(lambda: "nearest-neighbour" in simulation.readings.values)
-    until(lambda: chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
+    until(lambda: chart.chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
     turn(browser, chart.choice, "anything else")
     turn(browser, laboratory.more.switches["susceptibility"], True)
-    until(lambda: "susceptibility" in laboratory.monitors.more.content)
+    until(lambda: "susceptibility" in laboratory.monitors.blocks["more"].content)
     assert chart.names == ("nearest-neighbour",)
     turn(browser, chart.choice, "nothing")
     until(lambda: "nearest-neighbour" not in simulation.readings.values)
-    assert not chart.plot.visible
+    assert not chart.chart.plot.visible
 
 
 def test_what_no_flock_here_can_do_has_no_panel(laboratory):
     until(lambda: laboratory.plots.offered)
-    assert not laboratory.monitors.crashes.visible
+    assert not laboratory.monitors.blocks["crashes"].visible
     assert not laboratory.crashes.first.list.visible
     assert not laboratory.more.switches["joules-per-metre"].visible
     assert "crashes" not in laboratory.plots.charts[0].choice.options

@@ -8,15 +8,15 @@ from datetime import datetime
 import numpy as np
 import pytest
 
+from agents.catalogue import cars_by
 from app.live.control.pose import Pose
 from app.live.laboratory.example import example
-from app.live.operating.squashing_driver import model_for
 from app.viewer.live.framing import Setting, deserted, frame_of
 from app.viewer.live.session import new_folder
 from tests.viewer.stub_operator import car_status, companion, status_at
 
 LAB = example()
-MODEL = model_for("squashing")
+MODEL = cars_by("squashing")
 VALUES = MODEL.parameters().model_dump()
 SETTING = Setting.of(3, LAB, MODEL)
 

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from agents.catalogue import cars_by
 from app.live.control.events import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import Reason
 from app.live.laboratory.example import example
 from app.live.links.link import RUN
-from app.live.operating.squashing_driver import model_for
 from app.viewer.live.banner import banner_of
-from app.viewer.live.course import Course
 from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.panels.log import COLUMNS, as_csv, listed
@@ -27,6 +26,7 @@ from app.viewer.live.panels.monitors import cars, numbers
 from app.viewer.live.panels.plots import WINDOW, LivePlots, colours
 from app.viewer.live.panels.room import injected, limited
 from app.viewer.live.panels.state import banner_html
+from app.viewer.live.readings import RoomReadings
 from app.viewer.live.session_state import SessionState
 from app.viewer.web.server import close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at
@@ -96,7 +96,7 @@ def whole_look(arm="armed"):
 
 def whole_frame(status=None):
     lab = example()
-    setting = Setting.of(1, lab, model_for(lab.rule))
+    setting = Setting.of(1, lab, cars_by(lab.rule))
     return frame_of(setting, status or whole_look(), {"length": 0.22})
 
 
@@ -133,39 +133,40 @@ def test_only_who_holds_the_hand_moves_it(hand):
 
 def test_the_table_has_every_car_with_its_state():
     status = whole_look()
-    course = Course(example().injected).after(status)
-    shown = cars(status, whole_frame(status), course, chosen=1)
+    readings = RoomReadings(example().injected)
+    readings.note(status)
+    shown = cars(status, whole_frame(status), readings, chosen=1)
     assert [f">{name}</td>" in shown for name in ("blue", "red", "sim 1")] == [True] * 3
     assert "0 ms" in shown
     assert "60 ms" in shown
     assert "−0.40" in shown
     assert shown.count("fs-chosen") == 1
     assert 'title="simulated"' in shown
-    told = numbers(status, course, example().injected, 3)
+    told = numbers(status, readings, 3)
     assert (told["loop"], told["browsers"], told["ticks missed"]) == ("10.0 ms", "3", "0")
     assert told["least distance"] == "2.69 m"
 
 
 def test_a_car_that_was_never_seen_is_in_the_table():
     status = status_at(0, 0.0, "safe", [car_status("blue", None), car_status("red")])
-    shown = cars(status, whole_frame(status), Course(example().injected), None)
+    shown = cars(status, whole_frame(status), RoomReadings(example().injected), None)
     assert "never" in shown
     assert 'title="lost"' in shown
 
 
 def test_plots_reach_back_a_minute(server):
     plots = LivePlots(server.gui, 100.0)
-    course = Course(example().injected)
+    readings = RoomReadings(example().injected)
     status = whole_look()
     for second in range(90):
-        course = course.after(replace(status, time=float(second)))
+        readings.note(replace(status, time=float(second)))
     names = ["blue", "red", "sim 1"]
-    plots.refresh(course, names, 0.22)
+    plots.refresh(readings, names, 0.22)
     ago, median, *_ = plots.times.plot.data
     assert (ago[0], ago[-1], median[-1]) == (-WINDOW, 0.0, 10.0)
     assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 4
     assert plots.lags.plot.data[2][-1] == pytest.approx(90.0)
-    plots.refresh(course, ["red"], 0.22)
+    plots.refresh(readings, ["red"], 0.22)
     assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 2
     assert len(set(colours(names).values())) == 3
 

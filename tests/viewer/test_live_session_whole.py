@@ -65,9 +65,9 @@ def test_it_opens_drives_stops_and_leaves_nothing_behind(session):
     session.accompany(2, "browser 1")
     until_driven(session, lambda: session.frame.live.names[2:] == ("sim 1", "sim 2"))
     until_driven(session, lambda: session.frame.speed[2:].min() > 0.2)
-    until_driven(session, lambda: set(session.course.lags) >= {"red", "blue", "sim 1"})
-    assert 0.1 < session.course.least[-1] < 6.0
-    assert 8.0 < session.course.loop[-1] < 30.0
+    until_driven(session, lambda: set(session.readings.lags) >= {"red", "blue", "sim 1"})
+    assert 0.1 < session.readings.least.newest < 6.0
+    assert 8.0 < session.readings.loop.newest < 30.0
 
     stopped = session.status.time
     session.emergency("browser 2")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from app.viewer.lab.panels.inspector import signal_facts
 from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
@@ -77,7 +79,7 @@ def test_readings_of_a_mission_have_its_distance_and_who_follows():
     away = np.linalg.norm(flock.position.mean(axis=0) - end)
     assert readings.values["goal-distance"] == pytest.approx(away)
     assert readings.values["following"] == pytest.approx(flock.observe("following"))
-    ticks, distance = readings.course("goal-distance").arrays()
+    ticks, distance = readings.series("goal-distance").arrays()
     assert ticks.tolist() == [0, 30]
     assert distance[1] == pytest.approx(away)
     assert "through" not in readings.values
@@ -191,9 +193,11 @@ def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_ar
 
 def test_places_in_memory_are_told_as_points_and_only_while_they_count():
     signals = {"following": 1.0, "split_x": 1.0, "split_y": 2.0, "layer": np.inf}
-    told = signal_facts(signals)
+    nobody = np.empty(0, int), np.empty((0, 2)), np.empty(0)
+    seen = Inspection(1, 1, *nobody, signals, places=("split",), minds=True)
+    told = signal_facts(seen)
     assert told == {"following": "1", "split": "(1.00, 2.00)", "layer": "unknown"}
-    assert "split" not in signal_facts(signals | {"following": 0.0})
+    assert "split" not in signal_facts(replace(seen, minds=False))
 
 
 def test_a_model_starts_in_the_world_that_it_is_at_home_in():

@@ -30,7 +30,7 @@ def test_readings_count_layers_and_leave_the_unknown_out():
     assert readings.values["polarisation"] == 1.0
     assert readings.values["following"] == pytest.approx(3 / 5)
     assert readings.sizes.tolist() == [3, 2]
-    assert readings.course("groups").arrays()[1].tolist() == [2.0]
+    assert readings.series("groups").arrays()[1].tolist() == [2.0]
 
 
 def test_deep_layers_share_the_last_bar():

@@ -298,25 +298,26 @@ def test_arrows_are_shares_of_the_strongest_force():
 
 PLACES = {"following": 1.0, "split_x": 1.0, "split_y": 2.0, "rejoin_x": 0.0, "rejoin_y": 0.0}
 PLACES |= {"aim_x": 3.0, "aim_y": 4.0}
+SEEN = Inspection(
+    1, 1, np.empty(0, int), np.empty((0, 2)), np.empty(0), PLACES,
+    {"push": np.array([1.0, 0.0])}, np.array([[5.0, 5.0]]),
+    places=("split", "rejoin", "aim"), minds=True,
+)  # fmt: skip
 
 
 def test_places_are_remembered_only_while_an_agent_follows_a_boundary():
-    assert {k: v.tolist() for k, v in remembered(PLACES).items()} == {
+    assert {k: v.tolist() for k, v in remembered(SEEN).items()} == {
         "split": [1, 2],
         "aim": [3, 4],
     }
-    assert remembered(PLACES | {"following": 0.0}) == {}
-    assert remembered({"layer": 2.0}) == {}
+    assert remembered(replace(SEEN, minds=False)) == {}
+    assert remembered(replace(SEEN, places=())) == {}
 
 
 def test_reasons_are_drawn_for_the_inspected_agent_and_gone_with_it():
     scene = Stand()
     part = Reasons(scene)
-    inspected = Inspection(
-        1, 1, np.empty(0, int), np.empty((0, 2)), np.empty(0), PLACES,
-        {"push": np.array([1.0, 0.0])}, np.array([[5.0, 5.0]]),
-    )  # fmt: skip
-    draw(part, shown(YARD, inspected=inspected))
+    draw(part, shown(YARD, inspected=SEEN))
     tip = np.array(scene.there("/inspected/forces").points)[0, 1] - shown(YARD).at[1]
     assert tip[:2] == pytest.approx([0.85, 0.0], abs=1e-5)
     words = {node.given[0] for node in scene.sent if "words" in node.name and node.visible}

@@ -10,11 +10,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from agents.catalogue import MODELS
+from agents.catalogue import cars_by, obedient
 from app.live.kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
 from app.live.laboratory.example import example
 from app.live.laboratory.lab import Lab, read_lab
-from app.live.operating.squashing_driver import CARS, model_for
 from worlds.refusal import Refusal, unknown
 
 
@@ -42,8 +41,7 @@ class Choices:
         """What may be chosen in a laboratory; what its file says is chosen."""
         sources = offered(lab.source, lab.sources, SIMULATED)
         links = offered(lab.link, lab.links, DRY)
-        cars = [name for name, model in MODELS.items() if model.body.name in CARS]
-        rules = tuple(dict.fromkeys([lab.rule, *cars]))
+        rules = tuple(dict.fromkeys([lab.rule, *obedient()]))
         return Choices(
             lab, sources, links, rules, next(iter(sources)), next(iter(links)), lab.rule, lab
         )
@@ -113,5 +111,5 @@ def shared_parameters(lab: Lab, rule: str) -> dict:
     """Those of the file's parameters that a rule has too. Raises Refusal."""
     if rule == lab.rule:
         return dict(lab.parameters)
-    fields = model_for(rule).parameters.model_fields
+    fields = cars_by(rule).parameters.model_fields
     return {name: value for name, value in lab.parameters.items() if name in fields}

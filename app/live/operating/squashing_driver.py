@@ -15,15 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from agents.bodies import car
-from agents.bodies.car import driving
-from agents.bodies.cars.signals import FRESH, PACE, SIGNALS, STEERING, STUCK
-from agents.bodies.tracking import Tracking
-from agents.catalogue import MODELS
-from agents.models.declare import Rule, checked
-from agents.models.model import Model
+from agents.catalogue import cars_by
+from agents.models.declare import checked
 from agents.motion import Motion
-from agents.rules.squashing import SQUASHING
 from agents.state.rows import begun
 from agents.state.start import Start
 from app.live.control.driver import Companion
@@ -31,7 +25,7 @@ from app.live.control.pose import Pose, Sighting
 from app.live.laboratory.lab import Lab
 from app.live.operating.companions import begin_more, demand_allowed, named, resized
 from worlds.mission import Goal, Mission
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal
 from worlds.world import World
 
 NOT_SIMULATED = {
@@ -50,11 +44,6 @@ COMPILING = "compiling {} for this machine: about a minute, and only this first 
 """What is said while a rule is compiled; once it is, it is kept for later starts."""
 OVER = 10
 """Ticks over which the speed of a car is measured: noise of 0.5 mm then makes 7 mm/s."""
-CARS = (car.BODY.name, car.STEERED.name)
-ON_WHEELS = "-cars"
-"""Behind a rule's name: the model of cars that go by it."""
-WHEEL, THROTTLE = (SIGNALS.index(one) for one in ("wheel sent 1", "throttle sent 1"))
-"""Among the body's signals."""
 
 
 class FlockDriver(Motion):
@@ -67,7 +56,9 @@ class FlockDriver(Motion):
     def __init__(self, lab: Lab, tell: Callable[[str], object] | None = None):
         self.lab = lab
         self.names = sorted(lab.cars)
-        self.model = model_for(lab.rule)
+        self.model = cars_by(lab.rule)
+        assert self.model.body.vehicle is not None
+        self.vehicle = self.model.body.vehicle
         self.world = world_of(lab)
         self.seed, self.tick, self.threads = 0, 0, 1
         self.activation, self.noise = "synchronous", "angular"
@@ -83,7 +74,6 @@ class FlockDriver(Motion):
         """Where the injected car was last, m."""
         self.wanted = lab.simulated.cars
         """How many simulated cars there are to be; they begin once all real ones were seen."""
-        self.first_signal = len(self.model.rule.signals)
         self.begin()
         begin_more(
             lab, 0, lab.simulated.cars, [], self.size
@@ -150,13 +140,13 @@ class FlockDriver(Motion):
         n = len(self.names)
         self.position[:n], self.heading[:n] = self.place, self.nose
         self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
-        self.signal_row(PACE)[:n] = self.speed[:n]
+        self.signal_row(self.vehicle.pace)[:n] = self.speed[:n]
         if injected is not None and self.follows:
             self.engine.surroundings.route[0, :2] = injected.x, injected.y
         self.advance_once(running)
         most = math.radians(self.context.parameters.wheel_max)
-        steer = self.signal_row(WHEEL) / most
-        throttle = self.signal_row(THROTTLE)
+        steer = self.signal_row(self.vehicle.wheel) / most
+        throttle = self.signal_row(self.vehicle.throttle)
         rows = [self.names.index(name) for name in seen]
         return {self.names[row]: (float(steer[row]), float(throttle[row])) for row in rows}
 
@@ -172,16 +162,17 @@ class FlockDriver(Motion):
         for column, values in zip(own, before, strict=True):
             column[:] = values
         self.stand()
-        self.signal_row(STUCK)[:] = 0.0  # who does not get on because it may not is not stuck
+        # Who does not get on because it may not is not stuck.
+        self.signal_row(self.vehicle.stuck)[:] = 0.0
 
     def stand(self) -> None:
         """Stop the simulated cars where they are."""
         n = len(self.names)
-        self.speed[n:] = self.signal_row(PACE)[n:] = 0.0
+        self.speed[n:] = self.signal_row(self.vehicle.pace)[n:] = 0.0
 
-    def signal_row(self, which: int) -> np.ndarray:
-        """One of the body's signals of all cars, real ones first; a view."""
-        return self.arrays.memory[self.first_signal + which]
+    def signal_row(self, name: str) -> np.ndarray:
+        """One of the signals of all cars, real ones first; a view."""
+        return self.arrays.memory[self.model.columns.index(name)]
 
     @property
     def is_placed(self) -> bool:
@@ -197,7 +188,8 @@ class FlockDriver(Motion):
     def companions(self) -> tuple[Companion, ...]:
         """The simulated cars as they are after the last tick."""
         n = len(self.names)
-        wheels = (1.0 - self.signal_row(FRESH)) * self.signal_row(STEERING)
+        has_moved = 1.0 - self.signal_row(self.vehicle.fresh)
+        wheels = has_moved * self.signal_row(self.vehicle.steering)
         share = np.clip(wheels / math.radians(self.context.parameters.wheel_max), -1.0, 1.0)
         return tuple(
             Companion(named(number), Pose(x, y, math.atan2(uy, ux)), steer)
@@ -269,37 +261,3 @@ def world_of(lab: Lab) -> World:
     goal = None if plan.path == "none" else Mission(goal=Goal(route=(plan.centre,)))
     size = tuple(high - low for low, high in zip(area.low, area.high, strict=True))
     return World("laboratory", size, ("open", "open"), low=tuple(area.low), mission=goal)
-
-
-def model_for(name: str) -> Model:
-    """The cars that go by a rule: a model of cars, or the rule of another one. Raises Refusal."""
-    if name in MODELS and MODELS[name].body.name in CARS:
-        return MODELS[name]
-    rules = rules_by_name()
-    if name not in rules:
-        models = [one for one, model in MODELS.items() if model.body.name in CARS]
-        raise unknown("rule", name, dict.fromkeys([*models, *rules]), "the laboratory")
-    rule = rules[name]
-    if rule.name + ON_WHEELS in MODELS:
-        return MODELS[rule.name + ON_WHEELS]
-    if 2 not in rule.dimensions or rule.wish not in ("heading", "velocity"):
-        raise Refusal(
-            f"rule {name} cannot drive cars: it wishes {rule.wish} in "
-            f"{' and '.join(f'{d}-D' for d in rule.dimensions)}, and cars take a heading or a "
-            "velocity in 2-D"
-        )
-    taken = set(rule.parameters.model_fields) & set(car.Car.model_fields)
-    if taken and not issubclass(rule.parameters, Tracking):
-        raise Refusal(
-            f"rule {name} cannot drive cars: it has a parameter {sorted(taken)[0]} of its own, "
-            "and so have they"
-        )
-    return driving(rule)
-
-
-def rules_by_name() -> dict[str, Rule]:
-    """The rules of all models and their names; a model's name stands for its rule too."""
-    found = {SQUASHING.name: SQUASHING}
-    for name, model in MODELS.items():
-        found |= {model.rule.name: model.rule, name: model.rule}
-    return found

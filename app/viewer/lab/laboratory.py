@@ -12,16 +12,17 @@ from app.viewer.lab.panels.crashes import CrashLists
 from app.viewer.lab.panels.downloads import Downloads
 from app.viewer.lab.panels.guide import Guide
 from app.viewer.lab.panels.inspector import Inspector
-from app.viewer.lab.panels.monitors import Monitors
+from app.viewer.lab.panels.monitors import BLOCKS, contents
 from app.viewer.lab.panels.more import MoreNumbers
+from app.viewer.lab.panels.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world import WorldPanel
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
-from app.viewer.panels.plots import Plots
 from app.viewer.panels.shell import dock, dress, settle
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
@@ -112,7 +113,7 @@ class Laboratory:
         guide.on_click(self.guide_clicked)
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
-            self.monitors = Monitors(gui)
+            self.monitors = Monitors(gui, BLOCKS, "tick")
             self.plots = Plots(gui)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
@@ -270,7 +271,9 @@ class Laboratory:
         self.plots.refresh(readings, frame, beside)
         self.more.offer(self.plots.offered)
         last = self.plots.last
-        self.monitors.refresh(state, frame, readings, self.browsers(), beside, self.more, last)
+        self.monitors.show(
+            contents(state, frame, readings, self.browsers(), beside, self.more, last)
+        )
         self.crashes.refresh(readings, beside)
         watched = self.plots.names | self.more.names
         if watched != self.watched:

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from agents.models.declare import Vehicle
 from agents.models.model import Model
 from app.live.control.status import Status
 from app.live.laboratory.lab import Lab
 from app.live.operating.squashing_driver import world_of
-from app.viewer.scene.shown.cars import LENGTH, WIDTH, Cars
+from app.viewer.scene.shown.cars import Cars
 from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.live import LOST, SIMULATED, Live
 from worlds.world import World
@@ -70,6 +71,7 @@ def frame_of(
     lab, count = setting.lab, len(cars)
     lock = math.radians(float(values.get("wheel_max", WHEEL)))
     fastest = max(car.fastest for car in lab.cars.values())
+    vehicle = setting.model.body.vehicle or Vehicle()
     injected = status.injected
     goal = None if injected is None else np.array([injected.x, injected.y])
     return Frame(
@@ -87,8 +89,8 @@ def frame_of(
         unit="s",
         progress=Progress(goal),
         cars=Cars(
-            length=float(values.get("length", LENGTH)),
-            width=float(values.get("width", WIDTH)),
+            length=float(values.get("length", vehicle.length)),
+            width=float(values.get("width", vehicle.width)),
             steering=lock * np.array([car.steer for car in cars]),
             stuck=np.zeros(count, bool),
             predator=np.zeros(count, bool),

@@ -10,8 +10,8 @@ from typing import Any, Protocol
 from app.live.control.arm import OperatorRequest
 from app.live.control.events import Event
 from app.live.control.status import Status
-from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, frame_of
+from app.viewer.live.readings import RoomReadings
 from app.viewer.live.tuning import Tuning
 from app.viewer.scene.shown.frame import Frame
 
@@ -85,7 +85,7 @@ class Opening:
         self.status: Status | None = None
         """The status that the frame is drawn from."""
         self.frame: Frame | None = None
-        self.course = Course(setting.lab.injected)
+        self.readings = RoomReadings(setting.lab.injected)
         self.past: deque[Status] = deque(maxlen=KEPT)
         self.heard = time.monotonic()
         self.known = 0
@@ -132,7 +132,7 @@ class Opening:
         self.status = status
         self.heard = time.monotonic()
         self.frame = frame_of(self.setting, status, self.values, tuple(self.past))
-        self.course = self.course.after(status)
+        self.readings.note(status)
         self.past.append(status)
 
     def deserted(self) -> None:

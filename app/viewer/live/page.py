@@ -12,7 +12,7 @@ import viser
 from app.live.operating.choices import Choices
 from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.panels.log import LogPanel
-from app.viewer.live.panels.monitors import LiveMonitors
+from app.viewer.live.panels.monitors import BLOCKS, contents
 from app.viewer.live.panels.plots import LivePlots
 from app.viewer.live.panels.room import RoomPanel
 from app.viewer.live.panels.rule import RulePanel
@@ -20,6 +20,7 @@ from app.viewer.live.panels.state import StatePanel
 from app.viewer.live.panels.view import CONTROLS, LOOK
 from app.viewer.live.session import Session
 from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress, settle
 from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
@@ -119,7 +120,7 @@ class LivePage:
             self.log = LogPanel(gui, self.session)
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
-            self.monitors = LiveMonitors(gui)
+            self.monitors = Monitors(gui, BLOCKS, "loop")
             self.plots = LivePlots(gui, lab.rate)
         dock(gui, left)
 
@@ -198,16 +199,15 @@ class LivePage:
 
     def measure(self) -> None:
         """Show what is measured."""
-        status, course = self.session.status, self.session.course
+        status, readings = self.session.status, self.session.readings
         if self.drawing.drawn is None or status is None:
             return
         frame, drawn_as = self.drawing.drawn
         names = [*(car.name for car in status.cars), *(one.name for one in status.companions)]
-        plan, browsers = self.lab.injected, self.browsers()
-        self.monitors.refresh(status, frame, course, plan, browsers, self.selected)
+        self.monitors.show(contents(status, frame, readings, self.browsers(), self.selected))
         self.monitors.colours(drawn_as.colour, self.scene.legend(drawn_as, frame))
         if frame.cars is not None:
-            self.plots.refresh(course, names, frame.cars.length)
+            self.plots.refresh(readings, names, frame.cars.length)
 
     def browsers(self) -> int:
         """Number of browsers that watch."""

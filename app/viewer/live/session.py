@@ -24,9 +24,9 @@ from app.live.operating.ends import Opener
 from app.live.operating.operator import Operator
 from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.arming_code import ArmingCode, Verdict
-from app.viewer.live.course import Course
 from app.viewer.live.framing import Setting, deserted
 from app.viewer.live.opening import Opening, OperatorProtocol
+from app.viewer.live.readings import RoomReadings
 from app.viewer.live.session_requests import CLOSED, SessionRequests
 from app.viewer.run.words import in_words
 from app.viewer.scene.shown.frame import Frame
@@ -49,7 +49,7 @@ class Driving(Protocol):
 
 class Session(SessionRequests):
     """Opens and closes the control loop of a laboratory in a thread of its own, and polls it 50
-    times a second; `frame`, `status`, `course` and `state` are always the latest.
+    times a second; `frame`, `status`, `readings` and `state` are always the latest.
 
     With `recording`, a folder, each opening is recorded in a new folder in it.
     """
@@ -70,7 +70,7 @@ class Session(SessionRequests):
         self.frame: Frame | None = None
         self.status: Status | None = None
         """The newest of the loop that is open."""
-        self.course = Course(self.lab.injected)
+        self.readings = RoomReadings(self.lab.injected)
         self.events = Events()
         """Those of all openings."""
         self.code = ArmingCode()
@@ -210,7 +210,11 @@ class Session(SessionRequests):
             opening.tuning.settle()
             opening.update()
             if opening.status is not None:
-                self.status, self.frame, self.course = opening.status, opening.frame, opening.course
+                self.status, self.frame, self.readings = (
+                    opening.status,
+                    opening.frame,
+                    opening.readings,
+                )
             silence = opening.silence
             if silence != self.state.trouble:
                 self.change(trouble=silence)
@@ -242,7 +246,7 @@ class Session(SessionRequests):
     def forget(self) -> None:
         """Nothing is known any more of the loop that was open."""
         self.status = None
-        self.course = Course(self.lab.injected)
+        self.readings = RoomReadings(self.lab.injected)
         if self.frame is not None:
             self.frame = deserted(self.frame)
 

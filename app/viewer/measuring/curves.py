@@ -7,19 +7,11 @@ from collections.abc import Collection
 
 import numpy as np
 
-from agents.models.model import Model
-from app.viewer.measuring.measured import CRASHES, words
+from agents.observables.catalogue import OBSERVABLES
+from app.viewer.measuring.measured import words
 from app.viewer.measuring.readings import Readings
 
 NOTHING = "nothing"
-TOGETHER = (
-    ("polarisation", "consistency"),
-    ("polarisation", "angular-momentum"),
-    ("drag-saved", "energy-saved"),
-)
-"""Observables that go into one chart."""
-BROUGHT = {"echelon": (("drag-saved", "energy-saved"), ("polarisation",), ("groups",))}
-"""The plots of models of which their measures do not say what matters, by name."""
 JUST = 1e-3
 """Just before a tick, ticks: where a step begins."""
 Points = tuple[np.ndarray, np.ndarray]
@@ -37,32 +29,18 @@ def worded(names: tuple[str, ...]) -> str:
 
 def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
     """What can be plotted of a flock that has these observables: words -> names."""
-    both = [names for names in TOGETHER if all(name in offered for name in names)]
+    pairs = [(one.beside, name) for name, one in OBSERVABLES.items() if one.beside]
+    both = [names for names in pairs if all(name in offered for name in names)]
     return {worded(names): names for names in (*both, *((one,) for one in offered), ())}
-
-
-def usual(model: Model, offered: Collection[str]) -> tuple[tuple[str, ...], ...]:
-    """What is plotted of a model unless somebody chooses: three charts at most.
-
-    The rotation of what has zones, the crashes of what can crash, the distance to a goal.
-    """
-    if model.name in BROUGHT:
-        return BROUGHT[model.name]
-    order, structure = TOGETHER[0], ("mean-neighbours",)
-    if CRASHES in offered:
-        return ("groups",), ("polarisation",), (CRASHES,)
-    if model.rule.zones:
-        order, structure = TOGETHER[1], ("groups",)
-    return order, structure, ("goal-distance",) if "goal-distance" in offered else ()
 
 
 def points(readings: Readings, name: str, last: float = math.inf) -> Points:
     """How an observable went over the whole run, or over its `last` ticks."""
-    if name != CRASHES:
-        return readings.course(name).arrays(last)
-    if readings.crashes is None:
+    if OBSERVABLES[name].events is None:
+        return readings.series(name).arrays(last)
+    if name not in readings.events:
         return np.empty(0), np.empty(0)
-    return steps(readings.crashes.tick, readings.tick, last)
+    return steps(readings.events[name], readings.tick, last)
 
 
 def steps(ticks: np.ndarray, now: int, last: float = math.inf) -> Points:

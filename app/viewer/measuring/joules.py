@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from agents.observables.catalogue import OBSERVABLES
 from app.viewer.measuring.aside import Aside
 from app.viewer.measuring.readings import Readings
 from worlds.refusal import Refusal
 
+SAVES = tuple(name for name, one in OBSERVABLES.items() if one.saves_power)
+"""The observables that say what share of their power, in percent, agents save."""
 STEP = 0.25
 """Speeds are rounded to it, m/s: a trim takes seconds."""
 
@@ -32,8 +35,8 @@ class Joules:
 
     def saved(self, readings: Readings) -> str:
         """What a flock saves at the speed its body cruises at, in words."""
+        share = next((readings.values[name] for name in SAVES if name in readings.values), None)
         speed = getattr(readings.flock.parameters, "v0", None)
-        share = readings.values.get("energy-saved")
         if speed is None or share is None:
             return "–"
         alone = self.alone(speed)

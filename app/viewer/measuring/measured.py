@@ -3,38 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
+from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
+from agents.observables.observable import Range, everywhere
+from worlds.world import World
 
-SAVED = ("drag-saved", "energy-saved")
-"""What follows from the measures of each agent within the pass."""
-QUICK = (
-    "polarisation",
-    "consistency",
-    "angular-momentum",
-    "goal-distance",
-    *SAVED,
-)
-"""As cheap as a look at each agent: measured many times a second, whether shown or not."""
-GRAPH = ("mean-neighbours", "groups", "largest-group", "following")
-"""From the flock's graph: measured a few times a second, whether shown or not."""
-CRASHES = "crashes"
+UNKNOWN = "–"
+QUICK = tuple(name for name, one in OBSERVABLES.items() if one.quick)
+"""Measured many times a second, whether shown or not."""
+COUNTED = tuple(name for name, one in OBSERVABLES.items() if one.events is not None)
 """Known to the tick: not measured now and then, but counted."""
-
-
-@dataclass(frozen=True)
-class Scale:
-    """Between what values an observable lies; None where there is no bound to draw."""
-
-    low: float | None
-    high: float | None
-
-    @property
-    def is_share(self) -> bool:
-        """Whether it is a share, from 0 to 1."""
-        return (self.low, self.high) == (0.0, 1.0)
+STEADY = tuple(name for name, one in OBSERVABLES.items() if one.card is not None and not one.quick)
+"""Measured a few times a second, whether shown or not."""
 
 
 def words(name: str) -> str:
@@ -56,27 +39,15 @@ def unit(name: str) -> str:
     return found if found in ("%", "length") else ""
 
 
-def scale(name: str) -> Scale:
-    """The scale of an observable, from its declared range.
+def scale(name: str) -> Range:
+    """Between what values an observable lies that is a number.
 
-    >>> scale("polarisation"), scale("groups")
-    (Scale(low=0.0, high=1.0), Scale(low=0.0, high=None))
+    >>> print(scale("polarisation"), scale("groups"))
+    [0, 1] [0, N]
     """
-    low, _, high = OBSERVABLES[name].range.strip("[]()").partition(",")
-    return Scale(bound(low), bound(high))
-
-
-def bound(text: str) -> float | None:
-    """An end of a range; None where it is not a finite number.
-
-    >>> bound("0"), bound(" N"), bound("-inf")
-    (0.0, None, None)
-    """
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+    found = OBSERVABLES[name].range
+    assert isinstance(found, Range)
+    return found
 
 
 def told(name: str, value: float | None) -> str:
@@ -86,7 +57,7 @@ def told(name: str, value: float | None) -> str:
     ('0.988', '12', '-3.5 %')
     """
     if value is None or math.isnan(value):
-        return "–"
+        return UNKNOWN
     if math.isinf(value):
         return "far"
     if scale(name).is_share:
@@ -96,21 +67,26 @@ def told(name: str, value: float | None) -> str:
     return f"{value:.0f}" if float(value).is_integer() else f"{value:.3g}"
 
 
-def says(flock: Any, name: str) -> bool:
-    """Whether an observable says anything about a flock in its world, now or later."""
-    world, mission = flock.world, flock.world.mission
-    match name:
-        case "goal-distance":
-            return mission is not None and (mission.goal is not None or mission.path is not None)
-        case "following":
-            return bool(flock.informed.any())
-        case "obstacle-distance" | "inside-obstacles":
-            return world.is_solid
-        case "crashes":
-            return flock.can_crash
-        case "drag-saved" | "energy-saved":
-            return "saved" in flock.model.columns
-    return True
+def cards(
+    part: str, world: World, values: Mapping[str, float], model: Model | None = None
+) -> dict[str, str]:
+    """The cards of a part of the monitors, label -> text.
+
+    Of what every flock has, those that are not known yet too.
+    """
+    shown = {}
+    for name, one in OBSERVABLES.items():
+        card, value = one.card, values.get(name)
+        if card is None or card.part != part:
+            continue
+        if model is not None and card.of is not None and not card.of(model):
+            continue
+        if value is None and one.applies is not everywhere:
+            continue
+        label = card.label if isinstance(card.label, str) else card.label(world)
+        known = value is not None and math.isfinite(value) and card.form
+        shown[label] = f"{value:{card.form}}".replace("%", " %") if known else told(name, value)
+    return shown
 
 
 def offered(flock: Any) -> tuple[str, ...]:
@@ -118,7 +94,7 @@ def offered(flock: Any) -> tuple[str, ...]:
     return tuple(
         name
         for name, one in OBSERVABLES.items()
-        if one.over is None and not one.is_table and says(flock, name)
+        if one.over is None and not one.is_table and one.applies(flock)
     )
 
 

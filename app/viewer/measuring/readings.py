@@ -1,4 +1,4 @@
-"""What the monitors show of a flock, and its course over the run."""
+"""What the monitors show of a flock, and how that goes over the run."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
 from agents.state.crashes import Crashes
 from app.viewer.measuring.aside import Aside
-from app.viewer.measuring.course import Course
 from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.extremes import Extremes
-from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, offered, says
+from app.viewer.measuring.measured import COUNTED, QUICK, STEADY, offered
 from app.viewer.measuring.rate_limit import RateLimit
+from app.viewer.measuring.time_series import TimeSeries
 from worlds.refusal import Refusal
 
 NOBODY = np.zeros(0, int)
@@ -82,9 +82,11 @@ class Readings:
     """Agents that no information reaches."""
     crashes: Crashes | None = None
     """Who has crashed so far; None where nobody can."""
+    events: dict[str, np.ndarray] = field(default_factory=dict)
+    """The ticks of what is counted, by its observable."""
     tick: int = 0
     """When that was."""
-    courses: dict[str, Course] = field(default_factory=dict)
+    all_series: dict[str, TimeSeries] = field(default_factory=dict)
     extremes: Extremes = field(init=False)
     offered: tuple[str, ...] = field(init=False)
     """What can be measured of this flock."""
@@ -122,25 +124,29 @@ class Readings:
         """Read what is cheap."""
         flock = self.flock
         self.offered = offered(flock)
-        seen = {name: float(flock.observe(name)) for name in QUICK if says(flock, name)}
+        seen = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
         self.note(flock.tick, seen)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
             seen["through"] = arrived(flock)
         if flock.can_crash:
             self.crashes = flock.crashes
-            seen[CRASHES] = float(len(self.crashes))
+        for name in COUNTED:
+            count = OBSERVABLES[name].events
+            if count is not None and name in self.offered:
+                self.events[name] = count(flock)
+                seen[name] = float(len(self.events[name]))
         self.values = self.values | seen | self.extremes.values()
         self.tick = flock.tick
 
-    def course(self, name: str) -> Course:
+    def series(self, name: str) -> TimeSeries:
         """How an observable went; without points if it has not been measured."""
-        return self.courses.setdefault(name, Course())
+        return self.all_series.setdefault(name, TimeSeries())
 
     def note(self, tick: int, values: dict[str, float]) -> None:
-        """Take values into their courses."""
+        """Take values into their time series."""
         for name, value in values.items():
-            self.course(name).add(tick, value)
+            self.series(name).add(tick, value)
 
     def study(self) -> Callable[[], Found]:
         """A function that makes the costly measurements of the flock now, within a rate limit.
@@ -148,7 +154,7 @@ class Readings:
         It is done on a snapshot, so that the flock can go on meanwhile.
         """
         now = self.flock.snapshot().measurable()
-        wanted = (*GRAPH, *sorted(self.watched.difference(GRAPH, QUICK, [CRASHES])))
+        wanted = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
         names = [name for name in wanted if name in self.offered]
 
         def work() -> Found:
@@ -159,7 +165,7 @@ class Readings:
 
     def take(self, found: Callable[[], Found]) -> None:
         """Take what was found; without it nothing old is shown."""
-        lasting = (*QUICK, CRASHES)
+        lasting = (*QUICK, *COUNTED)
         self.values = {
             name: value
             for name, value in self.values.items()
@@ -175,7 +181,7 @@ class Readings:
 
     def over(self, name: str, last: float = math.inf) -> float:
         """An observable that is measured over a run, over its `last` ticks or all of it."""
-        series = self.course(SERIES).arrays(last)[1]
+        series = self.series(SERIES).arrays(last)[1]
         take = OBSERVABLES[name].over
         assert take is not None
         crashed = 0 if self.crashes is None else len(self.crashes)

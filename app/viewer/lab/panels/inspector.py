@@ -13,7 +13,7 @@ from agents.state.crashes import CAUSES, Crashes
 from app.viewer.panels.style import block, table
 from app.viewer.run.picture import SAVED
 from app.viewer.scene.draw import palette
-from app.viewer.scene.marks.inspected.reasons import PLACES, force_colours
+from app.viewer.scene.marks.inspected.reasons import force_colours
 from app.viewer.scene.shown.frame import Frame
 
 ON_ITS_WAY = " sent "
@@ -109,12 +109,12 @@ def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
     if frame.dim == 3:
         listed["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
     listed["speed"] = f"{frame.speed[seen.row]:.3g} {frame.pace_unit}"
-    return listed | signal_facts(seen.signals)
+    return listed | signal_facts(seen)
 
 
-def signal_facts(signals: dict[str, float]) -> dict[str, str]:
+def signal_facts(seen: Inspection) -> dict[str, str]:
     """What an agent tells and keeps; places, which are pairs of columns, as points."""
-    listed = {}
+    listed, signals = {}, seen.signals
     for name, value in signals.items():
         stem = name[:-2]
         if (name.endswith("_y") and f"{stem}_x" in signals) or ON_ITS_WAY in name:
@@ -126,9 +126,7 @@ def signal_facts(signals: dict[str, float]) -> dict[str, str]:
             listed[stem] = f"({value:.2f}, {signals[f'{stem}_y']:.2f})"
         else:
             listed[name] = f"{value:.4g}" if np.isfinite(value) else "unknown"
-    if signals.get("following") == 0.0:
-        listed = {name: words for name, words in listed.items() if name not in PLACES}
-    return listed
+    return {name: words for name, words in listed.items() if seen.minds or name not in seen.places}
 
 
 def pushed(seen: Inspection) -> str:

@@ -1,111 +1,90 @@
-"""Numbers of the flock as it runs: cards, the key to the colours, and the layers."""
+"""What the monitors tell of the flock as it runs: cards, tables of two flocks, and bars."""
 
 from __future__ import annotations
 
 import html
 import math
 
-import viser
-
 from agents.catalogue import MODELS
 from app.viewer.lab.panels.bars import layer_bars, size_bars
 from app.viewer.lab.panels.compared import compared, keeping_up, titled_columns
 from app.viewer.lab.panels.crashes import counted
 from app.viewer.lab.panels.more import SIZES, MoreNumbers
-from app.viewer.measuring.measured import told as told_value
+from app.viewer.measuring import measured
 from app.viewer.measuring.readings import Readings
-from app.viewer.panels.style import block, cards, grid, key
+from app.viewer.panels.monitors import CARDS, KEY
+from app.viewer.panels.style import grid
 from app.viewer.run.state import State
 from app.viewer.scene.shown.frame import Frame
 from worlds.mission import Mission
 
+BLOCKS = (CARDS, "titles", "compared", "mission", "crashes", "more", KEY, "bars")
+"""From the top down."""
 COMMON = ("agents", "ticks / s", "browsers")
 """What two flocks side by side have in common."""
 CLOCK = ("tick", "time")
 """What they have in common where it is the same."""
 
 
-class Monitors:
-    """The top of the left panel."""
+def contents(
+    state: State,
+    frame: Frame,
+    readings: Readings,
+    browsers: int,
+    beside: Readings | None,
+    more: MoreNumbers,
+    last: float,
+) -> dict[str, str]:
+    """The latest of everything by its block, HTML; of two flocks in two columns.
 
-    def __init__(self, gui: viser.GuiApi):
-        self.cards = gui.add_html(cards({"tick": "–"}))
-        self.titles = gui.add_html("", visible=False)
-        self.compared = gui.add_html("", visible=False)
-        self.mission = gui.add_html("", visible=False)
-        self.crashes = gui.add_html("", visible=False)
-        self.more = gui.add_html("", visible=False)
-        self.key = gui.add_html("")
-        self.bars = gui.add_html("", visible=False)
+    `more` are the numbers that somebody has chosen, of the `last` ticks if they are of a run.
+    """
+    second, name = frame.beside, state.start.beside
+    if second is None or beside is None or name is None:
+        return alone(state, frame, readings, browsers, more, last)
+    models = state.start.model, name
+    sides = (frame, readings), (second, beside)
+    told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
+    same = (name for name in CLOCK if told.get(name) == others.get(name))
+    common = (*COMMON, *same)
+    in_common = {name: text for name, text in told.items() if name in common}
 
-    def refresh(
-        self,
-        state: State,
-        frame: Frame,
-        readings: Readings,
-        browsers: int,
-        beside: Readings | None,
-        more: MoreNumbers,
-        last: float,
-    ) -> None:
-        """Show the latest of everything; of two flocks in two columns.
+    def table(title: str, first: dict[str, str], second: dict[str, str]) -> str:
+        return compared(title, models, first, second)
 
-        `more` are the numbers that somebody has chosen, of the `last` ticks if they are of a run.
-        """
-        second, name = frame.beside, state.start.beside
-        if second is None or beside is None or name is None:
-            self.alone(state, frame, readings, browsers, more, last)
-            return
-        models = state.start.model, name
-        sides = (frame, readings), (second, beside)
-        told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
-        same = (name for name in CLOCK if told.get(name) == others.get(name))
-        common = (*COMMON, *same)
-        in_common = {name: text for name, text in told.items() if name in common}
-        self.cards.content = block(grid(in_common, across=min(4, len(in_common))))
-        show_block(self.titles, titled_columns(*models) + keeping_up(frame, second))
+    tasks = (mission_numbers(one, read.values) for one, read in sides)
+    named = list(zip(models, sides, strict=True))
+    return {
+        CARDS: grid(in_common, across=min(4, len(in_common))),
+        "titles": titled_columns(*models) + keeping_up(frame, second),
+        "compared": table("Flock", without(told, common), without(others, common)),
+        "mission": table(mission_title(frame), *tasks),
+        "more": table("More", *(more.numbers(read, last) for _, read in sides)),
+        "crashes": "".join(crash_count(read, len(one.ids), model) for model, (one, read) in named),
+        "bars": "".join(
+            all_bars(one, read, SIZES in more.chosen, model) for model, (one, read) in named
+        ),
+    }
 
-        def table(title: str, first: dict[str, str], second: dict[str, str]) -> str:
-            return compared(title, models, first, second)
 
-        show_block(self.compared, table("Flock", without(told, common), without(others, common)))
-        tasks = (mission_numbers(one, read.values) for one, read in sides)
-        show_block(self.mission, table(mission_title(frame), *tasks))
-        show_block(self.more, table("More", *(more.numbers(read, last) for _, read in sides)))
-        named = zip(models, sides, strict=True)
-        counts = (crash_count(read, len(one.ids), model) for model, (one, read) in named)
-        show_block(self.crashes, "".join(counts))
-        bars = [
-            all_bars(one, read, SIZES in more.chosen, model)
-            for (one, read), model in zip(sides, models, strict=True)
-        ]
-        show_block(self.bars, "".join(bars))
-
-    def alone(
-        self,
-        state: State,
-        frame: Frame,
-        readings: Readings,
-        browsers: int,
-        more: MoreNumbers,
-        last: float,
-    ) -> None:
-        """Show the latest of one flock."""
-        self.titles.visible = self.compared.visible = False
-        self.cards.content = cards(numbers(state, frame, readings.values, browsers))
-        show_block(
-            self.mission, headed(mission_title(frame), mission_numbers(frame, readings.values))
-        )
-        show_block(self.crashes, crash_count(readings, len(frame.ids)))
-        show_block(self.more, headed("More numbers", more.numbers(readings, last)))
-        show_block(self.bars, all_bars(frame, readings, SIZES in more.chosen))
-
-    def colours(self, colour: str, legend: list[tuple[str, str]]) -> None:
-        """Say what the colours mean."""
-        entries = [(html.escape(words), css) for words, css in legend]
-        self.key.content = block(
-            f'<div class="fs-head">Colour: {html.escape(colour)}</div>{key(entries)}'
-        )
+def alone(
+    state: State,
+    frame: Frame,
+    readings: Readings,
+    browsers: int,
+    more: MoreNumbers,
+    last: float,
+) -> dict[str, str]:
+    """The latest of one flock."""
+    return {
+        "titles": "",
+        "compared": "",
+        CARDS: grid(numbers(state, frame, readings.values, browsers)),
+        "mission": headed(mission_title(frame), mission_numbers(frame, readings.values)),
+        "crashes": crash_count(readings, len(frame.ids)),
+        "more": headed("More numbers", more.numbers(readings, last)),
+        "bars": all_bars(frame, readings, SIZES in more.chosen),
+    }
 
 
 def all_bars(frame: Frame, readings: Readings, sizes: bool, model: str = "") -> str:
@@ -119,33 +98,14 @@ def all_bars(frame: Frame, readings: Readings, sizes: bool, model: str = "") -> 
 
 
 def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int) -> dict[str, str]:
-    """The cards, name -> text; consistency only of models that have no zones."""
-
-    def shown(name: str, form: str) -> str:
-        return format(values[name], form) if name in values else "–"
-
-    zoned = bool(MODELS[state.start.model].rule.zones)
+    """The cards, name -> text."""
     return {
         "tick": spaced(frame.tick),
         **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),
         "agents": spaced(len(frame.ids)),
         "ticks / s": rate_text(state.rate),
-        "polarisation": shown("polarisation", ".3f"),
-        **({} if zoned else {"consistency": shown("consistency", ".4f")}),
-        "rotation": shown("angular-momentum", ".3f"),
-        "neighbours": shown("mean-neighbours", ".1f"),
-        "groups": shown("groups", ".0f"),
-        "largest group": shown("largest-group", ".0f"),
-        **energy_numbers(values),
+        **measured.cards("flock", frame.world, values, MODELS[state.start.model]),
         **({"browsers": str(browsers)} if browsers > 1 else {}),
-    }
-
-
-def energy_numbers(values: dict[str, float]) -> dict[str, str]:
-    """The cards of what flying in formation saves, name -> text; nothing where it is not known."""
-    named = {"drag-saved": "drag saved", "energy-saved": "power saved"}
-    return {
-        words: told_value(name, values[name]) for name, words in named.items() if name in values
     }
 
 
@@ -183,17 +143,14 @@ def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
     told: dict[str, str] = {}
     if not mission_title(frame):
         return told
-    if "goal-distance" in values:
-        where = "goal" if mission.goal is not None else "path's end"
-        told[f"to {where}"] = length_text(values["goal-distance"])
+    told |= measured.cards("way", frame.world, values)
     if mission.path is not None and frame.informed.any():
         count = len(mission.path.waypoints)
         here = frame.progress.done + 1
         told["waypoint"] = f"{here} / {count}" if here <= count else "all done"
     if mission.goal is not None and "through" in values:
         told["arrived"] = f"{100 * values['through']:.0f} %"
-    if "following" in values:
-        told["following"] = f"{100 * values['following']:.0f} %"
+    told |= measured.cards("team", frame.world, values)
     if "least-gap" in values:
         told["closest pair"] = length_text(values["least-gap"])
     if "least-clearance" in values:
@@ -205,13 +162,6 @@ def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
 def length_text(length: float) -> str:
     """A length in few figures; infinite ones are beyond what is looked at."""
     return f"{length:.3g}" if abs(length) < math.inf else "far"
-
-
-def show_block(place: viser.GuiHtmlHandle, content: str) -> None:
-    """Show content, or hide its place if there is none."""
-    place.visible = bool(content)
-    if content:
-        place.content = block(content)
 
 
 def rate_text(rate: float) -> str:

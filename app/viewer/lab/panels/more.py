@@ -7,16 +7,14 @@ from collections.abc import Iterable
 import viser
 
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measuring.joules import Joules
-from app.viewer.measuring.measured import CRASHES, GRAPH, QUICK, over_a_run, told, words
+from app.viewer.measuring.joules import SAVES, Joules
+from app.viewer.measuring.measured import over_a_run, told, words
 from app.viewer.measuring.readings import Readings
 
 JOULES = "joules-per-metre"
 """None of the observables: it takes an aircraft as well."""
-SIZES = "group-sizes"
+SIZES = "group sizes"
 """Drawn as bars, not told as a number."""
-ELSEWHERE = {*QUICK, *GRAPH, CRASHES} - {"consistency"}
-"""What the monitors show anyhow, of the flocks that have it."""
 
 
 class MoreNumbers:
@@ -27,8 +25,10 @@ class MoreNumbers:
         self.switches = {}
         with gui.add_folder("More numbers", expand_by_default=False):
             for name, one in OBSERVABLES.items():
-                if name not in ELSEWHERE and (not one.is_table or name == SIZES):
+                everyone = one.card is not None and one.card.of is None
+                if not (everyone or one.events or one.is_table):
                     self.switches[name] = gui.add_checkbox(words(name), False, hint=one.title)
+            self.switches[SIZES] = gui.add_checkbox(SIZES, False, hint="Groups of each size")
             self.switches[JOULES] = gui.add_checkbox(
                 "saved J/m",
                 False,
@@ -39,7 +39,7 @@ class MoreNumbers:
     def offer(self, offered: Iterable[str]) -> None:
         """Show the switches of what these flocks have."""
         there = {*offered, *over_a_run(), SIZES}
-        if "energy-saved" in there:
+        if there.intersection(SAVES):
             there.add(JOULES)
         for name, switch in self.switches.items():
             if switch.visible != (name in there):

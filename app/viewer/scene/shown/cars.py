@@ -8,10 +8,6 @@ import numpy as np
 
 from agents.flock import Flock
 
-BODIES = ("car", "steered-car", "zero-turn")
-"""Names of the bodies that are cars."""
-LENGTH, WIDTH = 0.22, 0.12
-"""Size of a car whose body has no size of its own, m: that of the cars that have one."""
 HELD = 0.5
 """A car that has not got on for so long is stuck, s."""
 
@@ -37,20 +33,20 @@ def cars(flock: Flock) -> Cars | None:
 
     What a body tells of itself counts from its first move on.
     """
-    model, count = flock.model, len(flock.ids)
-    if getattr(model.body, "name", "") not in BODIES:
+    model, count, parameters = flock.model, len(flock.ids), flock.parameters
+    vehicle = model.body.vehicle
+    if vehicle is None:
         return None
-    parameters = flock.parameters
 
     def signal(name: str) -> np.ndarray:
         return np.array(flock.signal(name)) if name in model.columns else np.zeros(count)
 
-    ready = signal("fresh") == 0.0
-    stuck = np.where(ready, signal("stuck"), 0.0)
+    ready = signal(vehicle.fresh) == 0.0
+    stuck = np.where(ready, signal(vehicle.stuck), 0.0)
     return Cars(
-        length=float(getattr(parameters, "length", LENGTH)),
-        width=float(getattr(parameters, "width", WIDTH)),
-        steering=np.where(ready, signal("steering"), 0.0),
+        length=float(getattr(parameters, "length", vehicle.length)),
+        width=float(getattr(parameters, "width", vehicle.width)),
+        steering=np.where(ready, signal(vehicle.steering), 0.0),
         stuck=(stuck > HELD) | (stuck < 0.0),
-        predator=signal("predator") == 1.0,
+        predator=signal(model.rule.hunters) == 1.0,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from viser import SceneApi
+from viser import LabelHandle, SceneApi
 
 from agents.inspection import Inspection
 from app.viewer.scene.draw import palette, tone
@@ -20,15 +20,14 @@ WEAKEST = 0.02
 """Forces weaker than this share of the strongest have no arrow."""
 SHAFT = 0.026
 """Radius of an arrow's shaft as a multiple of the strongest force's length."""
-PLACES = ("split", "rejoin", "aim")
-"""Places that an agent on its way round an obstacle remembers: pairs of columns NAME_x, NAME_y."""
 
 
 class Reasons:
     """Arrows, dots and words that follow `Frame.inspected`."""
 
     def __init__(self, scene: SceneApi, root: str = "") -> None:
-        name = f"{root}/inspected"
+        self._scene = scene
+        self._name = name = f"{root}/inspected"
         nothing = np.zeros((1, 2, 3), dtype=np.float32)
         self._arrows = scene.add_arrows(
             f"{name}/forces", nothing, np.zeros((1, 3), dtype=np.uint8), visible=False
@@ -43,16 +42,7 @@ class Reasons:
             visible=False,
         )
         self._aim = add_lines(scene, f"{name}/aim", thickness=2.0)
-        self._words = {
-            place: scene.add_label(
-                f"{name}/words/{place}",
-                place,
-                anchor="bottom-center",
-                font_screen_scale=0.85,
-                visible=False,
-            )
-            for place in PLACES
-        }
+        self._words: dict[str, LabelHandle] = {}
         self._dots = scene.add_point_cloud(
             f"{name}/places",
             nothing[0],
@@ -105,7 +95,15 @@ class Reasons:
         ]
 
     def _draw_places(self, picture: Picture, row: int, seen: Inspection) -> Changes:
-        places = remembered(seen.signals)
+        places = remembered(seen)
+        for place in places.keys() - self._words.keys():
+            self._words[place] = self._scene.add_label(
+                f"{self._name}/words/{place}",
+                place,
+                anchor="bottom-center",
+                font_screen_scale=0.85,
+                visible=False,
+            )
         changes: Changes = [
             (label, "visible", place in places) for place, label in self._words.items()
         ]
@@ -114,13 +112,14 @@ class Reasons:
         side = picture.stage.side
         lift = np.array([0.0, 0.0, picture.length])
         shown = {place: on_floor(picture, at[None])[0] + lift for place, at in places.items()}
-        shown["aim"][2] = drawn_height(picture.frame.world) * picture.stage.scale + ABOVE
+        aim = shown[seen.places[-1]]
+        aim[2] = drawn_height(picture.frame.world) * picture.stage.scale + ABOVE
         for place, at in shown.items():
             changes.append(
                 (self._words[place], "position", at + np.array([0.0, 0.012 * side, 0.0]))
             )
         dash = 0.006 * side
-        lines, _ = dashes(np.array([picture.at[row], shown["aim"]]), dash, dash)
+        lines, _ = dashes(np.array([picture.at[row], aim]), dash, dash)
         return [
             *changes,
             *segments(self._aim, lines, tone.single(palette.SELECTED)),
@@ -150,11 +149,12 @@ def force_colours(count: int) -> np.ndarray:
     return palette.FORCES[np.arange(count) % len(palette.FORCES)]
 
 
-def remembered(signals: dict[str, float]) -> dict[str, np.ndarray]:
-    """The places (2,) that an agent remembers while it follows a boundary; none while free."""
-    if signals.get("following", 0.0) != 1.0 or "aim_x" not in signals:
-        return {}
-    found = {p: np.array([signals[f"{p}_x"], signals[f"{p}_y"]]) for p in PLACES}
-    if np.array_equal(found["rejoin"], found["split"]) or not found["rejoin"].any():
-        del found["rejoin"]
+def remembered(seen: Inspection) -> dict[str, np.ndarray]:
+    """The places (2,) that an agent has in mind; those that it does not know yet are left out."""
+    found: dict[str, np.ndarray] = {}
+    for place in seen.places if seen.minds else ():
+        at = np.array([seen.signals[f"{place}_x"], seen.signals[f"{place}_y"]])
+        known = at.any() and not any(np.array_equal(at, other) for other in found.values())
+        if known or place in (seen.places[0], seen.places[-1]):
+            found[place] = at
     return found

@@ -1,4 +1,4 @@
-"""How one quantity went over a run: thinned over the whole of it, in full over its end."""
+"""How one quantity goes over time: thinned over the whole of it, in full over its end."""
 
 from __future__ import annotations
 
@@ -12,34 +12,37 @@ POINTS = 600
 """Points in a plot at most."""
 
 
-class Course:
-    """Values at ticks: at most POINTS over the whole run, and the POINTS latest.
+class TimeSeries:
+    """Values at times (ticks or s): at most POINTS over the whole run, and the POINTS latest.
 
-    What is no finite number is left out.
+    What is no finite number is left out, or with `gaps` NaN. Threads may add and look at once.
 
-    >>> course = Course()
+    >>> series = TimeSeries()
     >>> for tick in range(3):
-    ...     course.add(tick, tick / 10)
-    >>> course.arrays(last=1)
+    ...     series.add(tick, tick / 10)
+    >>> series.arrays(last=1)
     (array([1., 2.]), array([0.1, 0.2]))
     """
 
-    def __init__(self) -> None:
+    def __init__(self, gaps: bool = False) -> None:
+        self.gaps = gaps
         self.whole: list[tuple[float, float]] = []
         self.latest: deque[tuple[float, float]] = deque(maxlen=POINTS)
         self.lock = threading.Lock()
         self.apart = 1
-        """Ticks that must lie between two points of the whole run."""
+        """Time that must lie between two points of the whole run."""
 
-    def add(self, tick: int, value: float) -> None:
-        """Note a value at a tick; a second note at one tick replaces the first."""
+    def add(self, time: float, value: float) -> None:
+        """Note a value at a time; a second note at one time replaces the first."""
         if not math.isfinite(value):
-            return
+            if not self.gaps:
+                return
+            value = math.nan
         with self.lock:
-            again = bool(self.latest) and tick == self.latest[-1][0]
+            again = bool(self.latest) and time == self.latest[-1][0]
             if again:
                 self.latest.pop()
-            self.latest.append((float(tick), float(value)))
+            self.latest.append((float(time), float(value)))
             self.thin(self.latest[-1])
 
     def thin(self, point: tuple[float, float]) -> None:
@@ -54,8 +57,14 @@ class Course:
             self.whole = whole[::2]
             self.apart = max(2 * self.apart, int(self.whole[-1][0]) // POINTS)
 
+    @property
+    def newest(self) -> float:
+        """The latest value; NaN if there is none."""
+        with self.lock:
+            return self.latest[-1][1] if self.latest else math.nan
+
     def arrays(self, last: float = math.inf) -> tuple[np.ndarray, np.ndarray]:
-        """Ticks and values of the whole run, or of its `last` ticks."""
+        """Times and values of the whole run, or of the `last` of its time."""
         with self.lock:
             whole, latest = list(self.whole), list(self.latest)
         if math.isinf(last) or not latest:

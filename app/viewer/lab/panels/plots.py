@@ -5,22 +5,20 @@ from __future__ import annotations
 import html
 import math
 
-import numpy as np
 import viser
 from viser import uplot
 
 from agents.models.model import Model
-from app.viewer.measuring.curves import choices, points, together, usual, worded
+from agents.observables.catalogue import usual_charts
+from app.viewer.measuring.curves import choices, points, together, worded
 from app.viewer.measuring.measured import scale, told
 from app.viewer.measuring.readings import Readings
-from app.viewer.panels.style import BLUE, GREEN, block, key
+from app.viewer.panels.chart import Chart, Curve
+from app.viewer.panels.style import BLUE, GREEN, key
 from app.viewer.run.beside import ratio
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.web.values import show
 
-HEIGHT = 106
-PADDING = (10, 14, 0, 0)
-DASH = (6.0, 5.0)
 COLOURS = (BLUE, GREEN)
 """Of the first and of the second observable in a chart."""
 CHARTS = 3
@@ -37,7 +35,7 @@ class Plots:
         self.model: Model | None = None
         self.offered: tuple[str, ...] = ()
         self.choices: dict[str, tuple[str, ...]] = choices(())
-        self.charts = [Chart(gui, number) for number in range(1, CHARTS + 1)]
+        self.charts = [ChosenChart(gui, number) for number in range(1, CHARTS + 1)]
         self.window = gui.add_dropdown(
             "Plots of",
             tuple(WINDOWS),
@@ -78,88 +76,41 @@ class Plots:
         model = readings.flock.model
         if model is not self.model:
             self.model = model
-            for chart, names in zip(self.charts, usual(model, offered), strict=True):
+            for chart, names in zip(self.charts, usual_charts(model, offered), strict=True):
                 show(chart.choice, worded(names))
 
 
-class Chart:
-    """One chart, with the choice of what it shows as its title."""
+class ChosenChart:
+    """A chart with the choice of what it shows as its title."""
 
     def __init__(self, gui: viser.GuiApi, number: int):
         self.names: tuple[str, ...] = ()
-        self.drawn: tuple[tuple[str, ...], bool] = ((), False)
-        """The observables that the chart is made for, and whether for two flocks."""
         self.title = f"Plot {number}"
         self.choice = gui.add_dropdown(
             self.title, (worded(()),), hint="What to measure and to plot over the run"
         )
-        self.key = gui.add_html("", visible=False)
-        nothing = np.zeros(1)
-        self.plot = gui.add_uplot(
-            (nothing,) * 5,
-            series((), False),
-            scales={"x": uplot.Scale(time=False), "y": uplot.Scale()},
-            axes=(uplot.Axis(size=26), uplot.Axis(size=44)),
-            legend=uplot.Legend(show=False),
-            height=HEIGHT,
-            padding=PADDING,
-            visible=False,
-        )
+        self.chart = Chart(gui)
 
     def refresh(
         self, readings: Readings, beside: Readings | None, each: float, last: float
     ) -> None:
-        """Draw the observables of the flock, and dashed those of the one beside."""
-        some = bool(self.names)
-        if self.plot.visible != some:
-            self.plot.visible = some
-        runs = (readings,) if beside is None else (readings, beside)
-        self.head(runs)
-        if not some:
-            return
-        self.remake((self.names, beside is not None))
-        ratios = [1.0, each][: len(runs)]
-        curves = [points(run, name, last) for run in runs for name in self.names]
-        at, *values = together(curves, [ratio for ratio in ratios for _ in self.names])
-        columns = [np.full(len(at), np.nan)] * 4
-        for place, value in enumerate(values):
-            run, name = divmod(place, len(self.names))
-            columns[2 * run + name] = value
-        draw(self.plot, (at, *columns))
+        """Draw the observables of the flock, and dashed those of the one beside.
 
-    def head(self, runs: tuple[Readings, ...]) -> None:
-        """Say what the values are now: in the title if there is but one, else in a key."""
+        What the values are now is said in the title if there is but one, else in a key.
+        """
+        runs = (readings,) if beside is None else (readings, beside)
         lone = len(self.names) == len(runs) == 1
         now = told(self.names[0], runs[0].values.get(self.names[0])) if lone else ""
-        label = f"{self.title}: {now}" if lone else self.title
-        if self.choice.label != label:
-            self.choice.label = label
-        keyed = bool(self.names) and not lone
-        if self.key.visible != keyed:
-            self.key.visible = keyed
-        if keyed:
-            self.key.content = block(head(self.names, runs))
-
-    def remake(self, wanted: tuple[tuple[str, ...], bool]) -> None:
-        """Give the chart the curves and the scale of other observables."""
-        if wanted == self.drawn:
-            return
-        self.drawn = wanted
-        self.plot.series = series(*wanted)
-        self.plot.scales = {"x": uplot.Scale(time=False), "y": axis(wanted[0])}
-
-
-def series(names: tuple[str, ...], both: bool) -> tuple[uplot.Series, ...]:
-    """The curves of two observables, then the dashed ones of the flock beside; some hidden."""
-    made = [uplot.Series(label="tick")]
-    for run in range(2):
-        for place, colour in enumerate(COLOURS):
-            shown = place < len(names) and (both or not run)
-            one = uplot.Series(stroke=colour, width=2, show=shown, points={"show": False})
-            if run:
-                one["dash"] = DASH
-            made.append(one)
-    return tuple(made)
+        self.choice.label = f"{self.title}: {now}" if lone else self.title
+        pairs = [(run, name) for run in runs for name in self.names]
+        ratios = [1.0 if run is readings else each for run, _ in pairs]
+        at, *values = together([points(run, name, last) for run, name in pairs], ratios)
+        curves = [
+            Curve(COLOURS[self.names.index(name)], value, dashed=run is not readings)
+            for (run, name), value in zip(pairs, values, strict=True)
+        ]
+        keyed = head(self.names, runs) if self.names and not lone else ""
+        self.chart.show(keyed, at, curves, uplot.Scale(time=False), axis(self.names))
 
 
 def axis(names: tuple[str, ...]) -> uplot.Scale:
@@ -180,10 +131,3 @@ def head(names: tuple[str, ...], runs: tuple[Readings, ...]) -> str:
         label = html.escape(worded((name,)))
         entries.append((f"{label} <b>{now}</b>", colour))
     return key(entries)
-
-
-def draw(plot: viser.GuiUplotHandle, columns: tuple[np.ndarray, ...]) -> None:
-    """Show columns if there is anything new in them."""
-    pairs = zip(columns, plot.data, strict=True)
-    if any(not np.array_equal(a, b, equal_nan=True) for a, b in pairs):
-        plot.data = columns

@@ -1,4 +1,4 @@
-"""What the monitors of a room plot."""
+"""What is measured of a room."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import pytest
 
 from app.live.control.injected import Injection
 from app.live.control.pose import Pose
-from app.viewer.live.course import EVERY, KEPT, Course, behind, least_distance, phase_lags
+from app.viewer.live.readings import EVERY, RoomReadings, behind, least_distance, phase_lags
+from app.viewer.measuring.time_series import POINTS
 from tests.viewer.stub_operator import car_status, companion, status_at
 
 CIRCLE = Injection(centre=(1.0, 0.0), radius=2.0)
@@ -21,34 +22,44 @@ def round_it(degrees, radius=2.0):
     return Pose(1.0 + radius * math.cos(at), radius * math.sin(at), 0.0)
 
 
-def course_of(statuses, plan=CIRCLE):
-    course = Course(plan)
+def readings_of(statuses, plan=CIRCLE):
+    readings = RoomReadings(plan)
     for status in statuses:
-        course = course.after(status)
-    return course
+        readings.note(status)
+    return readings
+
+
+def values(series):
+    """The last minute of a series, (T,)."""
+    return series.arrays(60.0)[1]
 
 
 def test_times_count_from_the_first_look_and_come_ten_times_a_second():
-    course = course_of(status_at(k, 500.0 + 0.03 * k) for k in range(101))
-    assert course.times[0] == 0.0
-    assert np.diff(course.times).min() >= EVERY - 1e-6
-    assert np.diff(course.times).max() < EVERY + 0.03
-    assert course.times[-1] == pytest.approx(3.0)
-    assert course.loop == pytest.approx(np.full(len(course.times), 10.0))
-    assert course.worst == pytest.approx(np.full(len(course.times), 20.0))
-    assert course.latency == pytest.approx(np.full(len(course.times), 10.0))
+    readings = readings_of(status_at(k, 500.0 + 0.03 * k) for k in range(101))
+    times, loop = readings.loop.arrays(60.0)
+    assert times[0] == 0.0
+    assert np.diff(times).min() >= EVERY - 1e-6
+    assert np.diff(times).max() < EVERY + 0.03
+    assert times[-1] == pytest.approx(3.0)
+    assert loop == pytest.approx(np.full(len(times), 10.0))
+    assert values(readings.worst) == pytest.approx(np.full(len(times), 20.0))
+    assert values(readings.latency) == pytest.approx(np.full(len(times), 10.0))
 
 
-def test_two_minutes_are_kept_and_times_go_on():
-    course = course_of(status_at(k, 7.0 + k) for k in range(200))
-    assert (course.times[0], course.times[-1]) == (199.0 - KEPT, 199.0)
-    assert len(course.least) == len(course.times) == KEPT + 1
+def test_the_last_minute_is_kept_in_full_and_times_go_on():
+    readings = readings_of(status_at(k, 7.0 + 0.1 * k) for k in range(2000))
+    times, _ = readings.loop.arrays(60.0)
+    assert (times[0], times[-1]) == (pytest.approx(139.9, abs=0.11), pytest.approx(199.9))
+    assert len(times) >= POINTS
+    assert np.diff(times) == pytest.approx(np.full(len(times) - 1, 0.1))
+    assert len(readings.least.arrays(60.0)[0]) == len(times)
 
 
-def test_a_course_that_was_taken_is_not_changed():
-    before = course_of([status_at(0, 1.0)])
-    after = before.after(status_at(30, 2.0))
-    assert (len(before.times), len(after.times)) == (1, 2)
+def test_what_was_looked_at_is_not_changed():
+    readings = readings_of([status_at(0, 1.0)])
+    before = readings.loop.arrays()
+    readings.note(status_at(30, 2.0))
+    assert (len(before[0]), len(readings.loop.arrays()[0])) == (1, 2)
 
 
 def test_the_least_distance_counts_simulated_cars_and_not_lost_ones():
@@ -58,7 +69,7 @@ def test_the_least_distance_counts_simulated_cars_and_not_lost_ones():
     injected = Pose(0.0, 0.0, 0.0)
 
     def least(*cars, companions=()):
-        return course_of([status_at(0, 1.0, "safe", cars, injected, companions)]).least[0]
+        return readings_of([status_at(0, 1.0, "safe", cars, injected, companions)]).least.newest
 
     assert least(*cars) == 5.0
     assert least(*cars, near, never) == 5.0
@@ -84,8 +95,8 @@ def test_a_lag_is_never_below_minus_180():
 
 def test_without_a_circle_there_is_no_lag():
     status = status_at(0, 1.0, "safe", [car_status("red")], Pose(1.0, 0.0, 0.0))
-    assert course_of([status], Injection(path="eight")).lags == {}
-    assert course_of([status_at(0, 1.0, "safe", [car_status("red")])]).lags == {}
+    assert readings_of([status], Injection(path="eight")).lags == {}
+    assert readings_of([status_at(0, 1.0, "safe", [car_status("red")])]).lags == {}
 
 
 def test_lags_have_a_gap_where_a_car_is_not_seen_or_not_yet_there():
@@ -93,12 +104,13 @@ def test_lags_have_a_gap_where_a_car_is_not_seen_or_not_yet_there():
     red = car_status("red", round_it(60))
     lost = car_status("red", round_it(60), age=1.0, tracking="lost")
     sims = [companion(1, round_it(45).x, round_it(45).y)]
-    course = course_of(
+    readings = readings_of(
         [
             status_at(0, 1.0, "armed", [red], injected),
             status_at(30, 2.0, "armed", [lost], injected, sims),
             status_at(60, 3.0, "armed", [red], injected, sims),
         ]
     )
-    assert course.lags["red"] == pytest.approx([30.0, math.nan, 30.0], nan_ok=True)
-    assert course.lags["sim 1"] == pytest.approx([math.nan, 45.0, 45.0], nan_ok=True)
+    assert values(readings.lags["red"]) == pytest.approx([30.0, math.nan, 30.0], nan_ok=True)
+    assert readings.lags["sim 1"].arrays()[0].tolist() == [1.0, 2.0]
+    assert values(readings.lags["sim 1"]) == pytest.approx([45.0, 45.0])
