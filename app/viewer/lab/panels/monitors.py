@@ -52,11 +52,11 @@ class Monitors:
 
         `more` are the numbers that somebody has chosen, of the `last` ticks if they are of a run.
         """
-        second, name = frame.beside, state.start.beside
+        second, (model, name) = frame.beside, state.models
         if second is None or beside is None or name is None:
             self.alone(state, frame, readings, browsers, more, last)
             return
-        models = state.start.model, name
+        models = model, name
         sides = (frame, readings), (second, beside)
         told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
         same = (name for name in CLOCK if told.get(name) == others.get(name))
@@ -124,7 +124,7 @@ def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int)
     def shown(name: str, form: str) -> str:
         return format(values[name], form) if name in values else "–"
 
-    zoned = bool(MODELS[state.start.model].rule.zones)
+    zoned = bool(MODELS[state.spec.model].rule.zones)
     return {
         "tick": spaced(frame.tick),
         **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),

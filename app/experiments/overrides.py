@@ -40,7 +40,7 @@ class Ranks(Strict):
         }
 
 
-class Errand(Strict):
+class Overrides(Strict):
     """What is other in a row than in the world's mission."""
 
     ranks: Ranks | None = None
@@ -49,15 +49,15 @@ class Errand(Strict):
     """Speed of the goal along its route; None: the world's own."""
 
 
-PLAIN = Errand()
+PLAIN = Overrides()
 """Nothing is other."""
 
 
-def sent_on(world: World, errand: Errand) -> World:
-    """The world with the goal as fast as the errand says. Raises Refusal if it has none."""
-    if errand.speed is None:
+def overridden(world: World, overrides: Overrides) -> World:
+    """The world with the goal as fast as the overrides say. Raises Refusal if it has none."""
+    if overrides.speed is None:
         return world
     if world.mission is None or world.mission.goal is None:
-        raise Refusal(f"speed = {errand.speed:g}: the world {world.name!r} has no goal")
-    goal = world.mission.goal.model_copy(update={"speed": errand.speed})
+        raise Refusal(f"speed = {overrides.speed:g}: the world {world.name!r} has no goal")
+    goal = world.mission.goal.model_copy(update={"speed": overrides.speed})
     return replace(world, mission=world.mission.model_copy(update={"goal": goal}))
