@@ -48,6 +48,11 @@ class Option:
     """From one number to the next in a panel."""
 
 
+def option(title: str, help: str, default: Any = None, kind: type = str, **more: Any) -> Any:
+    """A field of a spec that a person may choose; None is as the model, or its world, has it."""
+    return Field(default, json_schema_extra={"option": Option(title, help, kind, **more)})  # type: ignore[dict-item]
+
+
 def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
     """`value` as a whole number in [least, most]. Raises Refusal."""
     right = isinstance(value, int | np.integer) and not isinstance(value, bool)
@@ -113,47 +118,33 @@ class Options(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    informed: Annotated[
-        Annotated[int, from_(0)] | None,
-        Option(
-            "Informed",
-            "Information agents: they know the heading to take, or the path of the mission",
-            int,
-            most=100,
-        ),
-    ] = None
-    activation: Annotated[
-        Literal["synchronous", "random", "sequential"],
-        Option(
-            "Turns",
-            "Who decides when: all on the same instant, or one after the other as in NetLogo",
-            words={
-                "synchronous": "all at once",
-                "random": "random order",
-                "sequential": "one by one",
-            },
-        ),
-    ] = "synchronous"
-    noise: Annotated[
-        Literal["angular", "vectorial"],
-        Option(
-            "Noise",
-            "What eta means. Angular: an angle is added to the heading. Vectorial: a vector is "
-            "added to the mean heading",
-            words={"angular": "angular", "vectorial": "vectorial"},
-        ),
-    ] = "angular"
-    spacing: Annotated[
-        Annotated[float, BeforeValidator(distance)] | None,
-        Option(
-            "Spacing",
-            "At the start, least distance between two agents and of an agent to obstacles and "
-            "walls (length); 0 as in the paper: nobody starts inside an obstacle",
-            float,
-            most=100.0,
-            step=0.1,
-        ),
-    ] = None
+    informed: Annotated[int, from_(0)] | None = option(
+        "Informed",
+        "Information agents: they know the heading to take, or the path of the mission",
+        kind=int,
+        most=100,
+    )
+    activation: Literal["synchronous", "random", "sequential"] = option(
+        "Turns",
+        "Who decides when: all on the same instant, or one after the other as in NetLogo",
+        "synchronous",
+        words={"synchronous": "all at once", "random": "random order", "sequential": "one by one"},
+    )
+    noise: Literal["angular", "vectorial"] = option(
+        "Noise",
+        "What eta means. Angular: an angle is added to the heading. Vectorial: a vector is added "
+        "to the mean heading",
+        "angular",
+        words={"angular": "angular", "vectorial": "vectorial"},
+    )
+    spacing: Annotated[float, BeforeValidator(distance)] | None = option(
+        "Spacing",
+        "At the start, least distance between two agents and of an agent to obstacles and walls "
+        "(length); 0 as in the paper: nobody starts inside an obstacle",
+        kind=float,
+        most=100.0,
+        step=0.1,
+    )
 
     @property
     def chosen(self) -> dict[str, Any]:
@@ -173,36 +164,28 @@ class Spec(Options):
     """
 
     model: Annotated[str, PlainValidator(name)]
-    agents: Annotated[
-        Annotated[int, from_(1)] | None,
-        Option("Agents", "Ordinary agents; information agents come on top", int, step=10),
-    ] = None
-    seed: Annotated[
-        Annotated[int, from_(0, LARGEST_SEED)] | None, Option("Seed", "Same seed, same run", int)
-    ] = None
-    size: Annotated[
-        Annotated[float | tuple[float, ...], BeforeValidator(sides)] | None,
-        Option(
-            "Side",
-            "Side of the world, or one per axis (length). A world with obstacles or a mission has "
-            "its own; any other has the density of the paper",
-            float,
-            step=0.5,
-        ),
-    ] = None
-    dim: Annotated[
-        Annotated[int, BeforeValidator(dimensions)] | None,
-        Option("Dimension", "2 or 3: plane or space; a world built in space has no other", int),
-    ] = None
+    agents: Annotated[int, from_(1)] | None = option(
+        "Agents", "Ordinary agents; information agents come on top", kind=int, step=10
+    )
+    seed: Annotated[int, from_(0, LARGEST_SEED)] | None = option(
+        "Seed", "Same seed, same run", kind=int
+    )
+    size: Annotated[float | tuple[float, ...], BeforeValidator(sides)] | None = option(
+        "Side",
+        "Side of the world, or one per axis (length). A world with obstacles or a mission has its "
+        "own; any other has the density of the paper",
+        kind=float,
+        step=0.5,
+    )
+    dim: Annotated[int, BeforeValidator(dimensions)] | None = option(
+        "Dimension", "2 or 3: plane or space; a world built in space has no other", kind=int
+    )
     """As many as there are sides, where `size` has several."""
-    world: Annotated[
-        Annotated[str | World, PlainValidator(name_or_world)] | None,
-        Option(
-            "World",
-            "A built-in world or a TOML file: what stands in it, what happens at its edges, and "
-            "where the flock is to go. A model is at home in one of its own",
-        ),
-    ] = None
+    world: Annotated[str | World, PlainValidator(name_or_world)] | None = option(
+        "World",
+        "A built-in world or a TOML file: what stands in it, what happens at its edges, and where "
+        "the flock is to go. A model is at home in one of its own",
+    )
     start: Literal["random", "given"] = "random"
     parameters: dict[str, Any] = Field(default_factory=dict)
     """Of the rule and the body; the model checks them."""
@@ -281,9 +264,8 @@ class Spec(Options):
 FIRST = ("model", "agents", "informed", "seed", "world", "size", "dim")
 KEYS = tuple(dict.fromkeys([*FIRST, *Spec.model_fields]))
 """Keys of a spec, in the order in which they are written."""
-OPTIONS: dict[str, Option] = {
-    key: one for key in KEYS for one in Spec.model_fields[key].metadata if isinstance(one, Option)
-}
+_EXTRAS: dict[str, Any] = {key: Spec.model_fields[key].json_schema_extra for key in KEYS}
+OPTIONS: dict[str, Option] = {key: extra["option"] for key, extra in _EXTRAS.items() if extra}
 """What a person may choose of a run beside its model, by name."""
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
-NEW = """    gait: Annotated[
-        Literal["walk", "trot"],
-        Option("Gait", "How they go", words={"walk": "walking", "trot": "trotting"}),
-    ] = "walk"
-    loud: Annotated[bool, Option("Loud", "Whether they call", bool)] = False
+NEW = """    gait: Literal["walk", "trot"] = option(
+        "Gait", "How they go", "walk", words={"walk": "walking", "trot": "trotting"}
+    )
+    loud: bool = option("Loud", "Whether they call", False, bool)
 
     @property
     def chosen("""

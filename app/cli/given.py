@@ -49,7 +49,8 @@ def parameter(name: str, option: Option) -> inspect.Parameter:
     """An option of a run as Typer has it; what it may be is checked with the run."""
     kind = str if name == "size" else option.kind
     choices = f"{', '.join(option.words)}. " if option.words else ""
-    default = Spec.model_fields[name].default or OPEN.get(name, "the model's own")
+    default = Spec.model_fields[name].default
+    default = OPEN.get(name, "the model's own") if default is None else default
     made = typer.Option(help=f"{choices}{option.help}. \\[default: {default}]")
     return inspect.Parameter(
         name,
