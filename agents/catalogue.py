@@ -160,9 +160,6 @@ BODIES |= plug_ins("flockscope.bodies", brought_body, BODIES)
 ON_WHEELS = "-cars"
 """Behind the name of a rule: the model of cars that go by it."""
 
-DEFAULT = "hwvem"
-"""The model that is taken where none is asked for."""
-
 MODELS = collect()
 FILES: dict[str, Path] = {}
 """The files that models were read from, by the models' names."""

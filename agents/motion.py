@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 from types import ModuleType
@@ -20,10 +19,11 @@ from agents.models.declare import as_floats, checked
 from agents.models.model import Model
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import Snapshot, State
+from agents.spec import Options
 from agents.state.whereabouts import Stray, stray
 from worlds.compiled import DISABLED
 from worlds.queries.survey import survey
-from worlds.refusal import Refusal, shortened
+from worlds.refusal import Refusal
 from worlds.world import World
 
 NOISE = "eta"
@@ -38,8 +38,8 @@ class Motion(State):
     The arrays are the truth and may be written to between ticks.
     """
 
-    activation: str
-    noise: str
+    options: Options = Options()
+    """How agents act."""
     threads: int
     next_id: int
     interpret: bool = False
@@ -81,11 +81,11 @@ class Motion(State):
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
         place = Place(space, survey(self.world, self.sight))
-        if self.activation == "synchronous":
+        if self.options.activation == "synchronous":
             split = not self.interpret and len(self.ids) >= self.split_from
             threads = self.threads if split else 1
             return Synchronous(self.loop, self.arrays, place, self.seed, threads, self.call)
-        shuffled = self.activation == "random"
+        shuffled = self.options.activation == "random"
         return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)
 
     def call(self, function: Callable, *arguments: Any) -> Any:
@@ -94,7 +94,7 @@ class Motion(State):
 
     def _make_context(self) -> Context:
         self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
-        noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
+        noise = VECTORIAL if self.options.noise == "vectorial" else ANGULAR
         made = {NOISE: 0.0, **as_floats(self.parameters)}
         if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
             made = {name: np.float64(value) for name, value in made.items()}
@@ -275,26 +275,3 @@ def loop_of(model: Model, dim: int, solid: bool) -> ModuleType:
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
     parts = model.parts(dim, solid) | {"holds": is_consistent}
     return sweep_module(parts, tuple(fields))
-
-
-def positive(name: str, value: Any) -> float:
-    """`value` as a finite number >= 0. Raises Refusal."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
-        raise Refusal(f"{name} = {value!r} is not allowed: a finite number >= 0 is needed")
-    return float(value)
-
-
-MOST = 10**15
-"""The largest count, unless there is a reason for a smaller one."""
-
-
-def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
-    """`value` as a whole number in [least, most]. Raises Refusal."""
-    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not right or value < least:
-        raise Refusal(
-            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
-        )
-    if value > most:
-        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
-    return int(value)

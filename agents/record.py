@@ -18,7 +18,7 @@ import numpy as np
 
 from agents.catalogue import model
 from agents.engine.arrays import Arrays
-from agents.home import world_of
+from agents.home import find_world
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.snapshot import Snapshot
@@ -287,12 +287,13 @@ def read_state(path: str | Path, tick: int | None = None) -> tuple[Spec, Snapsho
     if table.num_rows == 0:
         raise Refusal(f"tick = {wanted} is not in {str(path)!r}")
     spec = Spec.from_toml(text, str(path))
+    spec.demand_complete(str(path))
     one = model(spec.model)
-    arrays = arrays_of(table, spec, one, path)
+    world = find_world(spec, one)
+    arrays = arrays_of(table, world.dim, one, path)
     next_id = max(next_id, int(arrays.ids.max()) + 1)
     parameters = checked(one.parameters, spec.parameters)
-    world = world_of(spec, one)
-    return spec, Snapshot(one, world, parameters, spec.seed, wanted, arrays, next_id, True)
+    return spec, Snapshot(one, world, parameters, spec.seed or 0, wanted, arrays, next_id, True)
 
 
 def last_tick(file) -> int:
@@ -302,14 +303,14 @@ def last_tick(file) -> int:
     return max(group.statistics.max for group in groups)
 
 
-def arrays_of(table, spec: Spec, one: Model, path) -> Arrays:
+def arrays_of(table, dim: int, one: Model, path) -> Arrays:
     """The arrays of one tick of a recording. Raises Refusal if columns are missing."""
-    axes = AXES[: spec.dim]
+    axes = AXES[:dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
         signals = [column[name] for name in one.columns]
         mortal = one.body.touches is not None
-        crash_record = [column[name] for name in crash_columns(spec.dim)] if mortal else []
+        crash_record = [column[name] for name in crash_columns(dim)] if mortal else []
         arrays = Arrays(
             np.column_stack([column[a] for a in axes]),
             np.column_stack([column["u" + a] for a in axes]),
@@ -318,7 +319,7 @@ def arrays_of(table, spec: Spec, one: Model, path) -> Arrays:
             column["id"].copy(),
             column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
-            np.column_stack(crash_record) if mortal else no_crashes(0, spec.dim),
+            np.column_stack(crash_record) if mortal else no_crashes(0, dim),
         )
     except KeyError as missing:
         raise Refusal(f"{str(path)!r} has no column {missing}") from None

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.motion import whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
+from agents.spec import whole
 from worlds.refusal import Refusal, unknown
 
 if TYPE_CHECKING:

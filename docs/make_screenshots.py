@@ -16,14 +16,17 @@ import numpy as np
 from app.viewer.scene.shown.status import STEP_OFF
 from playwright.sync_api import sync_playwright
 
+from agents.spec import Spec
 from app.live.laboratory.example import example
 from app.live.operating.choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.run.start import Start, at_home
+from app.viewer.run.home import at_home
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"
+BESIDE = {"laboratory-beside.png": "vem-a-nav", "laboratory-pocket.png": "olfati-saber"}
+"""The second model of a picture that has two."""
 ARGUMENTS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -35,8 +38,8 @@ ARGUMENTS = [
 
 def main(only: tuple[str, ...] = ()) -> None:
     """The plane, an agent from close, space; then missions. `only` these, or all."""
-    plane = Start("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
-    space = Start("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
+    plane = at_home("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
+    space = at_home("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
     zones = at_home("couzin", dim=3, agents=150, seed=3, parameters={"dr_a": 4.0})
     riders = at_home("couzin", dim=3, agents=100, seed=3)
     echelons = at_home("echelon", seed=4)
@@ -45,8 +48,8 @@ def main(only: tuple[str, ...] = ()) -> None:
     pocket = at_home("boundary-points", seed=3)
     rooms = at_home("hwvem-nav", world="rooms-3d", agents=150, seed=3)
     cars = at_home("squashing-cars", seed=2)
-    beside = at_home("hwvem-nav", beside="vem-a-nav", seed=3)
-    pockets = at_home("boundary-points", beside="olfati-saber", seed=3)
+    beside = at_home("hwvem-nav", seed=3)
+    pockets = at_home("boundary-points", seed=3)
     for name, *scene in (
         ("laboratory.png", plane, 15.0, 45, in_layers),
         ("laboratory-agent.png", plane, 15.0, 45, from_close),
@@ -171,10 +174,13 @@ def point(laboratory: Laboratory, camera: str) -> None:
 
 
 def take(
-    name: str, start: Start, speed: float, tick: int, arrange: Callable[[Laboratory, Any], None]
+    name: str, spec: Spec, speed: float, tick: int, arrange: Callable[[Laboratory, Any], None]
 ) -> None:
     """Run a flock to a tick and take its picture, 1440 x 900."""
-    laboratory = Laboratory(start, port=0, speed=speed, running=False)
+    beside = BESIDE.get(name)
+    laboratory = Laboratory(
+        spec, port=0, speed=speed, running=False, beside=Spec(beside) if beside else None
+    )
     laboratory.simulation.ready.wait()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(

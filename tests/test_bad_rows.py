@@ -479,7 +479,7 @@ def test_every_observable_is_defined_of_a_flock_of_none_of_one_and_of_two(name, 
         value, said = quietly(flock.observe, name)
         assert said == [], who
         agents = len(flock.ids)
-        assert agents == (n + flock.started_with[1] if n else 0)
+        assert agents == (n + flock.spec.informed if n else 0)
         expected = NONE if agents == 0 else ONE if agents == 1 else {}
         if name in expected:
             value = value[0] if name == "group-table" and agents == 1 else value

@@ -26,7 +26,6 @@ ALLOWED = {
     "app/cli/outcome.py": {"crashes"},  # who crashed, in the JSON of a run
     "app/cli/formation.py": {"thesis"},  # a spacing that a thesis gives
     "app/cli/world/import_drawing.py": {"layers"},  # of a drawing
-    "app/viewer/run/start.py": {"hwvem"},  # until a run's spec says what it begins with
 }
 """Words that mean something else where they stand, or that must stand there."""
 

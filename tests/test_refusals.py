@@ -36,7 +36,7 @@ from worlds.refusal import Refusal
         ({"world": "missing.toml"}, "'missing.toml' cannot be read"),
         ({"size": 0.0}, "size = 0.0"),
         ({"size": (1.0, float("inf"))}, "size = inf"),
-        ({"size": (1.0, 2.0, 3.0)}, "has 3 sides, a 2-D world has 2"),
+        ({"size": (1.0, 2.0, 3.0), "dim": 2}, "has 3 sides, a 2-D world has 2"),
         ({"activation": "all"}, "unknown activation 'all'"),
         ({"noise": "angulr"}, "did you mean 'angular'"),
         ({"collect": ("polarization",)}, "did you mean 'polarisation'"),

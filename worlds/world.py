@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +13,7 @@ from pydantic import BaseModel
 from worlds.counting import counted
 from worlds.mission import Mission
 from worlds.obstacles import Obstacle, Union
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, shortened, unknown
 
 EDGES = ("wrap", "open", "solid")
 """What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
@@ -161,10 +160,16 @@ def edges_of(given: str | Sequence[str], dim: int, origin: str) -> tuple[str, ..
 
 def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
     """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
-    sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size).ravel().tolist())
+    sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size, object).ravel().tolist())
     if len(sides) != dim:
         raise Refusal(f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}")
     for side in sides:
-        if isinstance(side, bool | str) or not (0.0 < float(side) < 1e9 and math.isfinite(side)):
-            raise Refusal(f"size = {side!r} is not allowed: a side is a length in (0, 1e9)")
+        if (
+            isinstance(side, bool)
+            or not isinstance(side, int | float | np.number)
+            or not 0.0 < side < 1e9
+        ):
+            raise Refusal(
+                f"size = {shortened(side)} is not allowed: a side is a length in (0, 1e9)"
+            )
     return tuple(float(side) for side in sides)

@@ -72,11 +72,14 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
     module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
     with LOADING:
         if module_name not in sys.modules:
-            sys.modules[module_name] = made(kind, module_name, globals_, fields, digest, seen)
+            module = made(kind, module_name, globals_, fields)
+            sys.modules[module_name] = module  # a kept kernel finds its parameters' class there
+            fingerprint(module.advance, digest, seen)
+            module.__dict__["cache_folder"] = keep(module.advance, digest)
     return sys.modules[module_name]
 
 
-def made(kind: str, module_name: str, globals_: dict, fields, digest, seen) -> types.ModuleType:
+def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleType:
     """The template `kind` executed as a module of that name."""
     spec = importlib.util.spec_from_file_location(module_name, TEMPLATES[kind])
     assert spec is not None
@@ -84,8 +87,6 @@ def made(kind: str, module_name: str, globals_: dict, fields, digest, seen) -> t
     module = importlib.util.module_from_spec(spec)
     module.__dict__.update(globals_, P=parameter_tuple(module_name, fields))
     spec.loader.exec_module(module)
-    fingerprint(module.advance, digest, seen)
-    module.__dict__["cache_folder"] = keep(module.advance, digest)
     return module
 
 

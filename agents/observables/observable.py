@@ -72,8 +72,8 @@ class Card:
     part: Literal["flock", "way", "team"] = "flock"
     """Among what it stands: the numbers of any flock, how far a mission is, how those on it do."""
     of: Callable[[Any], bool] | None = None
-    """Takes an `agents.model.Model`: whether its flocks have the card. None: all, which therefore
-    need no switch for the number."""
+    """Takes an `agents.models.model.Model`: whether its flocks have the card. None: all, which
+    therefore need no switch for the number."""
 
 
 @dataclass(frozen=True)

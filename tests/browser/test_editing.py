@@ -7,7 +7,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from app.viewer.run.start import at_home
+from app.viewer.run.home import at_home
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 from worlds.layout import world_from_layout

@@ -178,11 +178,11 @@ def test_ranks_are_places_in_order():
 
 def test_a_row_may_override_its_mission(tmp_path):
     experiment = small(tmp_path)
-    first, plain = experiment.cells
-    flock = flock_of(first, experiment.settings, 1)
+    first, plain = experiment.cases
+    flock = flock_of(first, 1)
     assert flock.position.tolist() == [[1.6, -0.6], [1.1, -0.6]]
     assert flock.world.mission.goal.speed == 1.2
-    assert flock_of(plain, experiment.settings, 1).world == world("cars-circle")
+    assert flock_of(plain, 1).world == world("cars-circle")
     prints = {fingerprint(first, experiment.settings), fingerprint(plain, experiment.settings)}
     quick = replace(first, row=first.row.model_copy(update={"mission": PLAIN}))
     assert fingerprint(quick, experiment.settings) in prints

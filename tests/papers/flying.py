@@ -18,5 +18,5 @@ def flown(name, folder, runs, agents=(), **settings):
 def values(made, measure):
     """The values of a measure by label and size."""
     return {
-        (one.cell.label, one.cell.agents): one.values for one in made if one.measure.name == measure
+        (one.case.label, one.case.agents): one.values for one in made if one.measure.name == measure
     }

@@ -33,7 +33,7 @@ def values(made, label, measure, tick):
     [found] = [
         one.values
         for one in made
-        if (one.cell.label, one.measure.name, one.cell.tick) == (label, measure, tick)
+        if (one.case.label, one.measure.name, one.case.tick) == (label, measure, tick)
     ]
     return found
 
@@ -49,7 +49,7 @@ def test_crashes_at_tick_0_are_as_many_as_the_thesis_counts_and_none_come_later(
     [row] = [
         one
         for one in made
-        if (one.cell.label, one.measure.name, one.cell.last) == ("thesis", "at_0", True)
+        if (one.case.label, one.measure.name, one.case.last) == ("thesis", "at_0", True)
     ]
     assert row.published.average == 6.6
     assert row.word == "agrees"

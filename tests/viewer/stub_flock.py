@@ -11,8 +11,9 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.models.declare import Parameters, checked, parameter
 from agents.snapshot import Snapshot
+from agents.spec import Spec
 from agents.state.crashes import Crashes
-from app.viewer.run.start import Start
+from app.viewer.run.home import at_home
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -34,7 +35,7 @@ class StubFlock:
 
     def __init__(
         self,
-        start: Start,
+        start: Spec,
         breaks_at: float = float("inf"),
         error: Exception | None = None,
         cost: float = 0.0,
@@ -58,7 +59,6 @@ class StubFlock:
         )
         self.dt = 1.0
         self.seed = start.seed
-        self.spacing = start.spacing
         self.can_crash = False
         self.warning = ""
         self.active = np.ones(n, bool)
@@ -123,7 +123,7 @@ class StubFlock:
 
 def timed_stub(dt: float = 0.02, unit: str = "s", strict: bool = False, **more) -> StubFlock:
     """A stub with a title, a time and, if `strict`, a range of its own."""
-    flock = StubFlock(Start(agents=8), **more)
+    flock = StubFlock(at_home(agents=8), **more)
     flock.dt = dt
     flock.model.title, flock.model.body.unit = "Stub", unit
     if strict:

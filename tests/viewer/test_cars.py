@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from agents.declare import Vehicle
 from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
+from agents.models.declare import Vehicle
 from app.viewer.run.picture import Camera
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel

@@ -8,17 +8,18 @@ from concurrent.futures import wait
 import numpy as np
 import pytest
 
+from agents.spec import Spec
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
+from app.viewer.run.home import at_home
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 from worlds.world import World
 
-START = Start(agents=300, size=10.0)
+START = at_home(agents=300, size=10.0)
 """So many that their distances are not watched."""
 
 
@@ -27,7 +28,7 @@ class Walker(StubFlock):
 
     loop = None
 
-    def __init__(self, start: Start, **more):
+    def __init__(self, start: Spec, **more):
         super().__init__(start, **more)
         if isinstance(start.world, World):
             self.world = start.world
@@ -68,10 +69,10 @@ def test_an_obstacle_is_there_at_once_and_agents_under_it_come_out(simulation):
 def test_undo_gives_the_very_world_back_that_setup_made(simulation):
     plain = simulation.run.flock.world
     add(simulation)
-    assert isinstance(simulation.state.start.world, World)
+    assert isinstance(simulation.state.spec.world, World)
     simulation.edits.change(Editor.undo).result(5)
     assert simulation.run.flock.world is plain
-    assert simulation.state.start == START
+    assert simulation.state.spec == START
 
 
 def test_reset_keeps_the_world_that_was_built_and_its_history(simulation):
@@ -144,7 +145,7 @@ def test_a_drag_over_what_cannot_be_is_silent_and_its_end_is_not(simulation):
 def test_a_drag_goes_on_over_a_setup_without_harm(simulation):
     key = add(simulation, (2.0, 2.0), 0.5)
     simulation.edits.drag("drag", lambda editor: editor.move(key, (1.0, 0.0), gesture="drag"))
-    simulation.setup(Start(agents=5, size=7.0))
+    simulation.setup(at_home(agents=5, size=7.0))
     until(lambda: simulation.state.run == 2)
     simulation.edits.drag("drag", lambda editor: editor.move(key, (2.0, 0.0), gesture="drag"))
     simulation.edits.change(lambda editor: editor).result(5)
@@ -182,7 +183,7 @@ def test_a_file_that_is_refused_changes_nothing(simulation):
 
 
 def test_a_world_in_which_the_flock_cannot_be_leaves_the_old_one(simulation):
-    def build(start: Start) -> Walker:
+    def build(start: Spec) -> Walker:
         if isinstance(start.world, World) and start.world.dim == 3:
             raise Refusal("dim = 3 is not allowed: hwvem is defined in 2-D")
         return Walker(start)
@@ -191,8 +192,8 @@ def test_a_world_in_which_the_flock_cannot_be_leaves_the_old_one(simulation):
     world = World("tall", (5.0, 5.0, 5.0), ("open",) * 3)
     simulation.edits.open_layout("tall.toml", world.to_toml().encode())
     assert "dim = 3" in simulation.notices.get(timeout=5)
-    until(lambda: simulation.next_start is None)
-    assert simulation.state.start == START
+    until(lambda: simulation.next is None)
+    assert simulation.state.spec == START
     assert simulation.run.flock.world.dim == 2
 
 
@@ -228,7 +229,7 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
     for thread in threads:
         thread.join()
     simulation.edits.change(lambda editor: editor).result(30)
-    until(lambda: simulation.next_start is None)
+    until(lambda: simulation.next is None)
     assert not simulation.state.error
     flock = simulation.run.flock
     assert flock.world == simulation.edits.editor.world

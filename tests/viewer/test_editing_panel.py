@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.setup import differs
 from app.viewer.lab.panels.world_controls import BOX, DISC, POLYGON, SELECT
-from app.viewer.run.start import Start
+from app.viewer.run.home import at_home
 from app.viewer.scene.marks.hands.handles import Drag
 from app.viewer.web.values import show
 from tests.viewer.waiting import until
 from worlds.world import World
 
-START = Start("vem-a", agents=30, seed=2, size=20.0, world="open")
+START = at_home("vem-a", agents=30, seed=2, size=20.0, world="open")
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
@@ -192,6 +193,7 @@ def test_setup_proposes_the_world_that_was_built_and_reset_keeps_it(laboratory):
     assert "(edited)" in laboratory.setup.world.value
     until(lambda: simulation.state.run > before)
     assert len(simulation.run.flock.world.obstacles) == 1
-    assert laboratory.setup.chosen().differs(simulation.state.start) == []
+    state = simulation.state
+    assert differs(laboratory.setup.chosen(), (state.spec, state.beside)) == []
     simulation.edits.change(lambda editor: editor.undo()).result(10)
     until(lambda: "(edited)" not in laboratory.setup.world.value)

@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.parameters import worded
-from app.viewer.run.start import Start
+from app.viewer.run.home import at_home
 from app.viewer.scene.drawing import FASTEST, SLOWEST, period
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
@@ -26,7 +26,7 @@ from tests.viewer.waiting import until
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(Start("vem-a", agents=30, seed=2), port=0, running=False)
+    made = Laboratory(at_home("vem-a", agents=30, seed=2), port=0, running=False)
     assert made.simulation.ready.wait(60)
     until(lambda: made.parameters.controls)
     yield made
@@ -170,7 +170,7 @@ def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
         time.sleep(0.02)  # as often as a browser may, which is cut off beyond that
     simulation = laboratory.simulation
     before = simulation.state.run
-    simulation.setup(Start("vem-a", agents=30))
+    simulation.setup(at_home("vem-a", agents=30))
     until(lambda: simulation.state.run > before, 30)
     simulation.run_at(math.inf)
     simulation.go().result(10)

@@ -14,7 +14,7 @@ from agents.observables.observable import Range
 from app.viewer.lab.panels.bars import size_bars
 from app.viewer.measuring.measured import cards, offered, scale, told, unit
 from app.viewer.measuring.readings import Readings
-from app.viewer.run.start import Start
+from app.viewer.run.home import at_home
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.world import World
@@ -82,14 +82,14 @@ def test_what_is_costly_is_measured_aside_and_comes_later():
 
 
 def test_fluctuations_are_of_the_plotted_part_of_the_run():
-    readings = Readings(StubFlock(Start(agents=8)))
+    readings = Readings(StubFlock(at_home(agents=8)))
     series = [0.0] * 100 + [0.2, 0.4] * 50
     for tick, value in enumerate(series):
         readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility", last=99) == pytest.approx(8 * 0.01)
     assert readings.over("susceptibility") == pytest.approx(8 * np.var(series))
     assert readings.over("binder", last=99) == pytest.approx(1 - 0.0136 / 3 / 0.1**2)
-    assert math.isnan(Readings(StubFlock(Start(agents=8))).over("binder"))
+    assert math.isnan(Readings(StubFlock(at_home(agents=8))).over("binder"))
 
 
 def test_only_those_that_fly_are_counted():

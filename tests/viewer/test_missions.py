@@ -12,13 +12,15 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
+from agents.spec import Spec
 from app.viewer.lab.panels.inspector import signal_facts
 from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
+from app.viewer.lab.panels.setup import differs
 from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
 from app.viewer.measuring.readings import Readings, arrived
+from app.viewer.run.home import at_home, home, lively_speed, titled, world_titles
 from app.viewer.run.picture import Camera, Wanted
 from app.viewer.run.run import Run
-from app.viewer.run.start import Start, at_home, home, lively_speed, titled, world_titles
 from app.viewer.run.state import State
 from app.viewer.scene.shown.frame import Frame, Progress
 from tests.viewer.waiting import until
@@ -175,7 +177,7 @@ def test_monitors_say_only_what_the_world_has():
 
 def test_time_is_told_in_seconds_where_bodies_count_them():
     place = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    state = State(Start("vem"))
+    state = State(at_home("vem"))
     assert "time" not in numbers(state, frame_of(place), {}, 1)
     timed = frame_of(place, dt=0.02, unit="s")
     told = numbers(state, timed, {}, 1)
@@ -185,8 +187,8 @@ def test_time_is_told_in_seconds_where_bodies_count_them():
 
 def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_are_zones():
     frame = frame_of(World("wrap", (5.0, 5.0), ("wrap", "wrap")))
-    assert "browsers" not in numbers(State(Start("vem")), frame, {}, 1)
-    told = numbers(State(Start("couzin")), frame, {"angular-momentum": 0.5}, 2)
+    assert "browsers" not in numbers(State(at_home("vem")), frame, {}, 1)
+    told = numbers(State(at_home("couzin")), frame, {"angular-momentum": 0.5}, 2)
     assert (told["browsers"], told["rotation"]) == ("2", "0.500")
     assert "consistency" not in told
 
@@ -205,9 +207,10 @@ def test_a_model_starts_in_the_world_that_it_is_at_home_in():
     assert (own.world, own.agents, own.dim) == ("liu2021-mission", 49, 2)
     assert at_home("hwvem-nav", agents=None, world="rooms-3d").dim == 3
     assert at_home("hwvem-nav", agents=7, world="rooms-3d", dim=3).agents == 7
-    assert at_home("hwvem") == Start()
+    plain = {"agents": 100, "informed": 1, "world": "wrap", "dim": 2}
+    assert at_home("hwvem") == at_home() == Spec("hwvem", seed=1, **plain)
     for name in MODELS:
-        assert len(at_home(name, seed=2).build().ids) >= 1
+        assert len(Flock(at_home(name, seed=2)).ids) >= 1
     with pytest.raises(Refusal, match="obstacles"):
         at_home("hwvem", world="obstacle")
 
@@ -215,10 +218,11 @@ def test_a_model_starts_in_the_world_that_it_is_at_home_in():
 def test_a_model_starts_in_its_own_dimension_and_at_its_own_spacing():
     assert (at_home("couzin").dim, at_home("couzin", dim=2).dim) == (3, 2)
     assert (at_home("thesis").dim, at_home("thesis").world) == (3, "thesis-sky")
-    assert at_home("echelon").build().spacing == MODELS["echelon"].spacing
-    wide = at_home("thesis", spacing=2.0, agents=20, seed=4).build()
+    assert Flock(at_home("echelon")).spec.spacing == MODELS["echelon"].spacing
+    wide = Flock(at_home("thesis", spacing=2.0, agents=20, seed=4))
     assert nearest_neighbour(wide.position, wide.world.size, wide.world.images).min() >= 2.0
-    assert at_home("vem").differs(at_home("vem", spacing=1.0)) == ["spacing"]
+    apart = at_home("vem", spacing=1.0)
+    assert differs((at_home("vem"), None), (apart, None)) == ["spacing"]
 
 
 def test_a_world_decides_its_dimension_and_its_side():
@@ -244,8 +248,8 @@ def test_seconds_pass_faster_than_in_life():
     made = SimpleNamespace(body=body, parameters=MODELS["vem"].parameters)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(MODELS, "slow", made)
-        assert lively_speed(Start("slow")) == pytest.approx(250.0)
-    assert lively_speed(Start("vem")) == 15.0
+        assert lively_speed(Spec("slow")) == pytest.approx(250.0)
+    assert lively_speed(at_home("vem")) == 15.0
 
 
 def test_without_a_mission_nobody_is_told_who_follows():

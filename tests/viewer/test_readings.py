@@ -12,13 +12,13 @@ from app.viewer.lab.panels.bars import layer_bars
 from app.viewer.measuring.rate_limit import RateLimit
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.notation import equation_svg, plain
+from app.viewer.run.home import at_home
 from app.viewer.run.pace import ANSWER, Pace
-from app.viewer.run.start import Start
 from tests.viewer.stub_flock import StubFlock
 
 
 def test_readings_count_layers_and_leave_the_unknown_out():
-    flock = StubFlock(Start(agents=5))
+    flock = StubFlock(at_home(agents=5))
     flock.position = np.array([[1.0, 1.0], [1.5, 1.0], [1.0, 1.5], [3.5, 3.0], [3.5, 3.2]])
     readings = Readings(flock)
     readings.read(at_once=True)

@@ -21,12 +21,12 @@ def gathering_table(made: list[Verdict]) -> Any:
         table.add_column(column, justify=left, no_wrap=True)  # type: ignore[arg-type]
     before = None
     for look in looks(made):
-        cell = look[0].cell
-        head = ("", "") if cell.row is before else (str(cell.agents), cell.label)
-        before = cell.row
+        case = look[0].case
+        head = ("", "") if case.row is before else (str(case.agents), case.label)
+        before = case.row
         means = (shown(one.summary.mean) if one.summary.runs else "-" for one in look)
-        table.add_row(*head, str(cell.tick), *means, end_section=cell.last and not paper(look))
-        if cell.last and paper(look):
+        table.add_row(*head, str(case.tick), *means, end_section=case.last and not paper(look))
+        if case.last and paper(look):
             table.add_row("", "published", "", *(printed(one) for one in look), end_section=True)
     return table
 
@@ -35,7 +35,7 @@ def looks(made: list[Verdict]) -> list[list[Verdict]]:
     """The verdicts of each look."""
     found: dict[int, list[Verdict]] = {}
     for one in made:
-        found.setdefault(id(one.cell), []).append(one)
+        found.setdefault(id(one.case), []).append(one)
     return list(found.values())
 
 

@@ -36,7 +36,7 @@ def map_table(found: list[Spot]) -> Any | None:
     """Three lines for each value of the second parameter: p, m and the commonest phase."""
     if not found:
         return None
-    sweep = found[0].cell.sweep
+    sweep = found[0].case.sweep
     assert sweep is not None
     xs = sorted({spot.x for spot in found})
     table = blank("", *(f"{x:g}" for x in xs))
@@ -54,7 +54,7 @@ def ways_table(pairs: list[tuple[Spot, Spot]]) -> Any | None:
     """A line for each value: p, m and the commonest phase on the way there and back."""
     if not pairs:
         return None
-    sweep = pairs[0][0].cell.sweep
+    sweep = pairs[0][0].case.sweep
     assert sweep is not None
     heads = ("p", "m", "there", "p", "m", "back")
     table = blank(sweep.parameter, *heads)

@@ -67,13 +67,13 @@ def show(console: Console, experiment: Experiment, made: list[Verdict], said: li
         for measure, why in known.items():
             tell(f"[yellow]{kind}[/]  {experiment.settings.measure(measure).symbol}: {why}")
     for one in made:
-        cell = one.cell
+        case = one.case
         if one.published and one.published.not_reproduced:
             style = STYLES["not reproduced"]
             why = one.published.not_reproduced
-            tell(f"[{style}]not reproduced[/]  {cell.label}, N = {cell.agents}: {why}")
-        if cell.row and cell.last and cell.row.remark and one.measure == experiment.measures[0]:
-            tell(f"{cell.label}, N = {cell.agents}: {cell.row.remark}")
+            tell(f"[{style}]not reproduced[/]  {case.label}, N = {case.agents}: {why}")
+        if case.row and case.last and case.row.remark and one.measure == experiment.measures[0]:
+            tell(f"{case.label}, N = {case.agents}: {case.row.remark}")
     for note in notes(experiment, made):
         tell(f"[dim]note: {note}[/]")
 
@@ -85,12 +85,12 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
         rows = [one for one in of(made, measure.name) if one.summary.absent]
         rows = [one for one in rows if one.summary.runs or one.published]
         if rows:
-            cells = ", ".join(
-                f"{one.cell.label} N = {one.cell.agents}{at(one)} ({one.summary.absent})"
+            cases = ", ".join(
+                f"{one.case.label} N = {one.case.agents}{at(one)} ({one.summary.absent})"
                 for one in rows
             )
             lines.append(
-                f"[bold red]{measure.absent}[/]  {measure.symbol}: {cells} of "
+                f"[bold red]{measure.absent}[/]  {measure.symbol}: {cases} of "
                 f"{counted(len(rows[0].values), 'run')} each; left out above"
             )
     return lines
@@ -98,7 +98,7 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
 
 def at(one: Verdict) -> str:
     """The tick of a run that is measured several times."""
-    return "" if one.cell.tick is None else f" at tick {one.cell.tick}"
+    return "" if one.case.tick is None else f" at tick {one.case.tick}"
 
 
 def notes(experiment: Experiment, made: list[Verdict]) -> list[str]:

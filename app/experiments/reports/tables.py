@@ -18,12 +18,12 @@ def table_of(made: list[Verdict]) -> Any:
     """The table that fits: by what was published, and by how many measures there are."""
     if any(one.measure.words for one in made):
         return phase_tables(made)
-    if any(one.cell.tick is not None for one in made):
+    if any(one.case.tick is not None for one in made):
         return gathering_table(made)
     several = len({one.measure.name for one in made}) > 1
     if any(one.published for one in made):
         return comparison_table(made) if several else published_table(made)
-    if any(one.cell.sweep for one in made):
+    if any(one.case.sweep for one in made):
         return sweep_table(made)
     return measure_table(made)
 
@@ -34,8 +34,8 @@ def published_table(made: list[Verdict]) -> Any:
     for k, one in enumerate(made):
         s, row = one.summary, one.published
         table.add_row(
-            str(one.cell.agents),
-            one.cell.label,
+            str(one.case.agents),
+            one.case.label,
             number(s.mean),
             number(s.sd),
             *(number(q) for q in s.quartiles),
@@ -61,8 +61,8 @@ def comparison_table(made: list[Verdict]) -> Any:
     for k, (main, *more) in enumerate(rows):
         s, row = main.summary, main.published
         table.add_row(
-            str(main.cell.agents),
-            main.cell.label,
+            str(main.case.agents),
+            main.case.label,
             number(s.mean),
             "-".join(f"{x:.1f}" for x in s.interval),
             three(s.quartiles),
@@ -83,11 +83,11 @@ def sweep_table(made: list[Verdict]) -> Any:
     """What was measured for each value of the swept parameters."""
     table = empty_table("N", "model", "parameter", "mean", "s", "25 %", "50 %", "75 %")
     for k, one in enumerate(made):
-        cell, s = one.cell, one.summary
+        case, s = one.case, one.summary
         table.add_row(
-            str(cell.agents),
-            cell.label,
-            f"{cell.sweep.parameter} = {name(cell.value)}" if cell.sweep else "",
+            str(case.agents),
+            case.label,
+            f"{case.sweep.parameter} = {name(case.value)}" if case.sweep else "",
             number(s.mean),
             number(s.sd),
             *(number(q) for q in s.quartiles),
@@ -104,7 +104,7 @@ def measure_table(made: list[Verdict]) -> Any:
     for row in by_row(made):
         for k, one in enumerate(row):
             s = one.summary
-            head = ("", "") if k else (str(one.cell.agents), one.cell.label)
+            head = ("", "") if k else (str(one.case.agents), one.case.label)
             numbers = [number(s.mean)]
             if not single:
                 numbers += [number(s.least), number(s.most), str(s.runs)]
@@ -135,7 +135,7 @@ def empty_table(*columns: str) -> Any:
 
 def close_size(table: Any, made: list[Verdict], k: int) -> None:
     """Leave a gap where the size of the flock changes."""
-    if k + 1 < len(made) and made[k + 1].cell.agents != made[k].cell.agents:
+    if k + 1 < len(made) and made[k + 1].case.agents != made[k].case.agents:
         table.add_section()
 
 

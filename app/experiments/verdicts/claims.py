@@ -34,12 +34,12 @@ def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
 
 def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[Claim]:
     """Whether the means rise along the labels at one size."""
-    by_label = {row.cell.label: row for row in made if row.cell.agents == agents}
+    by_label = {row.case.label: row for row in made if row.case.agents == agents}
     if not set(one.labels) <= set(by_label):
         return []
     rows = [by_label[label] for label in one.labels]
     steps = [difference(a.summary, b.summary) for a, b in pairwise(rows)]
-    means = " < ".join(f"{row.cell.label} {row.summary.mean:.1f}" for row in rows)
+    means = " < ".join(f"{row.case.label} {row.summary.mean:.1f}" for row in rows)
     least, error = min(steps)
     text = (
         f"N = {agents}, {rows[0].measure.symbol}: {means} (least step {least:.1f} +- {error:.1f})"
@@ -49,8 +49,8 @@ def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[Claim]:
 
 def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
     """Whether a measure is within bounds in every run, or in a share of the runs."""
-    rows = [row for row in made if not one.labels or row.cell.label in one.labels]
-    rows = [row for row in rows if one.tick is None or row.cell.tick == one.tick]
+    rows = [row for row in made if not one.labels or row.case.label in one.labels]
+    rows = [row for row in rows if one.tick is None or row.case.tick == one.tick]
     values = [value for row in rows for value in row.values]
     if not values:
         return []
@@ -91,8 +91,8 @@ def faster_claim(one: Faster, made: list[Verdict]) -> list[Claim]:
     found = []
     for row in made:
         for other in made:
-            labels = row.cell.label, other.cell.label
-            if labels == (one.label, one.than) and row.cell.agents == other.cell.agents:
+            labels = row.case.label, other.case.label
+            if labels == (one.label, one.than) and row.case.agents == other.case.agents:
                 found.append(pairs_claim(one, row, other))
     return found
 
@@ -122,7 +122,7 @@ def sweep_claims(sweep: Sweep, agents: int, points: list[Verdict]) -> list[Claim
     if sweep.trend and len(points) > 1:
         said.append(trend_claim(f"N = {agents}, {sweep.parameter} {ends}", sweep, points))
     if sweep.flat_from is not None:
-        later = [p for p in points if float(p.cell.value or 0) >= sweep.flat_from]
+        later = [p for p in points if float(p.case.value or 0) >= sweep.flat_from]
         if len(later) > 1:
             change = later[-1].summary.mean / later[0].summary.mean - 1.0
             said.append(

@@ -25,7 +25,7 @@ INTERVAL_NOTE = f"95 % interval of the mean: bootstrap, percentiles of {RESAMPLE
 
 @dataclass(frozen=True)
 class Summary:
-    """A measure over the runs of a cell."""
+    """A measure over the runs of a case."""
 
     runs: int
     """Runs that have a value."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.experiments.conduct import Measured
-from app.experiments.experiment import Cell, Experiment
+from app.experiments.experiment import Case, Experiment
 from app.experiments.file import Published, Sweep
 from app.experiments.kinds.settings import Measure, Number
 from app.experiments.verdicts.statistics import Summary, summary, welch, z_score
@@ -20,7 +20,7 @@ LARGE = 3.0
 class Verdict:
     """One measure of one row: what was measured, what was published, how far they are apart."""
 
-    cell: Cell
+    case: Case
     measure: Measure
     values: list[Number | None]
     """By seed; None for a run that has none."""
@@ -55,24 +55,24 @@ class Verdict:
 
     def as_row(self) -> dict[str, Any]:
         """As a flat row for JSON and CSV; the same keys for all rows of an experiment."""
-        cell, s = self.cell, self.summary
-        row: dict[str, Any] = {"model": cell.model, "label": cell.label, "agents": cell.agents}
-        row |= {"size": cell.size}
-        if cell.sweep:
-            row |= {"parameter": cell.sweep.parameter, "value": cell.value}
-            row |= {"against": cell.sweep.against, "at": cell.at, "way": cell.way}
+        case, s = self.case, self.summary
+        row: dict[str, Any] = {"model": case.spec.model, "label": case.label, "agents": case.agents}
+        row |= {"size": case.spec.size}
+        if case.sweep:
+            row |= {"parameter": case.sweep.parameter, "value": case.value}
+            row |= {"against": case.sweep.against, "at": case.at, "way": case.way}
             row |= {"commonest": self.commonest[0]}
         row |= {"measure": self.measure.name, "unit": self.measure.unit}
         row |= {"runs": s.runs, "absent": s.absent, "mean": s.mean, "sd": s.sd}
         row |= dict(zip(("q25", "median", "q75"), s.quartiles, strict=True))
         row |= dict(zip(("low95", "high95"), s.interval, strict=True))
         row |= {"least": s.least, "most": s.most}
-        if cell.row:
+        if case.row:
             published = self.published or Published()
             q = published.quartiles or (None, None, None)
             row |= {"published_mean": published.average, "z": self.z}
             row |= dict(zip(("published_q25", "published_median", "published_q75"), q, strict=True))
-            row |= {"verdict": self.word, "why": self.why or cell.row.remark}
+            row |= {"verdict": self.word, "why": self.why or case.row.remark}
         return row
 
 
@@ -87,14 +87,14 @@ def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
     """The verdict of a measure of a row."""
     values = one.values[measure.name]
     s = summary(values)
-    published = one.cell.published(measure.name)
+    published = one.case.published(measure.name)
     spared = experiment.not_compared.get(measure.name, "")
     why = spared or experiment.not_reproduced.get(measure.name, "")
     z = None
     if published and published.average is not None and not spared:
         z = z_of(s, published)
         why = published.not_reproduced or why
-    return Verdict(one.cell, measure, values, s, published, z, why)
+    return Verdict(one.case, measure, values, s, published, z, why)
 
 
 def z_of(measured: Summary, published: Published) -> float:
@@ -119,9 +119,9 @@ def sweeps_of(made: list[Verdict]) -> list[tuple[Sweep, int, list[Verdict]]]:
     """The verdicts by sweep and size of flock, in order of the values."""
     found: dict[tuple[int, int], tuple[Sweep, int, list[Verdict]]] = {}
     for one in made:
-        if one.cell.sweep:
-            key = (id(one.cell.sweep), one.cell.agents)
-            found.setdefault(key, (one.cell.sweep, one.cell.agents, []))[2].append(one)
+        if one.case.sweep:
+            key = (id(one.case.sweep), one.case.agents)
+            found.setdefault(key, (one.case.sweep, one.case.agents, []))[2].append(one)
     return list(found.values())
 
 

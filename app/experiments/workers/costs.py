@@ -22,11 +22,11 @@ class Costs:
         self.spent = [0.0] * len(guesses)
         self.done = [0] * len(guesses)
 
-    def add(self, cell: int, seconds: float) -> None:
-        """Count a run of a cell (by its number) that is done."""
-        self.left[cell] -= 1
-        self.done[cell] += 1
-        self.spent[cell] += seconds
+    def add(self, case: int, seconds: float) -> None:
+        """Count a run of a case (by its number) that is done."""
+        self.left[case] -= 1
+        self.done[case] += 1
+        self.spent[case] += seconds
 
     @property
     def slowness(self) -> float:

@@ -17,7 +17,7 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
         return
     if tell and not flock.is_compiled:
         tell(f"compiling {flock.model.name} (only its first start takes these seconds) ...")
-    name, world = flock.model.name, flock.world
-    twin = Flock(name, agents=1, world=world, activation=flock.activation, rng=0)
+    alone = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
+    twin = Flock(flock.options.but(world=flock.world, **alone))
     twin.run(1)
     twin.stray()

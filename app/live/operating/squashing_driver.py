@@ -61,7 +61,6 @@ class FlockDriver(Motion):
         self.vehicle = self.model.body.vehicle
         self.world = world_of(lab)
         self.seed, self.tick, self.threads = 0, 0, 1
-        self.activation, self.noise = "synchronous", "angular"
         self._acted = set()
         self.fixed = NOT_SIMULATED | {"dt": 1.0 / lab.rate}
         fastest = max(one.speed for one in lab.cars.values())

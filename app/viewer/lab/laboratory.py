@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import viser
 
 from agents.catalogue import MODELS
+from agents.flock import Flock
 from agents.observables.of_agents import measurable
+from agents.spec import Spec
 from app.viewer.editing.layout_file import LARGEST
 from app.viewer.lab.panels.crashes import CrashLists
 from app.viewer.lab.panels.downloads import Downloads
@@ -24,9 +28,9 @@ from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.run.home import at_home, lively_speed
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.start import Start, lively_speed
 from app.viewer.run.state import State
 from app.viewer.run.steering import leader, usable_pose
 from app.viewer.scene.drawing import Drawing
@@ -51,18 +55,26 @@ class Laboratory:
 
     def __init__(
         self,
-        start: Start | None = None,
+        spec: Spec | None = None,
         host: str = "127.0.0.1",
         port: int = 8080,
         speed: float | None = None,
         running: bool = True,
         allow: tuple[Allowed, ...] = (),
+        beside: Spec | None = None,
+        threads: int = 1,
     ):
         self.server = open_server(host, port, Front(allow=allow))
         accept_uploads(self.server, LARGEST)
         self.host = host
-        start = start or Start()
-        self.simulation = Simulation(start, speed or lively_speed(start), running)
+        spec = spec or at_home()
+        self.simulation = Simulation(
+            spec,
+            beside,
+            speed or lively_speed(spec),
+            running,
+            build=partial(Flock, threads=threads),
+        )
         self.notices = Notices(self.server, self.simulation.notices)
         self.scene = Scene(self.server)
         self.selected: int | None = None
@@ -100,7 +112,7 @@ class Laboratory:
         with tabs.add_tab("Rule"):
             self.parameters = ParametersPanel(gui, self.simulation)
         with tabs.add_tab("Setup"):
-            self.setup = SetupPanel(gui, state.start)
+            self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):
             self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
@@ -159,7 +171,7 @@ class Laboratory:
 
     def show_guide(self, client: viser.ClientHandle) -> None:
         """Open the guide to the running model in one browser."""
-        self.guide.show(client, self.simulation.state.start.model)
+        self.guide.show(client, self.simulation.state.spec.model)
 
     async def steering_switched(self, _event: viser.GuiEvent) -> None:
         self.scene.show_leader_gizmo(self.view.steer.value)
@@ -249,14 +261,14 @@ class Laboratory:
         """Bring the panels up to date."""
         state, readings = self.simulation.state, self.simulation.readings
         self.run.refresh(state)
-        self.setup.catch_up(state.start)
+        self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.parameters.refresh(state)
         if self.drawing.drawn is None or readings is None:
             return
         frame, look = self.drawing.drawn
         self.measure(state, frame, readings)
-        self.view.offer(measurable(MODELS[state.start.model].columns))
+        self.view.offer(measurable(MODELS[state.spec.model].columns))
         self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
         if self.selected_beside and frame.beside is None:
             self.select(None)

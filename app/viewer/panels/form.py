@@ -38,6 +38,9 @@ def handle(gui: viser.GuiApi, control: Control, value: Any) -> Any:
         return gui.add_dropdown(
             control.label, control.choices, initial_value=value, hint=control.hint
         )
+    if control.typed:
+        low, high, step = control.low, control.high, control.step
+        return gui.add_number(control.label, value, min=low, max=high, step=step, hint=control.hint)
     return gui.add_slider(
         control.label, control.low, control.high, control.step, value, hint=control.hint
     )

@@ -38,7 +38,7 @@ class ParametersPanel:
         if state.run == self.shown_run or not state.values:
             return
         self.shown_run = state.run
-        models = state.start.model, state.start.beside
+        models = state.models
         if models != self.models:
             self.models = models
             self.rebuild(state)
@@ -51,7 +51,8 @@ class ParametersPanel:
         """Controls for the model's parameters, and for those that only the one beside it has."""
         for child in tuple(self.folder._children.values()):
             child.remove()
-        model, beside = MODELS[state.start.model], state.start.beside
+        name, beside = state.models
+        model = MODELS[name]
         own = declared(model.parameters)
         wants, moves = sides(model, own)
         self.beside_controls = {}

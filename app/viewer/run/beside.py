@@ -17,9 +17,9 @@ from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.flock import Flock
 from agents.models.declare import Declared, declared
+from agents.spec import Spec
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
-from app.viewer.run.start import Start
 from app.viewer.run.words import Astray, Broken, in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
@@ -74,38 +74,27 @@ def shared_by(first: str, second: str) -> frozenset[str]:
     return shared(by_name(MODELS[first].parameters), by_name(MODELS[second].parameters))
 
 
-def companion(start: Start, first: Flock) -> Flock:
-    """The flock of the model `start.beside`, at the start of the first flock, to the bit.
+def companion(first: Flock, beside: Spec) -> Flock:
+    """The flock of a second model, at the start of the first flock, to the bit.
 
     It has the world, seed, turns, noise and information agents of the first, and its values of
     what the models share. A model that knows no information agents takes them for ordinary ones.
     Raises Refusal, with the model's title, if it cannot be in this world or at these values.
     """
-    assert start.beside is not None
-    model = find_model(start.beside)
+    model = find_model(beside.model)
     if model is first.model:
         raise Refusal(f"beside = {model.name!r} is the model itself: another one is needed")
     values = first.parameters.model_dump()
     given = {name: values[name] for name in shared_by(first.model.name, model.name)}
-    agents, informed = first.started_with
+    spec = first.options.but(
+        model=model.name, world=first.world, parameters=given | beside.parameters
+    )
     arrays = None
-    if informed and not model.rule.led:
+    if spec.informed and not model.rule.led:
         arrays = {name: getattr(first, name) for name in ("position", "heading", "speed")}
-        informed = 0
+        spec = spec.but(informed=0)
     try:
-        flock = Flock(
-            model.name,
-            agents=agents,
-            informed=informed,
-            world=first.world,
-            activation=first.activation,
-            noise=first.noise,
-            rng=first.seed,
-            spacing=first.spacing,
-            threads=first.threads,
-            start=arrays,
-            **(given | start.beside_parameters),
-        )
+        flock = Flock(spec, threads=first.threads, start=arrays)
     except Refusal as refusal:
         raise Refusal(f"{model.title}: {refusal}") from None
     if arrays is not None:

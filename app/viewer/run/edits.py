@@ -11,12 +11,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from agents.flock import Flock
+from agents.spec import Spec
 from app.viewer.editing.editor import Editor, Gone
 from app.viewer.editing.free_places import set_free
 from app.viewer.editing.layout_file import layout_of
 from app.viewer.run.beside import companion
 from app.viewer.run.run import Run
-from app.viewer.run.start import Start
 from app.viewer.run.state import State
 from worlds.obstacles import Disc
 from worlds.refusal import Refusal
@@ -36,7 +37,7 @@ class Host(Protocol):
 
     def sound_run(self) -> Run: ...
 
-    def schedule(self, start: Start) -> None: ...
+    def schedule(self, spec: Spec, beside: Spec | None) -> None: ...
 
 
 class Edits:
@@ -49,13 +50,13 @@ class Edits:
         is there."""
         self.untouched: World | None = None
         """The world before the first change."""
-        self.plain: Start | None = None
+        self.plain: Spec | None = None
         """What sets it up."""
         self.drags: dict[str, Change] = {}
         """The newest change of each drag that is not carried out yet."""
         self.drags_lock = threading.Lock()
-        self.prepared: set[tuple[str, int, str]] = set()
-        """Models, dimensions and turns that have been compiled for obstacles, aside."""
+        self.prepared: set[str] = set()
+        """Models, dimensions and options that have been compiled for obstacles, aside."""
 
     # Commands.
 
@@ -92,14 +93,16 @@ class Edits:
 
     def prepare(self) -> None:
         """Compile the model for obstacles in a thread aside, so that the first one comes sooner."""
-        run, start = self.host.run, self.host.state.start
+        run, state = self.host.run, self.host.state
         if run is None or run.flock.world.is_solid:
             return
-        models = start.model if start.beside is None else f"{start.model} {start.beside}"
-        kind = (models, run.flock.world.dim, start.activation)
+        dim = run.flock.world.dim
+        kind = f"{state.models} {dim} {state.spec.chosen}"
         if kind not in self.prepared:
             self.prepared.add(kind)
-            threading.Thread(target=try_out, args=(start, kind[1]), daemon=True).start()
+            threading.Thread(
+                target=try_out, args=(state.spec, state.beside, dim), daemon=True
+            ).start()
 
     # The simulation's own thread.
 
@@ -110,12 +113,12 @@ class Edits:
         if after.world is not run.flock.world:
             inhabit(run, after)
         self.editor = after
-        start, plain = self.host.state.start, self.plain
+        spec, plain = self.host.state.spec, self.plain
         if after.world is self.untouched and plain is not None:
-            start = start.but(world=plain.world, size=plain.size)
+            spec = spec.but(world=plain.world, size=plain.size)
         else:
-            start = start.but(world=after.world, size=None)
-        self.host.state = replace(self.host.state, start=start)
+            spec = spec.but(world=after.world, size=None)
+        self.host.state = replace(self.host.state, spec=spec)
         self.host.stale = True
 
     def drag_now(self, gesture: str) -> None:
@@ -130,17 +133,18 @@ class Edits:
 
     def open_now(self, name: str, content: bytes) -> None:
         world = layout_of(name, content)
-        self.host.schedule(self.host.state.again().but(world=world, size=None, dim=world.dim))
+        spec, beside = self.host.state.again()
+        self.host.schedule(spec.but(world=world, size=None, dim=world.dim), beside)
 
-    def take_over(self, run: Run, start: Start) -> None:
+    def take_over(self, run: Run, spec: Spec) -> None:
         """Edit the world of a new run; the history goes on where it is the same world."""
         world = run.flock.world
         known = self.editor is not None and self.editor.world == world
         if not known:
             self.editor = Editor.of(world)
             self.untouched = world
-        if not known or not isinstance(start.world, World):
-            self.plain = start
+        if not known or not isinstance(spec.world, World):
+            self.plain = spec
 
 
 def inhabit(run: Run, editor: Editor) -> None:
@@ -155,15 +159,15 @@ def inhabit(run: Run, editor: Editor) -> None:
         one.compiled = one.compiled and flock.loop is before
 
 
-def try_out(start: Start, dim: int) -> None:
+def try_out(spec: Spec, beside: Spec | None, dim: int) -> None:
     """Run a flock of two, and the one beside it, for a tick in a small world with an obstacle."""
     pillar = Disc(centre=(9.0, 9.0), radius=0.5)
     world = World("aside", (10.0,) * dim, ("open",) * dim, obstacles=(pillar,))
     with contextlib.suppress(Refusal):
-        flock = start.but(agents=2, size=None, world=world, dim=dim, threads=1).build()
+        flock = Flock(spec.but(agents=2, size=None, world=world))
         flock.advance(1)
-        if start.beside is not None:
-            companion(start, flock).advance(1)
+        if beside is not None:
+            companion(flock, beside).advance(1)
 
 
 def freed(run: Run, position: np.ndarray) -> np.ndarray:

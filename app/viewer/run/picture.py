@@ -158,5 +158,5 @@ def room(flock: Flock) -> tuple[np.ndarray, np.ndarray] | None:
     mission = flock.world.mission
     if mission is None or mission.start is None:
         return None
-    low, size = start_box(mission.start, sum(flock.started_with))
+    low, size = start_box(mission.start, flock.options.count)
     return low, low + size

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
+from agents.spec import Spec
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.beside import Pair, companion
@@ -23,7 +24,6 @@ from app.viewer.run.edits import Edits, freed
 from app.viewer.run.pace import Pace
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
-from app.viewer.run.start import Start
 from app.viewer.run.state import State
 from app.viewer.run.words import Astray, in_words
 from app.viewer.run.zones import stopped
@@ -50,11 +50,12 @@ class Simulation:
 
     def __init__(
         self,
-        start: Start,
+        spec: Spec,
+        beside: Spec | None = None,
         speed: float = 15.0,
         running: bool = True,
-        build: Callable[[Start], Flock] = Start.build,
-        build_beside: Callable[[Start, Flock], Flock] = companion,
+        build: Callable[[Spec], Flock] = Flock,
+        build_beside: Callable[[Flock, Spec], Flock] = companion,
     ):
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
@@ -62,7 +63,7 @@ class Simulation:
         self.frame: Frame | None = None
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
-        self.state = State(start, running=running, busy=True, speed=speed)
+        self.state = State(spec, beside, running=running, busy=True, speed=speed)
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
         self.build = build
@@ -71,7 +72,8 @@ class Simulation:
         self.wanted = Wanted()
         self.watched: frozenset[str] = frozenset()
         self.pace = Pace(speed)
-        self.next_start: Start | None = start
+        self.next: tuple[Spec, Spec | None] | None = spec, beside
+        """What is to be set up."""
         self.stale = False
         """Whether the flock has changed since the last frame."""
         self.next_frame = 0.0
@@ -113,13 +115,13 @@ class Simulation:
             self.notices.put(in_words(error))
             waiting.answer.set_exception(error)
 
-    def setup(self, start: Start) -> Future:
+    def setup(self, spec: Spec, beside: Spec | None = None) -> Future:
         """Build a new flock; of several set-ups at once only the last is built."""
-        return self.tell(lambda: self.schedule(start), "set up")
+        return self.tell(lambda: self.schedule(spec, beside), "set up")
 
     def reset(self) -> Future:
         """The same flock again: same seed, same start, the parameters as they are now."""
-        return self.tell(lambda: self.schedule(self.state.again()), "set up")
+        return self.tell(lambda: self.schedule(*self.state.again()), "set up")
 
     def go(self) -> Future:
         """Run."""
@@ -184,7 +186,7 @@ class Simulation:
         while not self.closing:
             self.obey()
             try:
-                if self.next_start is not None:
+                if self.next is not None:
                     self.set_up()
                 self.leave()
                 if self.state.running:
@@ -206,7 +208,7 @@ class Simulation:
 
     def idle_time(self) -> float | None:
         """How long to wait for commands, s; None for ever."""
-        if self.next_start is not None or self.stale:
+        if self.next is not None or self.stale:
             return 0.0
         return self.pace.wait(time.perf_counter()) if self.state.running else None
 
@@ -255,14 +257,14 @@ class Simulation:
             self.ready.set()
 
     def set_up(self) -> None:
-        """Build the flock of the next start."""
-        start, self.next_start = self.next_start, None
-        assert start is not None
+        """Build the flock that is to be set up, and the one beside it."""
+        assert self.next is not None
+        (spec, beside), self.next = self.next, None
         self.state = replace(self.state, busy=True)
         try:
-            flock = self.build(start)
+            flock = self.build(spec)
             refuse_too_dense(flock)
-            self.run = self.new_run(start, flock)
+            self.run = self.new_run(flock, beside)
         except Refusal as refusal:
             self.notices.put(str(refusal))
             self.state = replace(
@@ -270,12 +272,13 @@ class Simulation:
             )
             self.ready.set()
             return
-        self.edits.take_over(self.run, start)
+        self.edits.take_over(self.run, spec)
         self.pace.restart()
         self.stale = True
         self.state = replace(
             self.state,
-            start=start,
+            spec=spec,
+            beside=beside,
             run=self.run.number,
             busy=False,
             error="",
@@ -284,12 +287,12 @@ class Simulation:
             beside_values=self.run.beside_values,
         )
 
-    def new_run(self, start: Start, flock: Flock) -> Run:
+    def new_run(self, flock: Flock, beside: Spec | None) -> Run:
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
-        if start.beside is None:
+        if beside is None:
             return Run(flock, number, self.wanted, self.watched)
-        second = self.build_beside(start, flock)
+        second = self.build_beside(flock, beside)
         refuse_too_dense(second)
         return Pair(flock, second, number, self.wanted, self.watched)
 
@@ -316,11 +319,11 @@ class Simulation:
                 self.notices.put(words)
             one.warned = words
 
-    def schedule(self, start: Start) -> None:
-        self.next_start = start
+    def schedule(self, spec: Spec, beside: Spec | None) -> None:
+        self.next = spec, beside
 
     def switch(self, on: bool) -> None:
-        if on and self.next_start is None:
+        if on and self.next is None:
             self.sound_run()
         self.pace.restart()
         self.state = replace(self.state, running=on)
@@ -343,8 +346,8 @@ class Simulation:
         self.state = replace(self.state, speed=speed)
 
     def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
-        run, start = self.sound_run(), self.state.start
-        if models not in (None, (start.model, start.beside)):
+        run = self.sound_run()
+        if models not in (None, self.state.models):
             return value
         taken = run.allowed(name, value, beside)
         run.set(name, taken, beside)

@@ -5,15 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.viewer.run.start import Start
+from agents.spec import Spec
 
 
 @dataclass(frozen=True)
 class State:
     """How the simulation stands; replaced as a whole, never changed."""
 
-    start: Start
-    """What the flock was set up from."""
+    spec: Spec
+    """The run that was set up."""
+    beside: Spec | None = None
+    """A second model, whose flock flies in the same world from the same start: what it has of its
+    own."""
     run: int = 0
     """Counts the set-ups."""
     running: bool = False
@@ -32,10 +35,15 @@ class State:
     beside_values: dict[str, Any] = field(default_factory=dict)
     """Those that only the flock beside it has."""
 
-    def again(self) -> Start:
-        """The start of this run with the parameters as they are now."""
-        start = self.start
-        return start.but(
-            parameters=dict(self.values) or start.parameters,
-            beside_parameters=dict(self.beside_values) or start.beside_parameters,
-        )
+    @property
+    def models(self) -> tuple[str, str | None]:
+        """Names of the model and of the one beside it."""
+        return self.spec.model, None if self.beside is None else self.beside.model
+
+    def again(self) -> tuple[Spec, Spec | None]:
+        """This run, and what is beside it, with the parameters as they are now."""
+        beside = self.beside
+        spec = self.spec.but(parameters=dict(self.values)) if self.values else self.spec
+        if beside is not None and self.beside_values:
+            beside = beside.but(parameters=dict(self.beside_values))
+        return spec, beside

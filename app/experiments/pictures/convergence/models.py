@@ -15,11 +15,11 @@ WIDTH = 0.36
 
 def draw_models(figure: Any, made: list[Verdict]) -> None:
     """Draw the panels."""
-    sizes = sorted({one.cell.agents for one in made})
+    sizes = sorted({one.case.agents for one in made})
     figure.set_size_inches(4.3 * len(sizes) + 0.6, 5.2)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
     for axes, agents in zip(panels, sizes, strict=True):
-        rows = [one for one in made if one.cell.agents == agents]
+        rows = [one for one in made if one.case.agents == agents]
         for x, one in enumerate(rows):
             row = one.published
             known = row is not None and bool(row.not_reproduced)
@@ -28,7 +28,7 @@ def draw_models(figure: Any, made: list[Verdict]) -> None:
                 published(axes, x + 0.21, row.mean, row.quartiles)
         axes.set_yscale("log")
         axes.set_title(f"N = {agents}")
-        axes.set_xticks(range(len(rows)), [one.cell.model.upper() for one in rows])
+        axes.set_xticks(range(len(rows)), [one.case.spec.model.upper() for one in rows])
         axes.tick_params(axis="x", length=0, labelsize=9)
         axes.set_xlim(-0.6, len(rows) - 0.4)
     panels[0].set_ylabel("$k_{con}$ / ticks")

@@ -18,21 +18,21 @@ def draw_pairs(figure: Any, made: list[Verdict]) -> None:
 
     figure.set_size_inches(7.2, 5.0)
     axes = figure.subplots()
-    cells = [one.cell for one in made]
-    sizes = sorted({cell.agents for cell in cells})
-    values = list(dict.fromkeys(cell.value for cell in cells))
+    cases = [one.case for one in made]
+    sizes = sorted({case.agents for case in cases})
+    values = list(dict.fromkeys(case.value for case in cases))
     colour = dict(zip(values, COLOURS, strict=False))
     for one in made:
-        cell = one.cell
-        k = values.index(cell.value)
-        x = sizes.index(cell.agents) + STEP * (k - (len(values) - 1) / 2)
-        box(axes, x, one.values, colour[cell.value], 0.8 * STEP)
+        case = one.case
+        k = values.index(case.value)
+        x = sizes.index(case.agents) + STEP * (k - (len(values) - 1) / 2)
+        box(axes, x, one.values, colour[case.value], 0.8 * STEP)
     axes.set_xticks(range(len(sizes)), [f"N = {n}" for n in sizes])
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.6, len(sizes) - 0.4)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("$k_{con}$ / ticks")
-    parameter = cells[0].sweep.parameter.replace("_", " ") if cells[0].sweep else ""
+    parameter = cases[0].sweep.parameter.replace("_", " ") if cases[0].sweep else ""
     signs = [
         Patch(facecolor=colour[v] + "40", edgecolor=colour[v], label=f"{parameter} {name(v)}")
         for v in values

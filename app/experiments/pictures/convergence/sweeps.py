@@ -26,7 +26,7 @@ def draw_sweeps(figure: Any, made: list[Verdict]) -> None:
         lines = [(agents, points) for one, agents, points in found if one is sweep]
         for k, (agents, points) in enumerate(lines):
             axes.errorbar(
-                [float(p.cell.value or 0.0) for p in points],
+                [float(p.case.value or 0.0) for p in points],
                 [p.summary.mean for p in points],
                 yerr=[2.0 * p.summary.standard_error for p in points],
                 color=COLOURS[k % len(COLOURS)],

@@ -20,11 +20,11 @@ def draw_crashes(figure: Any, made: list[Verdict]) -> None:
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.15])
     rows: dict[int, list[Verdict]] = {}
     for one in made:
-        rows.setdefault(id(one.cell.row), []).append(one)
+        rows.setdefault(id(one.case.row), []).append(one)
     for x, (row, colour) in enumerate(zip(rows.values(), COLOURS, strict=False)):
         draw_start(left, x, of(row, "at_0")[-1], colour)
         draw_course(right, row, colour)
-    left.set_xticks(range(len(rows)), [row[0].cell.label for row in rows.values()])
+    left.set_xticks(range(len(rows)), [row[0].case.label for row in rows.values()])
     left.tick_params(axis="x", length=0)
     left.set_ylabel("crashes at tick 0")
     left.set_ylim(-0.5, None)
@@ -51,9 +51,9 @@ def draw_start(axes: Any, x: int, one: Verdict, colour: str) -> None:
 def draw_course(axes: Any, row: list[Verdict], colour: str) -> None:
     """Draw the mean number of crashes up to each look."""
     counts = [of(row, measure) for measure in ("at_0", "early", "late")]
-    ticks = [one.cell.tick for one in counts[0]]
+    ticks = [one.case.tick for one in counts[0]]
     total = [sum(one.summary.mean for one in look) for look in zip(*counts, strict=True)]
-    axes.plot(ticks, total, color=colour, marker="o", markersize=4, label=row[0].cell.label)
+    axes.plot(ticks, total, color=colour, marker="o", markersize=4, label=row[0].case.label)
 
 
 def signs(figure: Any) -> None:

@@ -35,8 +35,8 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
     panels[0].set_ylim(0.0, None)
     panels[1].set_ylim(0.0, 104.0)
     panels[2].set_ylim(0.0, 1.04)
-    cell = experiment.cells[0]
-    flock = flock_of(cell, settings, seed)
+    case = experiment.cases[0]
+    flock = flock_of(case, seed)
     boxes = below.subplots(1, len(captions), subplot_kw={"projection": "3d"}, squeeze=False)[0]
     for axes, letter, (tick, text) in zip(boxes, letters, captions.items(), strict=True):
         flock.run(tick - flock.tick)
@@ -46,16 +46,16 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
         figure,
         signs(panels[0]),
         "above: mean and quartiles of the runs; below: a run of "
-        f"{cell.label}, seed {seed}, its groups in colours, over it what is said of that tick",
+        f"{case.label}, seed {seed}, its groups in colours, over it what is said of that tick",
     )
 
 
 def draw_curve(axes: Any, points: list[Verdict], experiment: Experiment) -> None:
     """Draw a measure over the ticks, a line and a band for each row."""
-    rows = list(dict.fromkeys(id(cell.row) for cell in experiment.cells))
+    rows = list(dict.fromkeys(id(case.row) for case in experiment.cases))
     for row, colour in zip(rows, COLOURS, strict=False):
-        mine = [one for one in points if id(one.cell.row) == row and one.summary.runs]
-        ticks = [one.cell.tick for one in mine]
+        mine = [one for one in points if id(one.case.row) == row and one.summary.runs]
+        ticks = [one.case.tick for one in mine]
         quartiles = np.array([one.summary.quartiles for one in mine])
         if len(mine):
             axes.fill_between(ticks, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.18)
@@ -64,7 +64,7 @@ def draw_curve(axes: Any, points: list[Verdict], experiment: Experiment) -> None
                 [came(one.values).mean() for one in mine],
                 color=colour,
                 linewidth=1.8,
-                label=mine[0].cell.label,
+                label=mine[0].case.label,
             )
 
 

@@ -16,18 +16,18 @@ SAFE = 1.0
 def draw_distances(figure: Any, made: list[Verdict]) -> None:
     """Draw the panels."""
     rows = main_ones(made)
-    sizes = sorted({one.cell.agents for one in rows})
-    labels = list(dict.fromkeys(one.cell.label for one in rows))
+    sizes = sorted({one.case.agents for one in rows})
+    labels = list(dict.fromkeys(one.case.label for one in rows))
     figure.set_size_inches(3.4 * len(sizes) + 0.8, 4.4)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
     for axes, agents in zip(panels, sizes, strict=True):
         for one in rows:
-            if one.cell.agents == agents:
-                k = labels.index(one.cell.label)
+            if one.case.agents == agents:
+                k = labels.index(one.case.label)
                 values = np.array([np.nan if v is None else v for v in one.values], float)
                 axes.plot(
                     np.arange(1, values.size + 1), values, "o", markersize=3.6, alpha=0.75,
-                    color=COLOURS[k], markeredgewidth=0, label=one.cell.label,
+                    color=COLOURS[k], markeredgewidth=0, label=one.case.label,
                 )  # fmt: skip
         axes.axhline(SAFE, color="#c0392b", linewidth=1.4)
         axes.set_title(f"N = {agents}")

@@ -22,8 +22,8 @@ COLOURS = ("#b07d12", "#2166ac")
 
 def draw_duel(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the runs of that seed, one of each row."""
-    flights = [flown(experiment, cell, seed) for cell in experiment.cells]
-    labels = [cell.label for cell in experiment.cells]
+    flights = [flown(experiment, case, seed) for case in experiment.cases]
+    labels = [case.label for case in experiment.cases]
     figure.set_size_inches(5.0 * len(flights) + 0.4, 7.8)
     letters = "abcdefgh"[: len(flights)]
     panels = figure.subplot_mosaic([list(letters), ["time"] * len(flights)], height_ratios=[2.1, 1])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from agents import Flock
 from agents.mission import MissionRecord, fly
-from app.experiments.experiment import Cell, Experiment
+from app.experiments.experiment import Case, Experiment
 from app.experiments.kinds.mission import Mission
 from app.experiments.trial import flock_of
 
@@ -21,10 +21,10 @@ class Flight(NamedTuple):
     record: MissionRecord
 
 
-def flown(experiment: Experiment, cell: Cell, seed: int) -> Flight:
-    """Fly the run of a cell with that seed."""
+def flown(experiment: Experiment, case: Case, seed: int) -> Flight:
+    """Fly the run of a case with that seed."""
     settings = experiment.settings
     assert isinstance(settings, Mission)
-    flock = flock_of(cell, settings, seed)
+    flock = flock_of(case, seed)
     ticks = round(settings.limit / flock.dt)
     return Flight(flock, fly(flock, ticks, every=max(1, ticks // FRAMES)))

@@ -30,8 +30,8 @@ PASSAGE = "#c0392b"
 
 def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
-    cell = experiment.cells[0]
-    flight = flown(experiment, cell, seed)
+    case = experiment.cases[0]
+    flight = flown(experiment, case, seed)
     figure.set_size_inches(12.4, 8.2)
     panels = figure.subplot_mosaic([["all", "all"], ["setup", "detail"]], height_ratios=[1.12, 1.0])
     whole, setup, detail = panels["all"], panels["setup"], panels["detail"]
@@ -45,7 +45,7 @@ def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
     kept = flight.record
     show_box(whole, *extent(flight.flock.world, kept.position[:, kept.follows], 1.0))
     whole.set_title(
-        f"{cell.label}, N = {cell.agents}, seed {seed}: {kept.success:.0%} follow to the end, "
+        f"{case.label}, N = {case.agents}, seed {seed}: {kept.success:.0%} follow to the end, "
         f"{kept.ticks} ticks",
         loc="left",
     )

@@ -29,16 +29,16 @@ COLOURS = ("#12427c", "#2f74b8", "#6aa9d8", "#a7cfe8")
 
 def draw_snapshots(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
-    cell = experiment.cells[0]
+    case = experiment.cases[0]
     assert isinstance(experiment.settings, Mission)
-    end = flown(experiment, cell, seed).record.ticks
+    end = flown(experiment, case, seed).record.ticks
     figure.set_size_inches(12.4, 10.6)
     figure.get_layout_engine().set(h_pad=0.1)
     panels = figure.subplot_mosaic(
         [["all"] * 3, list("abc"), list("def")], height_ratios=[1.12, 1, 1]
     )
     whole = panels["all"]
-    flock = flock_of(cell, experiment.settings, seed)
+    flock = flock_of(case, seed)
     draw_world(whole, flock.world)
     places = []
     for letter, k in zip("abcdef", (*(k for k in INSTANTS if k < end), end), strict=False):
@@ -54,7 +54,7 @@ def draw_snapshots(figure: Any, experiment: Experiment, seed: int) -> None:
         )
         places.append(flock.position[near])
     show_box(whole, *extent(flock.world, np.concatenate(places), 1.6))
-    whole.set_title(f"{cell.label}, N = {cell.agents}, seed {seed}", loc="left")
+    whole.set_title(f"{case.label}, N = {case.agents}, seed {seed}", loc="left")
     signs(figure)
 
 

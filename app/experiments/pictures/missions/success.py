@@ -16,17 +16,17 @@ WIDTH = 0.36
 def draw_success(figure: Any, made: list[Verdict]) -> None:
     """Draw the panels."""
     rows = main_ones(made)
-    sizes = sorted({one.cell.agents for one in rows})
+    sizes = sorted({one.case.agents for one in rows})
     figure.set_size_inches(4.4 * len(sizes) + 0.6, 5.4)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
     for axes, agents in zip(panels, sizes, strict=True):
-        here = [one for one in rows if one.cell.agents == agents]
+        here = [one for one in rows if one.case.agents == agents]
         for x, one in enumerate(here):
             draw_row(axes, x - 0.21, one)
             if one.published:
                 published(axes, x + 0.21, one.published.mean, one.published.quartiles)
         axes.set_title(f"N = {agents}")
-        axes.set_xticks(range(len(here)), [one.cell.label for one in here])
+        axes.set_xticks(range(len(here)), [one.case.label for one in here])
         axes.tick_params(axis="x", length=0, labelsize=8.5)
         axes.set_xlim(-0.6, len(here) - 0.4)
         axes.set_ylim(-3, 103)

@@ -18,14 +18,14 @@ SHOWN = 120.0
 
 def draw_trajectories(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the runs of that seed, one of each row."""
-    flights = [flown(experiment, cell, seed) for cell in experiment.cells]
+    flights = [flown(experiment, case, seed) for case in experiment.cases]
     figure.set_size_inches(5.6 * len(flights) + 0.4, 8.4)
     panels = figure.subplots(3, len(flights), squeeze=False, height_ratios=[2.0, 1, 1])
     low, high = shared_box(flights)
-    for column, cell, flight in zip(panels.T, experiment.cells, flights, strict=True):
+    for column, case, flight in zip(panels.T, experiment.cases, flights, strict=True):
         draw_flight(column[0], flight, COLOUR)
         show_box(column[0], low, high)
-        column[0].set_title(f"N = {cell.agents}: {through(experiment, flight)}", loc="left")
+        column[0].set_title(f"N = {case.agents}: {through(experiment, flight)}", loc="left")
         for axis, name in enumerate("xy"):
             draw_over_time(column[1 + axis], flight, axis, name)
         column[2].set_xlabel("time / s")

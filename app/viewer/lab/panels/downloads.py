@@ -53,10 +53,11 @@ class Downloads:
 
     def name(self, suffix: str) -> str:
         """File name that says what is in it."""
-        start, frame = self.simulation.state.start, self.simulation.frame
+        state, frame = self.simulation.state, self.simulation.frame
         tick = 0 if frame is None else frame.tick
-        if start.beside is not None:
-            models = f"{start.model}-beside-{start.beside}"
+        model, beside = state.models
+        if beside is not None:
+            models = f"{model}-beside-{beside}"
             kind = "specs" if suffix == "toml" else "states"
-            return f"{models}-seed{start.seed}-tick{tick}-{kind}.zip"
-        return f"{start.model}-seed{start.seed}-tick{tick}.{suffix}"
+            return f"{models}-seed{state.spec.seed}-tick{tick}-{kind}.zip"
+        return f"{model}-seed{state.spec.seed}-tick{tick}.{suffix}"

@@ -39,10 +39,10 @@ def contents(
 
     `more` are the numbers that somebody has chosen, of the `last` ticks if they are of a run.
     """
-    second, name = frame.beside, state.start.beside
+    second, (model, name) = frame.beside, state.models
     if second is None or beside is None or name is None:
         return alone(state, frame, readings, browsers, more, last)
-    models = state.start.model, name
+    models = model, name
     sides = (frame, readings), (second, beside)
     told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
     same = (name for name in CLOCK if told.get(name) == others.get(name))
@@ -104,7 +104,7 @@ def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int)
         **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),
         "agents": spaced(len(frame.ids)),
         "ticks / s": rate_text(state.rate),
-        **measured.cards("flock", frame.world, values, MODELS[state.start.model]),
+        **measured.cards("flock", frame.world, values, MODELS[state.spec.model]),
         **({"browsers": str(browsers)} if browsers > 1 else {}),
     }
 

@@ -10,8 +10,8 @@ import viser
 from agents.catalogue import MODELS
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.panels.style import GREEN, GREY, ORANGE, block
+from app.viewer.run.home import lively_speed
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.start import lively_speed
 from app.viewer.run.state import State
 from app.viewer.web.values import show
 
@@ -59,12 +59,12 @@ class RunPanel:
 
     def set_up(self) -> None:
         """Build a flock from the Setup tab."""
-        self.setup.catch_up(self.simulation.state.start)
+        self.setup.catch_up(self.simulation.state.spec)
         state, before = self.simulation.state, self.setup.running
-        start = self.setup.next_start(state.values, state.beside_values)
-        if MODELS[start.model].body.unit != MODELS[before.model].body.unit:
-            self.pace(lively_speed(start))
-        self.simulation.setup(start)
+        spec, beside = self.setup.next(state)
+        if MODELS[spec.model].body.unit != MODELS[before[0].model].body.unit:
+            self.pace(lively_speed(spec))
+        self.simulation.setup(spec, beside)
 
     def pace(self, speed: float) -> None:
         """Go to the speed of the list that is nearest to one (ticks per second)."""
@@ -98,10 +98,8 @@ def status(state: State) -> str:
     if state.error:
         why = html.escape(state.error)
         return f'<div class="fs-error"><b>Stopped.</b> {why}<br>Press Setup.</div>'
-    start = state.start
-    words = MODELS[start.model].title
-    if start.beside is not None:
-        words = f"{start.model} beside {start.beside}"
+    model, beside = state.models
+    words = MODELS[model].title if beside is None else f"{model} beside {beside}"
     title = "" if state.busy else f" · {html.escape(words)}"
     colour, words = GREY, "paused"
     if state.busy:

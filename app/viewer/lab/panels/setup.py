@@ -3,141 +3,73 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Iterable
 from typing import Any
 
 import viser
 
 from agents.catalogue import MODELS
+from agents.models.model import Model
+from agents.spec import OPTIONS, Options, Spec
+from app.viewer.panels.form import handle
 from app.viewer.panels.style import block
-from app.viewer.run.start import (
-    ACTIVATIONS,
-    MOST_AGENTS,
-    NOISES,
-    Start,
-    home,
-    titled,
-    world_titles,
-)
+from app.viewer.run.home import MOST_AGENTS, at_home, home, titled, world_titles
 from app.viewer.run.state import State
+from app.viewer.scene.shown.control import Control
 from app.viewer.web.values import show
 from worlds.world import World
 
 DIMENSIONS = {"2-D": 2, "3-D": 3}
 LARGEST_SEED = 2**31 - 1
+MOST_SIDE = 1000
 NOBODY = "none"
-NAMES = {
-    "model": "model",
-    "beside": "beside",
-    "agents": "agents",
-    "size": "side",
-    "dim": "dimension",
-    "world": "world",
-    "activation": "turns",
-    "noise": "noise",
-    "informed": "informed",
-    "spacing": "spacing",
-}
-"""What the fields of a start are called in the panel."""
+Pairing = tuple[Spec, Spec | None]
+"""A run, and the one beside it."""
 
 
 class SetupPanel:
-    """The fields of a `Start`; nothing happens until Setup is pressed."""
+    """The next run, and what is beside it; nothing happens until Setup is pressed."""
 
-    def __init__(self, gui: viser.GuiApi, start: Start):
-        self.running = start
-        self.offered = start.world
+    def __init__(self, gui: viser.GuiApi, state: State):
+        spec = state.spec
+        assert spec.world is not None
+        self.running: Pairing = spec, state.beside
+        self.offered = spec.world
         self.shown_run = -1
         self.worlds = world_titles()
-        self.worlds.setdefault(titled(start.world), start.world)
+        self.worlds.setdefault(titled(spec.world), spec.world)
         titles = [model.title for model in MODELS.values()]
+        model, beside = state.models
         self.note = gui.add_html("")
         self.model = gui.add_dropdown(
-            "Model", titles, initial_value=MODELS[start.model].title, hint="The rule agents follow"
+            "Model", titles, initial_value=MODELS[model].title, hint="The rule agents follow"
         )
         self.summary = gui.add_html("")
         self.beside = gui.add_dropdown(
             "Beside",
-            self.companions(start.model, start.dim),
-            initial_value=NOBODY if start.beside is None else MODELS[start.beside].title,
+            self.companions(model, spec.dim or 2),
+            initial_value=NOBODY if beside is None else MODELS[beside].title,
             hint="A second model in the same world, from the same start, with the same controls",
         )
-        self.agents = gui.add_number(
-            "Agents",
-            start.agents,
-            min=1,
-            max=max(MOST_AGENTS, start.agents),
-            step=10,
-            hint="Number of agents",
-        )
-        self.informed = gui.add_number(
-            "Informed",
-            MODELS[start.model].informed if start.informed is None else start.informed,
-            min=0,
-            max=100,
-            step=1,
-            hint="Information agents: they know the heading to take, or the path of the mission",
-        )
-        self.world = gui.add_dropdown(
-            "World",
-            list(self.worlds),
-            initial_value=titled(start.world),
-            hint="What stands in the world, what happens at its edges, and where the flock is to "
-            "go. A model proposes the world that it is at home in",
-        )
-        self.dim = gui.add_dropdown(
-            "Dimension",
-            list(DIMENSIONS),
-            initial_value=f"{start.dim}-D",
-            hint="Plane or space; a world that is built in space has no other",
-        )
-        self.size = gui.add_number(
-            "Side",
-            0.0 if start.size is None else start.size,
-            min=0.0,
-            max=1000.0,
-            step=0.5,
-            hint="Side of the world (length); 0 keeps the density of the paper. A world with "
-            "obstacles or a mission has its own",
-        )
-        self.spacing = gui.add_number(
-            "Spacing",
-            0.0,
-            min=0.0,
-            max=100.0,
-            step=0.1,
-            hint="At the start, least distance between two agents and of an agent to obstacles and "
-            "walls (length); 0 as in the paper: nobody starts inside an obstacle",
-        )
-        self.activation = gui.add_dropdown(
-            "Turns",
-            list(ACTIVATIONS.values()),
-            initial_value=ACTIVATIONS[start.activation],
-            hint="Who decides when: all on the same instant, or one after the other as in NetLogo",
-        )
-        self.noise = gui.add_dropdown(
-            "Noise",
-            list(NOISES.values()),
-            initial_value=NOISES[start.noise],
-            hint="Angular: an angle is added to the heading. Vectorial: a vector is added to the "
-            "mean heading",
-        )
-        self.seed = gui.add_number(
-            "Seed", start.seed, min=0, max=LARGEST_SEED, step=1, hint="Same seed, same run"
-        )
+        self.agents = numbered(gui, "agents", spec.agents, 1, MOST_AGENTS)
+        self.world = handle(gui, offered("world", self.worlds), titled(spec.world))
+        self.dim = handle(gui, offered("dim", DIMENSIONS), f"{spec.dim}-D")
+        self.size = numbered(gui, "size", spec.size, 0, MOST_SIDE, "; 0 keeps the density")
+        self.plain = {name: plain(gui, name, getattr(spec, name)) for name in Options.model_fields}
+        self.seed = numbered(gui, "seed", spec.seed, 0, LARGEST_SEED)
         self.new_seed = gui.add_checkbox(
             "New seed", True, hint="Take the next seed at every Setup, for a new random start"
         )
-        show(self.spacing, own_spacing(start.model) if start.spacing is None else start.spacing)
         self.fit()
         self.model.on_update(self.model_chosen)
         self.world.on_update(self.world_chosen)
         self.dim.on_update(self.dim_chosen)
 
     async def model_chosen(self, event: viser.GuiEvent) -> None:
-        """A model brings its own number of agents, its dimensions, its world and its spacing."""
+        """A model brings its own number of agents, its dimensions, its world and its options."""
         model = MODELS[named(self.model.value)]
-        show(self.informed, model.informed)
-        show(self.spacing, own_spacing(model.name))
+        for name, one in self.plain.items():
+            show(one, shown(name, by_default(name, model)))
         if event.client is None:
             return
         if titled(model.world) in self.worlds:
@@ -160,7 +92,7 @@ class SetupPanel:
         model = MODELS[named(self.model.value)]
         self.summary.content = block(f'<div class="fs-quiet">{html.escape(model.summary)}</div>')
         own = home(self.worlds[self.world.value])
-        self.informed.disabled = not model.rule.led
+        self.plain["informed"].disabled = not model.rule.led
         self.size.disabled = own.sized
         self.dim.disabled = own.dim == 3
         if own.dim is not None:
@@ -181,39 +113,35 @@ class SetupPanel:
         others = (one for name, one in MODELS.items() if name != model)
         return (NOBODY, *(one.title for one in others if dim in one.dimensions))
 
-    def chosen(self) -> Start:
-        """The start as the fields have it, with the running seed and no parameters."""
-        model = named(self.model.value)
-        return Start(
-            model=model,
+    def chosen(self) -> Pairing:
+        """The run as the panel has it, and what is beside it; running seed, no parameters."""
+        model = MODELS[named(self.model.value)]
+        spec = at_home(
+            model.name,
             agents=self.agents.value,
-            seed=self.running.seed,
+            seed=self.running[0].seed,
             size=None if self.size.disabled else self.size.value or None,
             dim=DIMENSIONS[self.dim.value],
             world=self.worlds[self.world.value],
-            activation=key_of(ACTIVATIONS, self.activation.value),
-            noise=key_of(NOISES, self.noise.value),
-            informed=None if self.informed.value == MODELS[model].informed else self.informed.value,
-            spacing=None if self.spacing.value == own_spacing(model) else self.spacing.value,
-            threads=self.running.threads,
-            beside=None if self.beside.value == NOBODY else named(self.beside.value),
+            **{name: meant(name, one.value, model) for name, one in self.plain.items()},
         )
+        return spec, None if self.beside.value == NOBODY else Spec(named(self.beside.value))
 
-    def next_start(self, values: dict[str, Any], beside_values: dict[str, Any]) -> Start:
-        """The start for Setup; models that stay keep their parameters' values."""
-        start = self.chosen()
-        if self.new_seed.value and self.seed.value == self.running.seed:
+    def next(self, state: State) -> Pairing:
+        """The run for Setup, and what is beside it; models that stay keep their parameters."""
+        spec, beside = self.chosen()
+        if self.new_seed.value and self.seed.value == self.running[0].seed:
             show(self.seed, (self.seed.value + 1) % LARGEST_SEED)
-        kept = dict(values) if start.model == self.running.model else {}
-        stays = kept and start.beside == self.running.beside
-        own = dict(beside_values) if stays else {}
-        return start.but(seed=self.seed.value, parameters=kept, beside_parameters=own)
+        stays = spec.model == self.running[0].model
+        if beside is not None and stays and (spec.model, beside.model) == state.models:
+            beside = beside.but(parameters=state.beside_values)
+        return spec.but(seed=self.seed.value, parameters=state.values if stays else {}), beside
 
-    def catch_up(self, start: Start) -> None:
+    def catch_up(self, spec: Spec) -> None:
         """Choose the running world if it has become another since Setup, as by the World tab."""
-        if start.world is not self.offered:
-            self.offered = start.world
-            self.offer(start.world)
+        if spec.world is not None and spec.world is not self.offered:
+            self.offered = spec.world
+            self.offer(spec.world)
 
     def offer(self, world: str | World) -> None:
         """Let a world that is none of the built-in ones be chosen, and choose it."""
@@ -225,29 +153,77 @@ class SetupPanel:
 
     def refresh(self, state: State) -> None:
         """Say what differs from the running flock; after a set-up nothing does."""
-        self.running = state.start
+        self.running = state.spec, state.beside
         if state.run != self.shown_run:
             self.shown_run = state.run
-            show(self.seed, state.start.seed)
-        changed = self.chosen().differs(state.start)
-        named_ones = ", ".join(NAMES[name] for name in changed)
+            show(self.seed, state.spec.seed)
+        changed = ", ".join(differs(self.chosen(), self.running))
         self.note.content = block(
-            f'<div class="fs-note">Changed: <b>{named_ones}</b>. Press Setup to use it.</div>'
+            f'<div class="fs-note">Changed: <b>{changed}</b>. Press Setup to use it.</div>'
             if changed
             else '<div class="fs-quiet">Takes effect at Setup.</div>'
         )
 
 
-def own_spacing(model: str) -> float:
-    """The spacing at which a flock of that model starts by itself, length."""
-    return MODELS[model].spacing or 0.0
+def differs(one: Pairing, other: Pairing) -> list[str]:
+    """What differs, as the panel calls it; seeds and parameters are left out."""
+    (spec, beside), (before, beside_before) = one, other
+    models = {
+        "model": spec.model != before.model,
+        "beside": (beside and beside.model) != (beside_before and beside_before.model),
+    }
+    options = {
+        option.title.lower(): getattr(spec, name) != getattr(before, name)
+        for name, option in OPTIONS.items()
+        if name != "seed"
+    }
+    return [title for title, differ in (models | options).items() if differ]
+
+
+def plain(gui: viser.GuiApi, name: str, value: Any) -> Any:
+    """The control of an option that stands by itself."""
+    one = OPTIONS[name]
+    if one.kind in (int, float):
+        return numbered(gui, name, value, 0, one.most)
+    return handle(gui, offered(name, one.words.values()), shown(name, value))
+
+
+def offered(name: str, choices: Iterable[str]) -> Control:
+    """A list of words for an option, or a switch if there are none."""
+    return Control(OPTIONS[name].title, OPTIONS[name].help, tuple(choices))
+
+
+def numbered(
+    gui: viser.GuiApi, name: str, value: Any, low: float, high: float, more: str = ""
+) -> Any:
+    """A box for an option that is a number, in [low, high], with `more` to say of it."""
+    one, value = OPTIONS[name], shown(name, value)
+    high = max(high, value)
+    made = Control(one.title, one.help + more, low=low, high=high, step=one.step, typed=True)
+    return handle(gui, made, value)
+
+
+def shown(name: str, value: Any) -> Any:
+    """An option as its control has it: a choice in words, 0 for none."""
+    words = OPTIONS[name].words
+    return words[value] if words else value or OPTIONS[name].kind()
+
+
+def meant(name: str, value: Any, model: Model) -> Any:
+    """An option from its control; what shows like the default is the default."""
+    words = OPTIONS[name].words
+    if words:
+        return next(key for key, word in words.items() if word == value)
+    own = by_default(name, model)
+    return own if value == shown(name, own) else value
+
+
+def by_default(name: str, model: Model) -> Any:
+    """An option of a run that does not say it: the model's own, if the model has one."""
+    default = Spec.model_fields[name].default
+    return getattr(model, name) if default is None else default
 
 
 def named(title: str) -> str:
     """Name of the model with that title."""
     return next(name for name, model in MODELS.items() if model.title == title)
-
-
-def key_of(choices: dict[str, str], words: str) -> str:
-    """The choice that is worded so."""
-    return next(key for key, value in choices.items() if value == words)

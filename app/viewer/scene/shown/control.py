@@ -8,7 +8,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Control:
-    """A switch; with `choices` a list of words; from `low` to `high` in steps a slider."""
+    """A switch; with `choices` a list of words; from `low` to `high` in steps a slider, or a box
+    that numbers are typed into."""
 
     label: str
     hint: str | None = None
@@ -16,6 +17,7 @@ class Control:
     low: float = 0.0
     high: float = 0.0
     step: float = 0.0
+    typed: bool = False
 
 
 def chosen(default: Any, *control: Any, **more: Any) -> Any:
