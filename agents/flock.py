@@ -80,7 +80,7 @@ class Flock(Motion, mesa.Model):
         agent_reporters: Mapping[str, Any] | None = None,
         **words: Any,
     ):
-        spec = (model if isinstance(model, Spec) else Spec(model)).said(seed=rng, **words)
+        spec = (model if isinstance(model, Spec) else Spec(model)).taking(seed=rng, **words)
         if spec.start == "given" and start is None:
             raise Refusal(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "

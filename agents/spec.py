@@ -216,7 +216,7 @@ class Spec(Options):
         """The same run with some things changed. Raises Refusal."""
         return Spec(**{**dict(self), **changes})
 
-    def said(self, **words: Any) -> Spec:
+    def taking(self, **words: Any) -> Spec:
         """The same run with options that are not None, and parameters: all other words."""
         options = {key: words.pop(key) for key in OPTIONS if key in words}
         given = {key: value for key, value in options.items() if value is not None}
@@ -227,8 +227,8 @@ class Spec(Options):
         spec = self
         if isinstance(self.world, World):
             spec = self.but(world=self.world.name, layout=self.world.to_layout())
-        told = {"dim"} if isinstance(spec.size, tuple) else None
-        values = spec.model_dump(mode="json", exclude_none=True, exclude=told)
+        implied = {"dim"} if isinstance(spec.size, tuple) else None
+        values = spec.model_dump(mode="json", exclude_none=True, exclude=implied)
         return tomlkit.dumps({key: values[key] for key in KEYS if key in values})
 
     @classmethod

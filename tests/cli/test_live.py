@@ -128,16 +128,20 @@ def test_a_check_of_a_room_in_software_sees_its_cars(room, options):
     assert {at["called"] for at in found["source"]["bodies"].values()} == {"red", "blue"}
 
 
-def test_a_room_in_software_is_run_as_any_other(room):
-    path = room()
-    options = ("--source", "emulated cars", "--arm", "--json")
-    for seconds in (5, 20, PATIENCE):  # a busy machine takes its time to see both cars
-        made = call("live", "run", path, *options, "--seconds", seconds)
+def driven(*words, record=None):
+    """The summary of a run that armed: a busy machine takes its time to see both cars."""
+    for seconds in (8, 20, PATIENCE):
+        to = () if record is None else ("--record", record / f"{seconds:g} s")
+        made = call(*words, *to, "--arm", "--json", "--seconds", seconds)
+        assert made.exit_code == 0
         *events, summary = map(json.loads, made.stdout.splitlines())
-        causes = [(event["kind"], event["cause"]) for event in events]
-        if ("arm", "--arm") in causes:
-            break
-    assert ("arm", "--arm") in causes
+        if ("arm", "--arm") in [(event["kind"], event["cause"]) for event in events]:
+            return summary
+    return pytest.fail(f"never armed: {events}")
+
+
+def test_a_room_in_software_is_run_as_any_other(room):
+    summary = driven("live", "run", room(), "--source", "emulated cars")
     assert summary["ticks"] > 100
 
 
@@ -203,13 +207,10 @@ def test_the_folder_of_a_killed_live_run_is_recovered(tmp_path, command):
 
 
 def test_a_recording_of_emulated_cars_replays_to_the_bit(tmp_path):
-    folder, port = tmp_path / "run", free_port()
-    options = ("--arm", "--json", "--seconds", 8, "--port", port)
-    made = call("live", "emulate", *options, "--record", folder)
-    assert made.exit_code == 0
-    *events, summary = map(json.loads, made.stdout.splitlines())
-    assert ("arm", "--arm") in [(event["kind"], event["cause"]) for event in events]
-    assert summary["recording"] == str(folder)
+    port = free_port()
+    summary = driven("live", "emulate", "--port", port, record=tmp_path)
+    folder = Path(summary["recording"])
+    assert folder.parent == tmp_path
     lab = read(folder).lab
     assert (lab.source, lab.link) == ("simulated", f"simulated?port={port}")
     replayed = json.loads(call("live", "replay", folder, "--json").stdout)

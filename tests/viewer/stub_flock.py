@@ -115,6 +115,8 @@ class StubFlock:
             separation=np.ones((1, self.position.shape[1])),
             weights=np.array([1.0]),
             signals={"layer": 2.0},
+            minds=True,
+            places=(),
         )
 
     def save(self, path) -> None:

@@ -41,13 +41,13 @@ def laboratory(served):
     until(lambda: simulation.state.run > before and simulation.edits.editor.past == ())
     while not simulation.notices.empty():
         simulation.notices.get()
-    served.notices.told = {}
+    served.notices.shown = {}
     return served
 
 
 def told(laboratory) -> str:
     """A notice that is told now; the drawing thread passes notices on to browsers."""
-    return until(lambda: next(iter(laboratory.notices.told), ""), 5)
+    return until(lambda: next(iter(laboratory.notices.shown), ""), 5)
 
 
 def settled(laboratory) -> World:
@@ -159,7 +159,7 @@ def test_delete_then_drag_undo_while_dragging_and_setup_while_dragging_do_no_har
     until(lambda: simulation.state.run > before)
     drag(laboratory, key, 3.0, gesture="h", done=True)
     assert settled(laboratory).obstacles == ()
-    assert not laboratory.notices.told
+    assert not laboratory.notices.shown
     assert not simulation.state.error
 
 

@@ -93,7 +93,7 @@ def test_a_slider_acts_and_a_hostile_value_does_not(laboratory, browser):
 
 
 def test_agents_are_coloured_by_any_number_that_they_have(laboratory, browser):
-    colour = laboratory.view.colour
+    colour = laboratory.view.form["colour"]
     until(lambda: "neighbours" in colour.options)
     turn(browser, colour, "neighbours")
     until(lambda: laboratory.simulation.frame.measured is not None)
@@ -148,7 +148,7 @@ def test_what_somebody_chooses_is_measured_and_shown(laboratory, browser):
 
 def test_what_no_flock_here_can_do_has_no_panel(laboratory):
     until(lambda: laboratory.plots.offered)
-    assert not laboratory.monitors.blocks["crashes"].visible
+    assert not laboratory.monitors.blocks["crash-count"].visible
     assert not laboratory.crashes.first.list.visible
     assert not laboratory.more.switches["joules-per-metre"].visible
     assert "crashes" not in laboratory.plots.charts[0].choice.options

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.models.declare import Vehicle
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.picture import Picture
 from app.viewer.scene.marks.paths.past import Past
 from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
-from app.viewer.scene.shown.cars import LENGTH, WIDTH
 from app.viewer.scene.shown.frame import Progress
 from app.viewer.scene.shown.look import TRAILS, Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
@@ -55,7 +55,7 @@ def test_a_flat_ribbon_lies_where_the_car_has_been():
     assert at[:, 0].min() >= 1.25 * (-2.0 + 0.01 * 60) - 1e-5
     assert at[:, 0].max() <= 1.25 * (-2.0 + 0.01 * 100) + 1e-5
     assert np.sum(np.diff(np.sort(at[:, 0]))) == pytest.approx(1.25 * 0.39, rel=0.02)
-    assert np.all(pieces.batched_scales[:, 1] < last.length * WIDTH / LENGTH)
+    assert np.all(pieces.batched_scales[:, 1] < last.length * Vehicle().width / Vehicle().length)
 
 
 def test_a_band_that_rises_does_so_with_time_up_to_the_present_above_the_car():

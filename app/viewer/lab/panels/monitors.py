@@ -18,7 +18,7 @@ from app.viewer.run.state import State
 from app.viewer.scene.shown.frame import Frame
 from worlds.mission import Mission
 
-BLOCKS = (CARDS, "titles", "compared", "mission", "crashes", "more", KEY, "bars")
+BLOCKS = (CARDS, "titles", "compared", "mission", "crash-count", "more", KEY, "bars")
 """From the top down."""
 COMMON = ("agents", "ticks / s", "browsers")
 """What two flocks side by side have in common."""
@@ -60,7 +60,9 @@ def contents(
         "compared": table("Flock", without(told, common), without(others, common)),
         "mission": table(mission_title(frame), *tasks),
         "more": table("More", *(more.numbers(read, last) for _, read in sides)),
-        "crashes": "".join(crash_count(read, len(one.ids), model) for model, (one, read) in named),
+        "crash-count": "".join(
+            crash_count(read, len(one.ids), model) for model, (one, read) in named
+        ),
         "bars": "".join(
             all_bars(one, read, SIZES in more.chosen, model) for model, (one, read) in named
         ),
@@ -81,7 +83,7 @@ def alone(
         "compared": "",
         CARDS: grid(numbers(state, frame, readings.values, browsers)),
         "mission": headed(mission_title(frame), mission_numbers(frame, readings.values)),
-        "crashes": crash_count(readings, len(frame.ids)),
+        "crash-count": crash_count(readings, len(frame.ids)),
         "more": headed("More numbers", more.numbers(readings, last)),
         "bars": all_bars(frame, readings, SIZES in more.chosen),
     }
