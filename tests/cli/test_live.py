@@ -21,7 +21,7 @@ from app.live.laboratory.example import FILE, example
 from app.live.laboratory.lab import lab_from_toml
 from app.live.links.links import open_link
 from app.live.operating.choices import laboratory
-from app.live.operating.squashing_driver import FlockDriver
+from app.live.operating.flock_driver import FlockDriver
 from app.live.recording.record import TABLES, Recording
 from app.live.recording.replay import read
 from cli.calling import PROGRAM, call, refusal, start

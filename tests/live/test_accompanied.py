@@ -11,12 +11,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.operating.squashing_driver import FlockDriver
+from app.live.operating.flock_driver import FlockDriver
 from app.live.recording.replay import read, replay
 from live.rooms import Room, Steady, lab
 from live.test_companions import beside
+from live.test_flock_driver import SQUASHING
 from live.test_live_record import ARM, record
-from live.test_squashing_driver import SQUASHING
 from worlds.refusal import Refusal
 
 

@@ -21,9 +21,9 @@ from app.live.control.driver import Accompanied
 from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
 from app.live.operating.companions import APART
-from app.live.operating.squashing_driver import FlockDriver, world_of
+from app.live.operating.flock_driver import FlockDriver, world_of
 from live.rooms import lab
-from live.test_squashing_driver import PERFECT, SQUASHING, naive, text_of
+from live.test_flock_driver import PERFECT, SQUASHING, naive, text_of
 from worlds.refusal import Refusal
 
 ROOT = Path(__file__).parents[2]

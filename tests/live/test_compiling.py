@@ -12,7 +12,7 @@ from cli.calling import call
 
 from agents.motion import Motion
 from app.live.laboratory.example import example
-from app.live.operating.squashing_driver import FlockDriver
+from app.live.operating.flock_driver import FlockDriver
 from app.viewer.live.banner import banner_of
 from app.viewer.live.session_state import SessionState
 
@@ -33,7 +33,7 @@ def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
 SAYS = """
 import sys
 from app.live.laboratory.example import example
-from app.live.operating.squashing_driver import FlockDriver
+from app.live.operating.flock_driver import FlockDriver
 
 def tell(words):
     print(words)

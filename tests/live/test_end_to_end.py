@@ -28,7 +28,7 @@ import numpy as np
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.operating.squashing_driver import FlockDriver
+from app.live.operating.flock_driver import FlockDriver
 from app.live.recording.recovery import recover
 from app.live.recording.replay import replay
 from live.full_room import FullRoom

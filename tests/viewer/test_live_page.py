@@ -17,7 +17,7 @@ from agents.catalogue import cars_by
 from app.live.control.safety import Reason
 from app.live.laboratory.example import example
 from app.live.operating.choices import Choices, laboratory
-from app.live.operating.squashing_driver import NOT_SIMULATED
+from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.page import KEYS, LivePage
 from app.viewer.live.session import Session
 from tests.viewer.stub_operator import Operators, driver

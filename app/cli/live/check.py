@@ -40,7 +40,7 @@ def check(
     Sends nothing to the cars. Exit code 2, and one line, if anything is amiss.
     """
     from app.live.operating.choices import laboratory
-    from app.live.operating.squashing_driver import FlockDriver
+    from app.live.operating.flock_driver import FlockDriver
 
     if not 0.0 < within <= 600.0:
         raise Refusal(f"--within {within:g} s is outside (0, 600]")

@@ -22,7 +22,7 @@ def replay(
 
     Exit code 1 if a command comes out differently.
     """
-    from app.live.operating.squashing_driver import FlockDriver
+    from app.live.operating.flock_driver import FlockDriver
     from app.live.recording.replay import replay as replayed
 
     made = replayed(folder, FlockDriver)

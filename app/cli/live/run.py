@@ -70,8 +70,8 @@ def conduct(
     report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
     from app.cli.live.operate import OperatorConsole, closing
     from app.cli.stopping import Stopping
+    from app.live.operating.flock_driver import FlockDriver
     from app.live.operating.operator import Operator
-    from app.live.operating.squashing_driver import FlockDriver
 
     with Stopping() as stopping:
         FlockDriver(lab, report)  # compiled here, so that the loop need not wait for it

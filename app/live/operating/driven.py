@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.live.laboratory.lab import Lab
 from app.live.operating.ends import Ends, open_ends
-from app.live.operating.squashing_driver import FlockDriver
+from app.live.operating.flock_driver import FlockDriver
 
 
 def open_driven(lab: Lab) -> Ends:

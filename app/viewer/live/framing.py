@@ -13,7 +13,7 @@ from agents.models.declare import Vehicle
 from agents.models.model import Model
 from app.live.control.status import Status
 from app.live.laboratory.lab import Lab
-from app.live.operating.squashing_driver import world_of
+from app.live.operating.flock_driver import world_of
 from app.viewer.scene.shown.cars import Cars
 from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.live import LOST, SIMULATED, Live

@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.models.declare import checked, describe
 from agents.models.model import Model
-from app.live.operating.squashing_driver import NOT_SIMULATED
+from app.live.operating.flock_driver import NOT_SIMULATED
 from worlds.refusal import Refusal, unknown
 
 LONGEST = 60

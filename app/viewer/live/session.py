@@ -21,8 +21,8 @@ from app.live.laboratory.lab import Lab
 from app.live.operating.choices import Choices
 from app.live.operating.driven import open_driven
 from app.live.operating.ends import Opener
+from app.live.operating.flock_driver import FlockDriver
 from app.live.operating.operator import Operator
-from app.live.operating.squashing_driver import FlockDriver
 from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.framing import Setting, deserted
 from app.viewer.live.opening import Opening, OperatorProtocol

@@ -10,7 +10,7 @@ from typing import Any
 import viser
 
 from agents.models.declare import Declared, declared
-from app.live.operating.squashing_driver import NOT_SIMULATED
+from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state import whose
 from app.viewer.live.session import Session
 from app.viewer.live.session_state import SessionState

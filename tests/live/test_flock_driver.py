@@ -15,7 +15,7 @@ from agents.flock import Flock
 from app.live.control.injected import Injected
 from app.live.control.pose import Pose, seen, unseen
 from app.live.emulation.plant import EmulatedPlant
-from app.live.operating.squashing_driver import FlockDriver, world_of
+from app.live.operating.flock_driver import FlockDriver, world_of
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal
 
