@@ -20,6 +20,8 @@ RUNS = [
     {"model": "ivem", "activation": "random", "eta": 0.3},
     {"model": "boundary-points"},
 ]
+CLOSE, CLOSE_THROUGH_ARCCOS = 1e-9, 1e-7
+"""How far two roundings may come apart; of cosines near 1 the angle keeps half of the digits."""
 
 
 @pytest.mark.parametrize("settings", RUNS, ids=lambda settings: settings["model"])
@@ -27,12 +29,13 @@ def test_plain_python_gives_the_same_numbers_up_to_rounding(settings):
     compiled, plain = (Flock(**settings, agents=9, rng=5, interpret=asked) for asked in (0, 1))
     for flock in (compiled, plain):
         flock.run(4)
-    assert np.abs(compiled.heading - plain.heading).max() < 1e-9
-    assert np.abs(compiled.position - plain.position).max() < 1e-9
-    assert np.allclose(compiled.signals(), plain.signals(), atol=1e-9, equal_nan=True)
+    close = CLOSE_THROUGH_ARCCOS if settings["model"] == "guarded" else CLOSE
+    assert np.abs(compiled.heading - plain.heading).max() < close
+    assert np.abs(compiled.position - plain.position).max() < close
+    assert np.allclose(compiled.signals(), plain.signals(), atol=close, equal_nan=True)
     near, same = compiled.inspect(1), plain.inspect(1)
     assert np.array_equal(near.neighbours, same.neighbours)
-    assert np.allclose(near.weights, same.weights, atol=1e-9)
+    assert np.allclose(near.weights, same.weights, atol=close)
 
 
 def test_members_step_alike():
