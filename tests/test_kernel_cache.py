@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 PLUGIN = """
@@ -99,3 +100,34 @@ def test_kernels_whose_arguments_have_moved_to_another_module_are_compiled_anew(
     assert doubled("here") == "6.0\n"
     (tmp_path / "here.py").unlink()
     assert doubled("there") == "6.0\n"
+
+
+AT_ONCE = """
+import time, sys
+from agents.engine.cache import kept
+
+def doubled(x):
+    return 2.0 * x
+
+made = kept(doubled)
+while time.time() < float(sys.argv[1]):
+    pass
+made(3.0)
+print(sum(made.stats.cache_misses.values()))
+"""
+
+
+def test_processes_that_want_the_same_kernel_at_once_compile_it_once(tmp_path):
+    (tmp_path / "script.py").write_text(AT_ONCE)
+    environment = {
+        **os.environ,
+        "FLOCKSCOPE_CACHE": str(tmp_path / "cache"),
+        "PYTHONPATH": os.getcwd(),
+    }
+    start = str(time.time() + 8.0)
+    command = [sys.executable, str(tmp_path / "script.py"), start]
+    asked = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        for _ in range(3)
+    ]
+    assert sorted(int(one.communicate()[0]) for one in asked) == [0, 0, 1]

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
+from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
+from filelock import FileLock
 from numba.core.registry import CPUDispatcher
 
 OPTIONS: dict[str, Any] = {
@@ -54,9 +56,17 @@ def plain_python(asked: bool = True) -> Iterator[None]:
 class Entry(CPUDispatcher):
     """A compiled function that Python calls."""
 
+    lock: Path | None = None
+    """Where it is kept on disk: the file that one process at a time holds while it compiles it."""
+
     def __call__(self, *args: Any) -> Any:
         """Run it, as plain Python where that is asked for."""
         return self.py_func(*args) if PLAIN.get() else super().__call__(*args)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile it, or take what another process has compiled and kept meanwhile."""
+        with nullcontext() if self.lock is None else FileLock(self.lock):
+            return super().compile(sig)
 
 
 class Part(Entry):

@@ -89,6 +89,7 @@ def keep(entry, digest) -> Path:
         setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
         entry.enable_caching()
     forget_if_unreadable(entry)
+    entry.lock = folder / "lock"
     return folder
 
 
