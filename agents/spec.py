@@ -164,7 +164,7 @@ class Spec(Options):
     """
 
     model: Annotated[str, PlainValidator(name)]
-    agents: Annotated[int, from_(1)] | None = option(
+    agents: Annotated[int, from_(0)] | None = option(
         "Agents", "Ordinary agents; information agents come on top", kind=int, step=10
     )
     seed: Annotated[int, from_(0, LARGEST_SEED)] | None = option(
@@ -206,6 +206,8 @@ class Spec(Options):
             super().__init__(**{"model": model, **values})
         except ValidationError as error:
             raise refusal(error.errors()[0]) from None
+        if self.agents is not None and self.start == "random":
+            whole("agents", self.agents, 1)
 
     @property
     def count(self) -> int:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,17 @@ class ByFile(LoadFileScheduling):
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
         return BROWSER if file.startswith(BROWSER) else file
+
+
+@pytest.fixture(autouse=True)
+def catalogue_as_it_was():
+    """Models that a test brings, or first asks for, are gone after it."""
+    catalogue = sys.modules.get("agents.catalogue")
+    models = {} if catalogue is None else catalogue.MODELS
+    before = dict(models)
+    yield
+    for name in models.keys() - before:
+        del models[name]
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -47,7 +47,7 @@ class Operator:
     """A person at a browser."""
 
     def __init__(self, chromium, room_page):
-        self.code = room_page.room.code.digits
+        self.code = room_page.session.code.digits
         self.page = chromium.new_page(viewport={"width": 900, "height": 600})
         self.page.goto(room_page.address)
         self.page.locator(".fs-banner").wait_for(timeout=1000 * OPENS)
@@ -100,7 +100,7 @@ def browser(chromium, room_page):
 @pytest.fixture
 def operator(browser, room_page):
     """Somebody at that browser, with the room safe and ready to be armed."""
-    room = room_page.room
+    room = room_page.session
     until(lambda: room.status is not None or room.state.phase == "failed", OPENS)
     assert room.state.phase == "open", room.state.trouble
     room.emergency("test")
@@ -119,7 +119,7 @@ def test_cars_are_armed_run_and_are_stopped_by_a_key_in_every_browser(
     chromium, operator, room_page
 ):
     first, second = operator, Operator(chromium, room_page)
-    room = room_page.room
+    room = room_page.session
     before = places(room)
     until(lambda: {"red", "blue", "sim 1"} <= set(first.table()), SOON)
     first.arm()
@@ -148,7 +148,7 @@ def test_the_keys_stop_even_while_a_number_is_being_typed(operator, room_page, k
     box.click()
     first.page.keyboard.press(key)
     first.sees("emergency")
-    assert room_page.room.state.values["C"] == 0.7
+    assert room_page.session.state.values["C"] == 0.7
 
 
 @pytest.fixture
@@ -174,7 +174,7 @@ def standing(room_page, browser):
 def test_key_and_button_stop_the_cars_while_visers_thread_stands_still(
     operator, room_page, standing, way
 ):
-    first, room = operator, room_page.room
+    first, room = operator, room_page.session
     first.arm()
     standing()
     if way == "key":
@@ -194,8 +194,8 @@ def test_the_key_does_not_press_the_button_that_was_pressed_last(operator, room_
     first.sees("emergency")
     first.page.wait_for_timeout(500)
     assert first.page.locator(".fs-question").count() == 0
-    assert room_page.room.status.arm == "emergency"
-    assert not [one for one in room_page.room.events[-3:] if one.asked == "arm"]
+    assert room_page.session.status.arm == "emergency"
+    assert not [one for one in room_page.session.events[-3:] if one.asked == "arm"]
 
 
 def test_the_stop_stays_in_view_however_far_one_scrolls(operator):

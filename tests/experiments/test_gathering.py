@@ -221,8 +221,7 @@ def test_a_row_may_have_its_own_box_and_activation(tmp_path):
     flocks = [flock_of(case, 1) for case in (first, last)]
     assert [flock.world.size for flock in flocks] == [(24.0,) * 3, (30.0,) * 3]
     assert [flock.spec.activation for flock in flocks] == ["synchronous", "random"]
-    turns = replace(first, row=last.row)
-    assert turns.size == first.size
+    turns = replace(first, spec=first.spec.but(activation="random"))
     assert fingerprint(turns, experiment.settings) != fingerprint(first, experiment.settings)
 
 
