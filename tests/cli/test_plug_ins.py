@@ -86,11 +86,12 @@ def test_the_face_may_be_imported_while_plug_ins_are_collected(first):
 
 EVERYTHING = """
 import dataclasses
-from agents.bodies.point_mass import BODY
-from agents.observables.observable import COUNT, Observable
+from flockscope.observables import Observable, Range
+from flockscope.rules import POINT_MASS
 
-HEAVY = dataclasses.replace(BODY, name="heavy", title="Heavy")
-HEADS = Observable("head-count", "Agents", "agents", COUNT, lambda flock: len(flock.position))
+HEAVY = dataclasses.replace(POINT_MASS, name="heavy", title="Heavy")
+MANY = Range(0.0, limit="N")
+HEADS = Observable("head-count", "Agents", "agents", MANY, lambda flock: len(flock.position))
 YARD = {"title": "Yard", "edges": "solid", "size": 9.0}
 NOT_A_YARD = 3
 def opened(address): raise ValueError(address.kind)
@@ -102,12 +103,14 @@ GROUPS = {
     "sources": "mine = everything:opened\nwrong_source = everything:YARD",
 }
 SCRIPT = """
-from agents import Flock
-from agents.observables.catalogue import OBSERVABLES
-from app.live.sources.opening import known_source
+from flockscope import Flock
+from flockscope.live import open_source
 flock = Flock("olfati-saber-heavy", agents=3, world="yard", rng=1, interpret=True)
 flock.run(1)
-print(flock.model.title, flock.world.size, flock.observe("head-count"), known_source("mine:x").kind)
+try:
+    open_source("mine:x")
+except ValueError as kind:
+    print(flock.model.title, flock.world.size, flock.observe("head-count"), kind)
 """
 
 
