@@ -29,7 +29,7 @@ CAMERA = {
 PATIENCE = 20.0
 """Seconds that a control may take to appear."""
 LITTLE = 4096
-"""Bytes that the kernel holds for a browser that takes nothing."""
+"""Bytes of each buffer between the page and a browser that takes nothing."""
 
 
 class StandIn:

@@ -23,7 +23,7 @@ from app.live.laboratory.example import example
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
 from tests.live.opened_page import BEGINS, opened
 from tests.live.served_room import ServedRoom, descendants, is_there
-from tests.live.stand_in import StandIn
+from tests.live.stand_in import LITTLE, StandIn
 from tests.live.waiting import until
 
 SOON = 20.0
@@ -33,8 +33,6 @@ SLOWER = 0.6
 """Share of its usual ticks that the loop may come down to, on a machine that others use too."""
 AT_ONCE = 8.0
 """Seconds within which an emergency stop is in the loop, on a machine that is very busy."""
-LITTLE = 4096
-"""Bytes of the buffers between the page and the browser that takes nothing."""
 LATEST, FURTHEST = 2.5, 0.75
 """Seconds until the cars stand, and metres that they come meanwhile."""
 
