@@ -6,6 +6,9 @@ through the entry-point group `flockscope.rules`, each entry a `Rule` or a `Mode
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 from agents.bodies import (
     car,
     constant_speed,
@@ -13,13 +16,15 @@ from agents.bodies import (
     drone,
     flyer,
     navigator,
+    point_mass,
     steered,
     turning,
     zero_turn,
 )
-from agents.declare import Rule, declared
-from agents.model import Model
-from agents.plug_ins import plug_ins
+from agents.bodies.tracking import Tracking
+from agents.models.declare import Body, Rule, declared
+from agents.models.model import Model
+from agents.models.rule_file import thing_in
 from agents.rules import (
     boundary_points,
     couzin,
@@ -36,9 +41,12 @@ from agents.rules import (
     wvem,
     zones,
 )
+from worlds.plug_ins import plug_ins
 from worlds.refusal import Refusal, unknown
 
 CONSTANT = constant_speed.BODY
+NEUTRAL = {"heading": CONSTANT, "acceleration": point_mass.BODY}
+"""The bodies of rules that come without one, by what they wish."""
 
 BUILT_IN = [
     Model(vicsek.VEM, CONSTANT),
@@ -81,6 +89,7 @@ BUILT_IN = [
         agents=30,
         spacing=3.0,
         defaults={"v0": 3.5, "v_min": 3.0, "v_max": 5.0, "body": 0.5, "b": 2.5},
+        charts=(("drag-saved", "energy-saved"), ("polarisation",), ("groups",)),
     ),
     Model(
         squashing.SQUASHING,
@@ -127,36 +136,83 @@ def collect() -> dict[str, Model]:
     return found | plug_ins("flockscope.rules", brought, found)
 
 
+def brought_body(_: str, thing: object) -> tuple[str, Body]:
+    """The body that an entry point brings. Raises TypeError if it is none."""
+    if not isinstance(thing, Body):
+        raise TypeError(f"a Body is needed, not {type(thing).__name__}")
+    declared(thing.parameters)
+    return thing.name, thing
+
+
 def brought(_: str, thing: object) -> tuple[str, Model]:
     """The model that an entry point brings. Raises TypeError if it is none, or no rule."""
     if not isinstance(thing, Rule | Model):
         raise TypeError(f"a Rule or a Model is needed, not {type(thing).__name__}")
-    model = Model(thing, CONSTANT) if isinstance(thing, Rule) else thing
+    model = Model(thing, NEUTRAL.get(thing.wish, CONSTANT)) if isinstance(thing, Rule) else thing
     declared(model.parameters)
     return model.name, model
 
+
+BODIES = {one.name: one for one in (CONSTANT, point_mass.BODY)}
+BODIES |= plug_ins("flockscope.bodies", brought_body, BODIES)
+"""Bodies that any rule may have, if it wishes what they take: `RULE-BODY` is such a model."""
 
 ON_WHEELS = "-cars"
 """Behind the name of a rule: the model of cars that go by it."""
 
 MODELS = collect()
+FILES: dict[str, Path] = {}
+"""The files that models were read from, by the models' names."""
+
+
+def from_file(path: str) -> Model:
+    """Load the model of a rule file and add it to the catalogue. Raises Refusal.
+
+    An edited file replaces what it brought before; none replaces a model of anything else.
+    """
+    try:
+        name, found = brought(path, thing_in(path))
+    except (TypeError, AssertionError) as error:
+        raise Refusal(f"{path}: {error}") from None
+    if name in MODELS and FILES.get(name) != Path(path).resolve():
+        raise Refusal(f"{path}: there is a model {name!r} already; its rule needs another name")
+    if name not in MODELS or found.rule is not MODELS[name].rule:
+        MODELS[name] = found
+        FILES[name] = Path(path).resolve()
+    return MODELS[name]
 
 
 def model(name: str) -> Model:
-    """The model of that name; `NAME-cars` is the rule of the model NAME at the wheel of cars.
+    """The model of that name; `NAME-cars` has the rule of the model NAME drive cars.
 
-    Raises Refusal with the nearest name, or for a rule that cannot drive cars.
+    So `NAME-BODY` is that rule with one of `BODIES`. Raises Refusal with the nearest name, or for a
+    rule that cannot drive cars. A name is never that of a file, which would be run: names come from
+    browsers and from specs of others too.
     """
     rule = name.removesuffix(ON_WHEELS)
     if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
         MODELS[name] = on_wheels(MODELS[rule].rule)
     if name not in MODELS:
+        with_body(name)
+    if name not in MODELS:
         raise unknown("model", name, MODELS)
     return MODELS[name]
 
 
+def with_body(name: str) -> None:
+    """Add the model `RULE-BODY` to the catalogue if both exist. Raises Refusal."""
+    for body in BODIES.values():
+        rule = name.removesuffix(f"-{body.name}")
+        if rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
+            own = MODELS[rule]
+            try:
+                MODELS[name] = replace(own, body=body, suffix=f"-{body.name}", defaults={})
+            except TypeError as error:
+                raise Refusal(str(error)) from None
+
+
 def on_wheels(rule: Rule) -> Model:
-    """The cars that go by a rule, on a floor without an end. Raises Refusal if it cannot be.
+    """The model of cars driven by a rule, on an unbounded floor. Raises Refusal if it cannot be.
 
     Cars of another rule that wishes a velocity are declared one by one: it may need its own body.
     """
@@ -166,3 +222,40 @@ def on_wheels(rule: Rule) -> Model:
             f"{' and '.join(f'{dim}-D' for dim in rule.dimensions)}, they take a heading in 2-D"
         )
     return car.driving(rule, world="cars-torus", agents=12, spacing=0.6, defaults={"yields": True})
+
+
+def obedient() -> tuple[str, ...]:
+    """The models of cars whose commands real cars can obey."""
+    return tuple(
+        name
+        for name, one in MODELS.items()
+        if one.body.vehicle is not None and one.body.vehicle.wheel
+    )
+
+
+def cars_by(name: str) -> Model:
+    """The cars that go by a rule: a model of cars, or the rule of another one. Raises Refusal."""
+    models = obedient()
+    if name in models:
+        return MODELS[name]
+    rules: dict[str, Rule] = {}
+    for key, model in MODELS.items():
+        rules |= {model.rule.name: model.rule, key: model.rule}
+    if name not in rules:
+        raise unknown("rule", name, dict.fromkeys([*models, *rules]), "the laboratory")
+    rule = rules[name]
+    if rule.name + ON_WHEELS in MODELS:
+        return MODELS[rule.name + ON_WHEELS]
+    if 2 not in rule.dimensions or rule.wish not in ("heading", "velocity"):
+        raise Refusal(
+            f"rule {name} cannot drive cars: it wishes {rule.wish} in "
+            f"{' and '.join(f'{d}-D' for d in rule.dimensions)}, and cars take a heading or a "
+            "velocity in 2-D"
+        )
+    taken = set(rule.parameters.model_fields) & set(car.Car.model_fields)
+    if taken and not issubclass(rule.parameters, Tracking):
+        raise Refusal(
+            f"rule {name} cannot drive cars: it has a parameter {sorted(taken)[0]} of its own, "
+            "and so have they"
+        )
+    return car.driving(rule)

@@ -7,31 +7,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.aloft import Aloft, aloft
-from agents.crashes import Crashes, crashes, flying
-from agents.declare import checked
-from agents.home import find_world, is_built_in, world_of
-from agents.inspection import Inspection, inspect
-from agents.member import Member
-from agents.motion import Motion, positive, whole
+from agents.home import at_home, find_world, is_built_in
+from agents.inspection import Inspection, inspect, warm
+from agents.member import FlockSpace, Member
+from agents.models.declare import checked
+from agents.models.sources import cite
+from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
-from agents.observables.components import groups_within
-from agents.observables.layers import layers
-from agents.observables.neighbours import links
 from agents.record import STATES, Recorder, read_state
-from agents.room import demand_room
-from agents.rows import begun, joined, without
-from agents.space import FlockSpace
-from agents.spec import ACTIVATIONS, LARGEST_SEED, NOISES, Activation, Noise, Spec, versions
-from agents.start import Start, free_positions, given_start, random_headings, random_start
+from agents.spec import DEFAULT, Spec, versions, whole
+from agents.state.rows import begun, chosen, demand_memory_for, joined
+from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
-from worlds.world import World
 
 MOST_THREADS = 1024
 
@@ -41,82 +34,78 @@ class Flock(Motion, mesa.Model):
 
     Parameters
     ----------
-    model: name of a model, see `agents.catalogue.MODELS`.
-    agents: ordinary agents, >= 1, by default the model's own number. Information agents come on
-        top: `informed`, by default as many as the model is defined with (0 or 1).
-    size: side of the box, or one per axis, length > 0; by default the layout's own, or such that
-        the density is 4.102.
-    dim: 2 or 3, by default the layout's own, or the model's, or 2.
-    world: a layout by name (see `worlds.world.layout_names`), a TOML file or a `World`; None for
-        the one that the model is at home in.
-    activation: `synchronous`, or `random` or `sequential` for agents that act in turn.
-    noise: `angular` or `vectorial`: what `eta` means.
+    model: name of a model, see `flockscope.MODELS`; a file has its rule put among them by
+        `flockscope.from_file`. Or a `Spec`, which says more of the run.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
         `agents` is then not used. Positions are outside of obstacles, and in the box along axes
         that wrap or are solid; without speeds agents set off as at a random start.
-    rng: the run's seed, an integer in [0, 2^63); None draws one.
-    spacing: least distance at the start between agents and of agents to obstacles and solid
-        edges, length >= 0; by default the model's own, which may be None: bodies only start clear
-        of what is solid.
+    rng: the run's seed, an integer in [0, 2^63), or `seed`; None draws one.
     threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
+    interpret: run the model as plain Python, some thousand times slower, with `print` and `pdb`;
+        the numbers are the same up to rounding. All flocks do under NUMBA_DISABLE_JIT=1.
     collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
-    parameters: those of the rule and the body, see `flockscope list`.
+    words: options of the run, by default as the model or its world has them, and parameters of the
+        rule and the body, see `flockscope list`. The options (see `Spec`) are
+        agents: ordinary agents, >= 1. Information agents come on top: informed, >= 0;
+        world: a layout by name (see `flockscope.worlds.layout_names`), a TOML file or a `World`;
+        size: side of the box, or one per axis, length > 0; by default the layout's own, or such
+        that the density is 4.102;
+        dim: 2 or 3; by default as many as `size` has sides, the layout's own, or the model's;
+        activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
+        noise: `angular` or `vectorial`: what `eta` means;
+        spacing: least distance at the start between agents and of agents to obstacles and solid
+        edges, length >= 0; the model's own may be None: bodies only start clear of what is solid.
 
-    Raises `worlds.refusal.Refusal`, a ValueError, for anything unknown or out of range.
+    Raises `flockscope.Refusal`, a ValueError, for anything unknown or out of range.
 
+    >>> from flockscope import Flock
     >>> flock = Flock("hwvem", agents=100, size=4.962, rng=1, p1=0.1)
     >>> flock.run(100)
     >>> flock.observe("consistency") > 0.99
     True
     """
 
+    options: Spec
+    """The run as it began, with nothing left open but the size of its world."""
+
     def __init__(
         self,
-        model: str = "hwvem",
+        model: str | Spec = DEFAULT,
         *,
-        agents: int | None = None,
-        size: float | Sequence[float] | None = None,
-        dim: int | None = None,
-        world: str | World | None = None,
-        informed: int | None = None,
-        activation: str = "synchronous",
-        noise: str = "angular",
         start: Mapping[str, np.ndarray] | None = None,
-        spacing: float | None = None,
         rng: int | None = None,
         threads: int = 1,
+        interpret: bool = False,
         collect: Sequence[str] = ("polarisation",),
         agent_reporters: Mapping[str, Any] | None = None,
-        **parameters: Any,
+        **words: Any,
     ):
-        self.model = catalogue.model(model)
-        seed = secrets.randbelow(2**31) if rng is None else whole("seed", rng, 0, LARGEST_SEED)
-        self.seed = seed
-        if activation not in ACTIVATIONS:
-            raise unknown("activation", activation, ACTIVATIONS)
-        if noise not in NOISES:
-            raise unknown("noise", noise, NOISES)
-        agents = whole("agents", self.model.agents if agents is None else agents, 1)
-        informed = self.model.informed if informed is None else whole("informed", informed, 0)
-        self.threads = whole("threads", threads, 1, MOST_THREADS)
-        demand_room(self.model, agents + informed, self.threads)
-        self.parameters = checked(self.model.parameters, parameters)
-        self.world = find_world(self.model, world, dim, size, agents + informed, seed)
-        if informed > 0 and not self.model.rule.led:
+        if rng is not None and words.setdefault("seed", rng) != rng:
+            raise Refusal(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
+        spec = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
+        if spec.start == "given" and start is None:
             raise Refusal(
-                f"informed = {informed} is not allowed: {model} has no information agents"
+                "start = 'given' in the spec: a run from given arrays begins again only from its "
+                "saved state, with Flock.load"
             )
-        super().__init__(rng=seed)
+        self.model = catalogue.model(spec.model)
+        self.threads = whole("threads", threads, 1, MOST_THREADS)
+        spec = at_home(spec, self.model)
+        demand_memory_for(self.model, spec.count, self.threads)
+        self.seed = secrets.randbelow(2**31) if spec.seed is None else spec.seed
+        self.options = spec.but(seed=self.seed, start="random" if start is None else "given")
+        self.interpret = interpret
+        self.parameters = checked(self.model.parameters, spec.parameters)
+        self.world = find_world(self.options, self.model)
+        if spec.informed and not self.model.rule.led:
+            raise Refusal(
+                f"informed = {spec.informed} is not allowed: {spec.model} has no information agents"
+            )
+        super().__init__(rng=self.seed)
         self.tick = 0
-        self.activation = activation
-        self.noise = noise
-        self.spacing = self.model.spacing if spacing is None else positive("spacing", spacing)
-        if start is None:
-            begin, self.given = self._begin(agents, informed), False
-        else:
-            begin, self.given = self._given(start), True
+        begin = self._begin() if start is None else self._given(start)
         knowing = int(begin.informed.sum())
-        self.started_with = len(begin.position) - knowing, knowing
+        self.options = self.options.but(agents=len(begin.position) - knowing, informed=knowing)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self._lay_out(begin)
@@ -125,9 +114,12 @@ class Flock(Motion, mesa.Model):
             agent_reporters=dict(agent_reporters or {}),
         )
 
-    def _begin(self, agents: int, informed: int) -> Start:
+    def _begin(self) -> Start:
         """A random start, with the speeds that the body begins with. Raises Refusal."""
-        begin = random_start(self.world, agents, informed, self.rng, self.spacing, self._gap)
+        run = self.options
+        begin = random_start(
+            self.world, run.agents or 0, run.informed or 0, self.rng, run.spacing, self._gap
+        )
         return begin if begin.speed.any() else self._set_off(begin)
 
     def _given(self, start: Mapping[str, Any]) -> Start:
@@ -155,6 +147,16 @@ class Flock(Motion, mesa.Model):
         self._use(begun(begin, self.model, 1))
         self.next_id = len(begin.position) + 1
 
+    def __repr__(self) -> str:
+        return (
+            f"<Flock {self.model.name}, N = {len(self.ids)}, world {self.world.name}, "
+            f"tick {self.tick}, seed {self.seed}>"
+        )
+
+    def cite(self) -> str:
+        """BibTeX of the papers that its model comes from, empty if it names none."""
+        return "\n\n".join(cite(self.model))
+
     def step(self) -> None:
         """One tick, and collect the observables; what members have done in this tick stands."""
         self.advance(1)
@@ -168,41 +170,14 @@ class Flock(Motion, mesa.Model):
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`."""
         return observed(self, known(name))
 
-    @property
-    def can_crash(self) -> bool:
-        """Whether agents that touch something crash."""
-        return self.model.body.touches is not None
-
-    @property
-    def flying(self) -> np.ndarray:
-        """Which agents have not crashed, (N,) bool."""
-        return flying(self.arrays)
-
-    @property
-    def crashes(self) -> Crashes:
-        """Who has crashed so far: when, where and against what."""
-        return crashes(self.arrays)
-
-    @property
-    def aloft(self) -> Flock | Aloft:
-        """The flock as observables see it: without those that have crashed."""
-        return aloft(self)
-
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
-        return inspect(self, row)
+        now = self.snapshot(copy=False, signals=True)
+        return inspect(now, self.engine.surroundings, self.context, row, self.interpret)
 
-    def links(self) -> np.ndarray:
-        """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
-        return links(self.position, self.reach, self.world.size, self.world.images)
-
-    def group_labels(self) -> np.ndarray:
-        """The connected group within `together` of each agent, int (N,), 0 the largest."""
-        return groups_within(self.position, self.together, self.world.size, self.world.images)
-
-    def layers(self) -> np.ndarray:
-        """Hops from an information agent plus 1, as the flock stands; N + 1 unknown; int (N,)."""
-        return layers(self.links(), self.informed)
+    def warm(self) -> None:
+        """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
+        warm(self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret)
 
     @property
     def members(self) -> list[Member]:
@@ -253,25 +228,18 @@ class Flock(Motion, mesa.Model):
         members = self.members
         self._end_tick()
         row = member.row
-        self._use(without(self.arrays, row))
+        self._use(chosen(self.arrays, np.delete(np.arange(len(self.ids)), row)))
         del members[row]
         for later in members[row:]:
             later.row -= 1
 
     @property
     def spec(self) -> Spec:
-        """This run as a value, with its parameters as they are now."""
-        return Spec(
-            model=self.model.name,
-            agents=self.started_with[0],
-            informed=self.started_with[1],
-            seed=self.seed,
+        """This run as a value, with its world and its parameters as they are now."""
+        return self.options.but(
             world=self.world.name,
             size=self.world.size,
-            activation=cast(Activation, self.activation),
-            noise=cast(Noise, self.noise),
-            start="given" if self.given else "random",
-            spacing=self.spacing,
+            dim=self.world.dim,
             parameters=self.parameters.model_dump(),
             layout=None if is_built_in(self.world, self.seed) else self.world.to_layout(),
             versions=versions(),
@@ -280,25 +248,7 @@ class Flock(Motion, mesa.Model):
     @classmethod
     def from_spec(cls, spec: Spec, **more: Any) -> Flock:
         """The run that a spec describes, at its first tick. Raises Refusal."""
-        if spec.start == "given" and "start" not in more:
-            raise Refusal(
-                "start = 'given' in the spec: a run from given arrays begins again only from its "
-                "saved state, with Flock.load"
-            )
-        return cls(
-            spec.model,
-            agents=spec.agents,
-            informed=spec.informed,
-            size=spec.size,
-            dim=spec.dim,
-            world=spec.world if spec.layout is None else world_of(spec),
-            activation=spec.activation,
-            noise=spec.noise,
-            spacing=spec.spacing,
-            rng=spec.seed,
-            **more,
-            **dict[str, Any](spec.parameters),
-        )
+        return cls(spec, **more)
 
     def save(self, path: str | Path) -> None:
         """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
@@ -311,11 +261,10 @@ class Flock(Motion, mesa.Model):
     @classmethod
     def load(cls, path: str | Path, tick: int | None = None, **more: Any) -> Flock:
         """The flock of a saved state, or of one tick (the last) of a recording. Raises Refusal."""
-        saved = read_state(path, tick)
-        start = {"position": saved.arrays.position, "heading": saved.arrays.heading}
-        flock = cls.from_spec(saved.spec, start=start, **more)
-        flock.given = saved.spec.start == "given"
-        flock.started_with = saved.spec.agents, saved.spec.informed
+        spec, saved = read_state(path, tick)
+        start = {"position": saved.position, "heading": saved.heading}
+        flock = cls(spec, start=start, **more)
+        flock.options = spec
         flock.tick, flock.next_id = saved.tick, saved.next_id
         flock._use(saved.arrays)
         return flock
@@ -330,4 +279,4 @@ def known(name: str) -> str:
 
 def observed(flock: Flock, name: str) -> Any:
     """The value of an observable now."""
-    return OBSERVABLES[name].measure(flock.aloft)
+    return OBSERVABLES[name].measure(flock.snapshot(copy=False).measurable())

@@ -1,45 +1,53 @@
-"""The world that a flock lives in: found by name, drawn from the run's seed, told in its spec."""
+"""The world that a flock lives in: found by name, drawn from a seed, written into the spec."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-
-from agents.spec import Spec
+from agents.models.model import Model
+from agents.spec import Options, Spec
+from worlds.generators import drawn
+from worlds.layout import layout_names, own_dim, read_layout, world_from_layout
+from worlds.layout import world as build_world
 from worlds.refusal import Refusal
-from worlds.world import World, layout_dim, layout_names, world_from_layout
-from worlds.world import world as build_world
-
-if TYPE_CHECKING:
-    from agents.model import Model
+from worlds.world import World
 
 DENSITY = 4.102
 """Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
 
 
-def find_world(
-    model: Model,
-    given: str | World | None,
-    dim: int | None,
-    size: Any,
-    agents: int,
-    seed: int,
-) -> World:
-    """The world asked for, in the dimensions in which the model is defined.
+def at_home(spec: Spec, model: Model) -> Spec:
+    """The spec with what its model and its world have of their own, where it says nothing.
 
-    `size` is one side for all, one per axis, or None. By default it is the one that the model is at
-    home in, in the dimensions of its layout, else of the model, with room for so many agents.
-    Obstacles that it leaves to chance are drawn. Raises Refusal.
+    The seed and the size stay open. Raises Refusal for a world that cannot be read.
     """
-    if isinstance(given, World):
-        found = given
+    world = model.world if spec.world is None else spec.world
+    if isinstance(world, World):
+        dim = world.dim
+    elif spec.dim is not None:
+        dim = spec.dim
     else:
-        name = model.world if given is None else given
-        if dim is None and np.ndim(size) == 0 and layout_dim(name) is None:
-            dim = model.dim
-        found = build_world(name, dim, size, lambda d: (agents / DENSITY) ** (1.0 / d))
-    found = found.drawn(seed)
+        layout = read_layout(world) if spec.layout is None else spec.layout
+        dim = own_dim(layout, world) or model.dim or model.dimensions[0]
+    missing = [key for key in ("agents", *Options.model_fields) if getattr(spec, key) is None]
+    return spec.but(world=world, dim=dim, **{key: getattr(model, key) for key in missing})
+
+
+def find_world(spec: Spec, model: Model) -> World:
+    """The world of a spec that is `at_home`, in the dimensions in which the model is defined.
+
+    By default it has room for the agents. Obstacles that it leaves to chance are drawn from the
+    seed. Raises Refusal.
+    """
+    assert spec.world is not None
+    assert spec.seed is not None
+    if isinstance(spec.world, World):
+        found = spec.world
+    elif spec.layout is not None:
+        found = world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
+    else:
+        found = build_world(
+            spec.world, spec.dim, spec.size, lambda dim: (spec.count / DENSITY) ** (1.0 / dim)
+        )
+    found = drawn(found, spec.seed)
     if found.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise Refusal(f"dim = {found.dim!r} is not allowed: {model.name} is defined in {allowed}")
@@ -47,16 +55,10 @@ def find_world(
 
 
 def is_built_in(world: World, seed: int) -> bool:
-    """Whether the world is the one that its name and the seed make again."""
+    """Whether the name and the seed are enough to make this world again."""
     if world.name not in layout_names():
         return False
     try:
-        return build_world(world.name, world.dim, world.size).drawn(seed) == world
+        return drawn(build_world(world.name, world.dim, world.size), seed) == world
     except Refusal:
         return False
-
-
-def world_of(spec: Spec) -> World:
-    """The world that a spec carries with it. Raises Refusal."""
-    assert spec.layout is not None
-    return world_from_layout(spec.layout, spec.world, spec.dim, None)

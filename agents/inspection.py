@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from agents.engine.arrays import Context
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
+from agents.models.calling import call
 from agents.observables.neighbours import separation
-from worlds.ground import points_within, set_goal
-
-if TYPE_CHECKING:
-    from agents.flock import Flock
+from agents.snapshot import Snapshot, State
+from worlds.compiled import plain_python
+from worlds.queries.surroundings import Surroundings, points_within, set_goal
 
 NO_POINTS = np.empty((0, 2))
 UNSEEN = -1
@@ -22,7 +23,7 @@ UNSEEN = -1
 
 @dataclass(frozen=True)
 class Shell:
-    """A zone of a rule (`agents.declare.Zone`) with the parameters as they are."""
+    """A zone of a rule (`agents.models.declare.Zone`) with the parameters as they are."""
 
     name: str
     radius: float
@@ -56,9 +57,13 @@ class Inspection:
     """The zones of its rule from the inside out."""
     view: float = 360.0
     """Full angle of its field of view, deg."""
+    places: tuple[str, ...] = ()
+    """Points among its signals, NAME_x and NAME_y of each; it heads for the last of them."""
+    minds: bool = False
+    """Whether these points count now."""
 
 
-def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
+def as_me(flock: State, row: int, signals: np.ndarray) -> Me:
     """A row as rules see themselves; `signals` (K,) are its columns."""
     x, y, *z = (float(c) for c in flock.position[row])
     ux, uy, *uz = (float(c) for c in flock.heading[row])
@@ -84,7 +89,7 @@ def as_me(flock: Flock, row: int, signals: np.ndarray) -> Me:
 
 
 def as_near(
-    flock: Flock, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
+    flock: State, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
 ) -> Near:
     """Other rows, `apart` (M, dim) from a row, and boundary points (P, 2), as rules see them."""
     dim, shared = flock.world.dim, len(flock.model.signals)
@@ -94,39 +99,39 @@ def as_near(
         if axis < dim:
             at[:] = flock.position[row, axis] + apart[:, axis]
             turned[:] = flock.heading[rows, axis]
-    told = np.ascontiguousarray(signals[:shared, rows])
-    heard = told[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
+    sent = np.ascontiguousarray(signals[:shared, rows])
+    heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(seen.T)
-    return Near(len(rows), x, y, z, ux, uy, uz, told, heard, len(seen), px, py, np.zeros(len(seen)))
+    return Near(len(rows), x, y, z, ux, uy, uz, sent, heard, len(seen), px, py, np.zeros(len(seen)))
 
 
-def perceived(flock: Flock, row: int) -> np.ndarray:
+def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:
     """The boundary points that an agent's rule sees, (P, 2), length."""
     if not flock.model.rule.sees_points:
         return NO_POINTS
-    ground = flock.engine.ground
-    found = np.zeros(ground.most_points, np.int32)
+    found = np.zeros(surroundings.most_points, np.int32)
     x, y = (float(c) for c in flock.position[row, :2])
-    n = points_within(ground, x, y, flock.reach, found)
-    return np.column_stack([ground.point_x[found[:n]], ground.point_y[found[:n]]])
+    n = points_within(surroundings, x, y, flock.reach, found)
+    return np.column_stack([surroundings.point_x[found[:n]], surroundings.point_y[found[:n]]])
 
 
-def forces_on(flock: Flock, me: Me, near: Near) -> dict[str, np.ndarray]:
+def forces_on(
+    flock: State, surroundings: Surroundings, context: Context, me: Me, near: Near, interpret: bool
+) -> dict[str, np.ndarray]:
     """The terms of the rule's next wish and of its body's velocity, by name, (dim,) each."""
-    ground, p = flock.engine.ground, flock.law.parameters
-    rule, body = flock.model.rule, flock.model.body
+    p, rule, body = context.parameters, flock.model.rule, flock.model.body
     if rule.perceive is not None and (rule.explain or body.explain):
-        rule.perceive(me, near, ground, p)
+        call(flock.model, interpret, rule.perceive, me, near, surroundings, p)
     found: dict[str, np.ndarray] = {}
     for part in (rule, body):
         if part.explain is not None:
             out = np.zeros((len(part.forces), 3))
-            part.explain(me, near, ground, p, out)
+            call(flock.model, interpret, part.explain, me, near, surroundings, p, out)
             found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
     return found
 
 
-def shells(flock: Flock) -> tuple[Shell, ...]:
+def shells(flock: State) -> tuple[Shell, ...]:
     """The zones of a flock's rule, with its parameters as they are; none where it has none."""
     parameters = flock.parameters
     return tuple(
@@ -135,7 +140,7 @@ def shells(flock: Flock) -> tuple[Shell, ...]:
     )
 
 
-def field_of_view(flock: Flock) -> float:
+def field_of_view(flock: State) -> float:
     """The full angle (deg) of a flock's field of view; 360 where its rule has none."""
     name = flock.model.rule.view
     return float(getattr(flock.parameters, name)) if name else 360.0
@@ -162,61 +167,78 @@ def zones_of(
     return found
 
 
-def warm(flock: Flock) -> None:
+def warm(
+    flock: Snapshot, surroundings: Surroundings, context: Context, interpret: bool = False
+) -> None:
     """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
     rule, body = flock.model.rule, flock.model.body
     if not len(flock.ids) or not (rule.weigh or rule.explain or body.explain):
         return
-    ground, p = flock.engine.ground, flock.law.parameters
-    ground = ground._replace(goal=ground.goal.copy())
+    surroundings = surroundings._replace(goal=surroundings.goal.copy())
     columns = len(flock.model.columns)
     rows, apart = np.empty(0, int), np.empty((0, flock.world.dim))
     me = as_me(flock, 0, np.zeros(columns))
     near = as_near(flock, 0, rows, apart, np.zeros((columns, 1)), NO_POINTS)
-    set_goal(ground, 0.0)
+    set_goal(surroundings, 0.0)
     if rule.sees_points:
-        points_within(ground, me.x, me.y, 0.0, np.zeros(ground.most_points, np.int32))
+        points_within(surroundings, me.x, me.y, 0.0, np.zeros(surroundings.most_points, np.int32))
     if rule.weigh is not None:
-        rule.weigh(me, near, p, np.empty(0))
-    forces_on(flock, me, near)
+        call(flock.model, interpret, rule.weigh, me, near, context.parameters, np.empty(0))
+    forces_on(flock, surroundings, context, me, near, interpret)
 
 
-def inspect(flock: Flock, row: int) -> Inspection:
+def inspect(
+    flock: Snapshot, surroundings: Surroundings, context: Context, row: int, interpret: bool = False
+) -> Inspection:
     """Inspect the agent of a row (0 to N - 1): what it decides on in the tick to come.
 
-    One that has crashed has no neighbours, and is nobody's.
+    The snapshot is one with signals; `surroundings` and `context` are what the flock's agents go
+    by, and `interpret` says whether as plain Python. One that has crashed has no neighbours, and
+    is nobody's. Raises Fault.
     """
+    with plain_python(interpret):
+        return inspected(flock, surroundings, context, row, interpret)
+
+
+def inspected(
+    flock: Snapshot, surroundings: Surroundings, context: Context, row: int, interpret: bool
+) -> Inspection:
+    """The agent of a row as `inspect` tells it."""
     world, rule = flock.world, flock.model.rule
     apart = separation(flock.position[row], flock.position, world.size, world.images)
     d2 = (apart**2).sum(axis=1)
-    aloft = bool(flock.flying[row])
-    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & flock.flying & aloft)
+    active = flock.active
+    rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & active & active[row])
     apart = apart[rows]
-    signals = flock.signals()
+    signals = flock.arrays.memory
     own = signals[:, row].copy()
-    seen = perceived(flock, row)
+    known = dict(zip(flock.model.columns, own.tolist(), strict=True))
+    seen = perceived(flock, surroundings, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
-    own_shells, view = shells(flock) if aloft else (), field_of_view(flock)
-    if flock.informed[row] or not aloft:
+    own_shells, view = shells(flock) if active[row] else (), field_of_view(flock)
+    if flock.informed[row] or not active[row]:
         weights[:] = 0.0
     else:
-        set_goal(flock.engine.ground, flock.elapsed)
+        surroundings = surroundings._replace(goal=surroundings.goal.copy())
+        set_goal(surroundings, flock.elapsed)
         me = as_me(flock, row, own.copy())
         near = as_near(flock, row, rows, apart, signals, seen)
         if rule.weigh is not None and len(rows):
-            rule.weigh(me, near, flock.law.parameters, weights)
-        forces = forces_on(flock, me, near)
+            call(flock.model, interpret, rule.weigh, me, near, context.parameters, weights)
+        forces = forces_on(flock, surroundings, context, me, near, interpret)
     return Inspection(
         int(flock.ids[row]),
         row,
         rows,
         apart,
         weights,
-        dict(zip(flock.model.columns, own.tolist(), strict=True)),
+        known,
         forces,
         seen,
         zones_of(apart, flock.heading[row], own_shells, view) if own_shells else np.empty(0, int),
         own_shells,
         view,
+        rule.places,
+        known.get(rule.places_while) == 1.0,
     )

@@ -1,14 +1,28 @@
-"""One agent of a flock, for Mesa: a view on one row of its arrays."""
+"""A flock as Mesa sees it: agents that are rows of its arrays, and a space over them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from random import Random
+from typing import Any, Protocol
 
 import mesa
 import numpy as np
+from mesa.agent import AgentSet
+from mesa.experimental.continuous_space import ContinuousSpace
 
-if TYPE_CHECKING:
-    from agents.flock import Flock
+from worlds.world import World
+
+
+class Rows(Protocol):
+    """What a member needs of its flock."""
+
+    world: World
+    random: Random
+
+    @property
+    def position(self) -> np.ndarray: ...
+    @property
+    def members(self) -> list[Member]: ...
 
 
 class Member(mesa.Agent):
@@ -19,7 +33,7 @@ class Member(mesa.Agent):
     flock.
     """
 
-    def __init__(self, model: Flock, position=None, heading=None, informed=False, *, row=None):
+    def __init__(self, model: Any, position=None, heading=None, informed=False, *, row=None):
         self.row = model.append(self, position, heading, informed) if row is None else row
         super().__init__(model)
         self.unique_id = int(model.ids[self.row])
@@ -82,3 +96,55 @@ class Member(mesa.Agent):
         """Leave the flock."""
         self.model.drop(self)
         super().remove()
+
+
+class FlockSpace(ContinuousSpace):
+    """A `ContinuousSpace` whose positions are the flock's own array.
+
+    Mesa's space keeps a second array and dictionaries; here `agent_positions` and `active_agents`
+    are read from the flock, so that its queries (`get_agents_in_radius`, ...) see the truth.
+    """
+
+    def __init__(self, flock: Rows):
+        self.flock = flock
+        box = np.column_stack([np.zeros(flock.world.dim), flock.world.size])
+        super().__init__(box, torus=bool(flock.world.images.all()), random=flock.random, n_agents=0)
+
+    @property
+    def agent_positions(self) -> np.ndarray:
+        """The flock's positions, (N, dim)."""
+        return self.flock.position
+
+    @agent_positions.setter
+    def agent_positions(self, value: np.ndarray) -> None:
+        """Mesa's constructor assigns; the flock's array stands."""
+
+    @property
+    def _agent_positions(self) -> np.ndarray:
+        return self.flock.position
+
+    @_agent_positions.setter
+    def _agent_positions(self, value: np.ndarray) -> None:
+        """As above."""
+
+    @property
+    def active_agents(self) -> list:
+        """The flock's agents by row."""
+        return self.flock.members
+
+    @active_agents.setter
+    def active_agents(self, value: list) -> None:
+        """As above."""
+
+    @property
+    def _agent_to_index(self) -> dict:
+        return {member: member.row for member in self.flock.members}
+
+    @_agent_to_index.setter
+    def _agent_to_index(self, value: dict) -> None:
+        """As above."""
+
+    @property
+    def agents(self) -> AgentSet:
+        """The flock's agents."""
+        return AgentSet(self.flock.members, random=self.random)

@@ -19,13 +19,13 @@ from agents.observables.following import (
 from worlds.refusal import Refusal
 
 CHUNK = 500
-"""Ticks between two looks at the world outside."""
+"""Ticks that are run and measured at a time."""
 SINCE = 50
 """Tick from which an agent has to follow: Liu et al. 2021, section 3.2, as read."""
 
 
 @dataclass(frozen=True)
-class Course:
+class MissionRecord:
     """How a mission went."""
 
     position: np.ndarray
@@ -108,7 +108,7 @@ class Log:
         first = self.ticks + 1
         by_axis = np.ascontiguousarray(trace.transpose(0, 2, 1))
         nearest_pairs(by_axis, self.pairs2)
-        least_clearances(by_axis, flock.engine.ground, self.clearance)
+        least_clearances(by_axis, flock.engine.surroundings, self.clearance)
         late = by_axis[max(0, SINCE - first) :]
         if flock.informed.any() and len(late):
             keep_following(late, flock.informed, flock.reach, self.follows, *self.working)
@@ -119,13 +119,13 @@ class Log:
             self.centre.append(np.linalg.norm(trace.mean(axis=1) - goal, axis=1))
         self.ticks += len(trace)
 
-    def course(self, arrived: bool) -> Course:
+    def record(self, arrived: bool) -> MissionRecord:
         """What has been measured."""
         flock = self.flock
         away = np.empty(0)
         if self.has_goal:
             away = np.linalg.norm(flock.position - flock.goal_at([self.ticks])[0], axis=1)
-        return Course(
+        return MissionRecord(
             np.concatenate(self.kept),
             self.every,
             self.ticks,
@@ -142,7 +142,7 @@ class Log:
 
 def fly(
     flock: Flock, limit: int, every: int = 1, between: Callable[[], None] = lambda: None
-) -> Course:
+) -> MissionRecord:
     """Run a flock that has not begun until its information agents are at the end of their path.
 
     At most `limit` ticks; without a path just these. Keeps the positions of every `every`-th tick.
@@ -159,17 +159,24 @@ def fly(
         end = end_of_path(flock, trace)
         if end is not None:
             log.take(trace[: end + 1])
-            return log.course(True)
+            return log.record(True)
         log.take(trace)
-    return log.course(False)
+    return log.record(False)
 
 
 def end_of_path(flock: Flock, trace: np.ndarray) -> int | None:
     """Index in a trace at which the last information agent came to its last waypoint, or None."""
-    path = flock.engine.ground.path
+    path = flock.engine.surroundings.path
     legs = flock.arrays.leg[flock.informed]
-    if not len(path) or not len(legs) or flock.engine.ground.closed or (legs < len(path)).any():
+    if (
+        not len(path)
+        or not len(legs)
+        or flock.engine.surroundings.closed
+        or (legs < len(path)).any()
+    ):
         return None
     goal = path[-1, : flock.world.dim]
-    near = np.linalg.norm(trace[:, flock.informed] - goal, axis=2) <= flock.engine.ground.switch
+    near = (
+        np.linalg.norm(trace[:, flock.informed] - goal, axis=2) <= flock.engine.surroundings.switch
+    )
     return int(near.argmax(axis=0).max())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 from types import ModuleType
@@ -10,18 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from agents.declare import Parameters, as_floats, checked
-from agents.engine.arrays import Arrays, Law, Place
+from agents.engine.arrays import Arrays, Context, Place, Until
 from agents.engine.cells import Space
 from agents.engine.loop import is_compiled, sweep_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.runner import InTurn, Synchronous
-from agents.model import Model
-from agents.observables.consistency import DESIRED, HOLD, watch_for
-from agents.whereabouts import Stray, stray
-from worlds.refusal import Refusal, shortened, unknown
-from worlds.route import along_route
-from worlds.survey import survey
+from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
+from agents.models.calling import call
+from agents.models.declare import as_floats, checked
+from agents.models.model import Model
+from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
+from agents.snapshot import Snapshot, State
+from agents.spec import Options
+from agents.state.whereabouts import Stray, stray
+from worlds.compiled import DISABLED
+from worlds.queries.survey import survey
+from worlds.refusal import Refusal
 from worlds.world import World
 
 NOISE = "eta"
@@ -30,35 +32,24 @@ CHUNK = 500
 """Ticks of a long run between two looks at the world outside."""
 
 
-class Motion:
+class Motion(State):
     """State and ticks of a flock; what `agents.Flock` is beside a Mesa model.
-
-    Attributes
-    ----------
-    position, heading: (N, dim) float64, length and unit vectors. speed: (N,), length/tick.
-    informed: (N,) bool, information agents. ids: (N,) int, identities, which no row ever shares.
-    tick: int, ticks done. seed: int. parameters: those of the rule and the body.
 
     The arrays are the truth and may be written to between ticks.
     """
 
-    model: Model
-    world: World
-    parameters: Parameters
-    position: np.ndarray
-    heading: np.ndarray
-    speed: np.ndarray
-    informed: np.ndarray
-    ids: np.ndarray
-    seed: int
-    tick: int
-    activation: str
-    noise: str
+    options: Options = Options()
+    """How agents act."""
     threads: int
-    law: Law
+    next_id: int
+    interpret: bool = False
+    """Whether the model runs as plain Python, slowly, with `print` and `pdb`."""
+    context: Context
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
     """The setting with which agents go through what is solid here, or an empty string."""
+    split_from: int = SPLIT_FROM
+    """Agents from which on a tick is shared among threads."""
     _engine: Synchronous | InTurn | None
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -66,10 +57,8 @@ class Motion:
     def _use(self, arrays: Arrays) -> None:
         """Take these arrays as the flock's state."""
         self.arrays = arrays
-        self.position, self.heading, self.speed = arrays.position, arrays.heading, arrays.speed
-        self.informed, self.ids, self._memory = arrays.informed, arrays.ids, arrays.memory
         self._engine = None
-        self.law = self._make_law()
+        self.context = self._make_context()
 
     @property
     def loop(self) -> ModuleType:
@@ -92,84 +81,103 @@ class Motion:
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
         place = Place(space, survey(self.world, self.sight))
-        if self.activation == "synchronous":
-            return Synchronous(self.loop, self.arrays, place, self.seed, self.threads)
-        shuffled = self.activation == "random"
-        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled)
+        if self.options.activation == "synchronous":
+            split = not self.interpret and len(self.ids) >= self.split_from
+            threads = self.threads if split else 1
+            return Synchronous(self.loop, self.arrays, place, self.seed, threads, self.call)
+        shuffled = self.options.activation == "random"
+        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)
 
-    def _make_law(self) -> Law:
+    def call(self, function: Callable, *arguments: Any) -> Any:
+        """Call a compiled function of the model, as plain Python where that is asked for."""
+        return call(self.model, self.interpret, function, *arguments)
+
+    def _make_context(self) -> Context:
         self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
-        noise = VECTORIAL if self.noise == "vectorial" else ANGULAR
-        numbers = self.loop.P(**{NOISE: 0.0, **as_floats(self.parameters)})
-        return Law(numbers, noise, self.reach, self.dt)
-
-    @property
-    def dt(self) -> float:
-        """The time that a tick stands for, in the model's unit of time."""
-        return float(self.model.body.lasts(self.parameters))
-
-    @property
-    def elapsed(self) -> float:
-        """Time since the start, tick * dt."""
-        return self.tick * self.dt
-
-    @property
-    def reach(self) -> float:
-        """The largest distance at which agents notice each other, length."""
-        return float(getattr(self.parameters, self.model.rule.reach))
-
-    @property
-    def together(self) -> float:
-        """The distance within which agents are of one group, length."""
-        return float(getattr(self.parameters, self.model.rule.together or self.model.rule.reach))
-
-    @property
-    def sight(self) -> float:
-        """The largest distance at which agents notice obstacles, length."""
-        return float(getattr(self.parameters, self.model.body.sight or self.model.rule.reach))
+        noise = VECTORIAL if self.options.noise == "vectorial" else ANGULAR
+        made = {NOISE: 0.0, **as_floats(self.parameters)}
+        if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
+            made = {name: np.float64(value) for name, value in made.items()}
+        numbers = self.loop.P(**made)
+        return Context(numbers, noise, self.reach, self.dt)
 
     def stray(self) -> Stray | None:
-        """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is."""
-        return stray(self)
+        """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is.
+
+        Where nothing is solid, or agents go through it by their model's own setting, all can be
+        anywhere.
+        """
+        if not self.world.is_solid or self.passing or not len(self.ids):
+            return None
+        return stray(self.engine.surroundings, self.arrays, self.tick)
+
+    @property
+    def warning(self) -> str:
+        """A warning about agents that go through what is solid, or an empty string."""
+        if not self.passing:
+            return ""
+        return (
+            f"{self.model.name} with {self.passing}: agents go through obstacles and solid edges, "
+            "as in the literal text of its paper"
+        )
+
+    def snapshot(self, copy: bool = True, signals: bool = False) -> Snapshot:
+        """The flock frozen as it is now.
+
+        `copy`: whether its arrays are copies; without, they are the flock's own, and good until it
+        goes on. `signals`: whether to hold what agents tell each other now, for which the model's
+        kernel is compiled where it is not.
+        """
+        if signals:
+            self.signals()
+        arrays = Arrays._make(map(np.array, self.arrays)) if copy else self.arrays
+        return Snapshot(
+            self.model,
+            self.world,
+            self.parameters,
+            self.seed,
+            self.tick,
+            arrays,
+            self.next_id,
+            signals,
+        )
+
+    def links(self) -> np.ndarray:
+        """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
+        return self.snapshot(copy=False).links()
+
+    def group_labels(self) -> np.ndarray:
+        """The connected group within `together` of each agent, int (N,), 0 the largest."""
+        return self.snapshot(copy=False).group_labels()
+
+    def layers(self) -> np.ndarray:
+        """Hops from an information agent plus 1, as the flock stands; N + 1 unknown; int (N,)."""
+        return self.snapshot(copy=False).layers()
 
     @property
     def is_compiled(self) -> bool:
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
-        return is_compiled(self.engine.module)
-
-    @property
-    def reference(self) -> np.ndarray | None:
-        """The heading that the flock is meant to take, (dim,); None for the mean of the flock."""
-        if not self.model.rule.converges or not self.informed.any():
-            return None
-        return self.heading[np.argmax(self.informed)]
-
-    def goal_at(self, ticks) -> np.ndarray:
-        """Positions of the gamma agent at ticks (T,), (T, dim), length. Raises Refusal."""
-        mission = self.world.mission
-        if mission is None or mission.goal is None:
-            raise Refusal(f"the world {self.world.name!r} has no goal")
-        return along_route(mission.goal, np.asarray(ticks) * self.dt)
+        return self.interpret or DISABLED or is_compiled(self.engine.module)
 
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
-        self.law = self._make_law()
-        if self._engine is not None and self.sight > self._engine.ground.reach:
+        self.context = self._make_context()
+        if self._engine is not None and self.sight > self._engine.surroundings.reach:
             self._engine = None
 
     def change_world(self, world: World) -> None:
-        """Other obstacles, edges or another mission around the running flock.
+        """Put the running flock among other obstacles, edges or another mission.
 
         Raises Refusal if the world has other dimensions; nothing then changes. Agents stay where
-        they are: see `worlds.clearance` for those that an obstacle has come upon.
+        they are: see `worlds.queries.clearance` for those that an obstacle has come upon.
         """
         if world.dim != self.world.dim:
             raise Refusal(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")
         self._end_tick()
         self.world = world
         self._engine = None
-        self.law = self._make_law()
+        self.context = self._make_context()
 
     def advance(self, ticks: int) -> None:
         """Run ticks without collecting anything; frees the GIL while it runs."""
@@ -178,7 +186,7 @@ class Motion:
                 self.step_member(row)
             ticks -= 1
         if ticks > 0 and len(self.ids):
-            self.engine.run(self.law, self.tick, ticks)
+            self.engine.run(self.context, self.tick, ticks)
         self.tick += ticks
 
     def trace(self, ticks: int) -> np.ndarray:
@@ -186,7 +194,7 @@ class Motion:
         self._end_tick()
         kept = np.empty((ticks, *self.position.shape))
         if ticks > 0:
-            self.engine.run(self.law, self.tick, ticks, trace=kept)
+            self.engine.run(self.context, self.tick, ticks, trace=kept)
         self.tick += ticks
         return kept
 
@@ -203,16 +211,26 @@ class Motion:
         `between` is called between them and may end the run by raising.
         """
         self._end_tick()
-        watch = watch_for(len(self.ids), self.reference, desired, hold)
-        watch = watch._replace(last_off=self.tick - 1)
+        until = until_consistent(len(self.ids), self.reference, desired, hold)
+        return self.run_until(until, limit, between)
+
+    def run_until(
+        self, until: Until, limit: int, between: Callable[[], None] = lambda: None
+    ) -> int | None:
+        """Run until something has held; the tick from which it does, None if not by `limit`.
+
+        The rest as `run_until_consistent`.
+        """
+        self._end_tick()
+        until = until._replace(last_off=self.tick - 1)
         while self.tick < limit:
             between()
             ticks = min(CHUNK, limit - self.tick)
-            done, last_off = self.engine.run(self.law, self.tick, ticks, watch)
+            done, last_off = self.engine.run(self.context, self.tick, ticks, until)
             self.tick += done
             if done < ticks:
                 return last_off + 1
-            watch = watch._replace(last_off=last_off)
+            until = until._replace(last_off=last_off)
         return None
 
     def step_member(self, row: int) -> None:
@@ -225,8 +243,8 @@ class Motion:
         if row in self._acted:
             self._end_tick()
         if not self._acted:
-            self.engine.open(self.law, self.tick)
-        self.engine.one(self.law, self.tick, row)
+            self.engine.open(self.context, self.tick)
+        self.engine.one(self.context, self.tick, row)
         self._acted.add(row)
         if len(self._acted) == len(self.ids):
             self._end_tick()
@@ -238,49 +256,22 @@ class Motion:
             self.tick += 1
 
     def signals(self) -> np.ndarray:
-        """What agents tell each other and keep to themselves now, (K, N): `model.columns`.
+        """Signals, memories and measures of the agents now, (K, N): `model.columns`.
 
         A layer that is not known is infinite.
         """
         if len(self.model.signals) and len(self.ids) and not self._acted:
-            self.engine.open(self.law, self.tick)
-        return self._memory
+            self.engine.open(self.context, self.tick)
+        return self.arrays.memory
 
     def signal(self, name: str) -> np.ndarray:
         """One row of `signals` by name, a copy (N,); a layer of N + 1 is unknown. Or Refusal."""
-        names = self.model.columns
-        if name not in names:
-            raise unknown("signal", name, names)
-        told = name not in self.model.body.measures  # what is measured is there already
-        values = (self.signals() if told else self._memory)[names.index(name)]
-        return np.where(np.isinf(values), len(values) + 1.0, values)
+        return self.snapshot(copy=False, signals=name in self.model.signals).signal(name)
 
 
 @cache
 def loop_of(model: Model, dim: int, solid: bool) -> ModuleType:
     """The module of the compiled loop of a model, in a world where something is solid or not."""
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
-    return sweep_module(model.parts(dim, solid), tuple(fields))
-
-
-def positive(name: str, value: Any) -> float:
-    """`value` as a finite number >= 0. Raises Refusal."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
-        raise Refusal(f"{name} = {value!r} is not allowed: a finite number >= 0 is needed")
-    return float(value)
-
-
-MOST = 10**15
-"""The largest count, unless there is a reason for a smaller one."""
-
-
-def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
-    """`value` as a whole number in [least, most]. Raises Refusal."""
-    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not right or value < least:
-        raise Refusal(
-            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
-        )
-    if value > most:
-        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
-    return int(value)
+    parts = model.parts(dim, solid) | {"holds": is_consistent}
+    return sweep_module(parts, tuple(fields))

@@ -11,21 +11,22 @@ import json
 import os
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from agents.catalogue import model
 from agents.engine.arrays import Arrays
-from agents.rows import unhurt
+from agents.home import find_world
+from agents.models.declare import checked
+from agents.models.model import Model
+from agents.snapshot import Snapshot
 from agents.spec import Spec
+from agents.state.rows import no_crashes
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_writable, writing
-
-if TYPE_CHECKING:
-    from agents.flock import Flock
 
 KEY = b"flockscope"
 FORMAT = 1
@@ -39,14 +40,12 @@ FLUSH_ROWS = 20_000
 """Rows that may be in flight before they are written to the disk."""
 
 
-@dataclass(frozen=True)
-class Saved:
-    """A flock's state as read from a file."""
+class Recorded(Protocol):
+    """What a recorder needs of a flock."""
 
-    spec: Spec
-    tick: int
-    next_id: int
-    arrays: Arrays
+    @property
+    def spec(self) -> Spec: ...
+    def snapshot(self, copy: bool = True, signals: bool = False) -> Snapshot: ...
 
 
 class Recorder:
@@ -61,7 +60,7 @@ class Recorder:
     def __init__(
         self,
         path: str | Path,
-        flock: Flock,
+        flock: Recorded,
         overwrite: bool = True,
         endings: Collection[str] = RECORDINGS,
     ):
@@ -80,8 +79,9 @@ class Recorder:
     def __enter__(self) -> Recorder:
         import pyarrow as pa
 
-        meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": self.flock.next_id}
-        schema = self.frame().schema.with_metadata({KEY: json.dumps(meta).encode()})
+        now = self.snapshot()
+        meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": now.next_id}
+        schema = batch_of(now).schema.with_metadata({KEY: json.dumps(meta).encode()})
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
             raise Refusal(
@@ -116,7 +116,7 @@ class Recorder:
             ) from None
 
     def cut_off(self, failure: OSError) -> Refusal:
-        """End the recording where the disk took no more; what is to be said of it."""
+        """End the recording where the disk took no more; returns the line that reports it."""
         self.over = True
         with suppress(OSError):
             self.file.close()
@@ -125,49 +125,31 @@ class Recorder:
         if not frames:
             self.discard()
             return reason
-        said = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
+        rest = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
         try:
             with open(self.part, "r+b") as file:
                 file.truncate(size)
             finish(self.part, self.path, self.overwrite)
         except (OSError, Refusal):
             return Refusal(
-                f"{reason}; {self.part} holds {said}: `flockscope recover {self.part}` makes a "
+                f"{reason}; {self.part} holds {rest}: `flockscope recover {self.part}` makes a "
                 "recording of them once there is room"
             )
-        return Refusal(f"{reason}; it holds {said}")
+        return Refusal(f"{reason}; it holds {rest}")
 
     def discard(self) -> None:
-        """Leave nothing behind."""
+        """Delete the unfinished recording."""
         with suppress(OSError):
             self.file.close()
         self.part.unlink(missing_ok=True)
 
-    def frame(self):
-        """The flock now, as a record batch with one row per agent."""
-        import pyarrow as pa
-
-        flock = self.flock
-        n = len(flock.ids)
-        columns = {"tick": np.full(n, flock.tick), "id": flock.ids.copy()}
-        for axis, letter in enumerate(AXES[: flock.world.dim]):
-            columns[letter] = flock.position[:, axis].copy()
-        for axis, letter in enumerate(AXES[: flock.world.dim]):
-            columns["u" + letter] = flock.heading[:, axis].copy()
-        columns["speed"] = flock.speed.copy()
-        columns["informed"] = flock.informed.copy()
-        if flock.world.mission is not None and flock.world.mission.path is not None:
-            columns["leg"] = flock.arrays.leg.copy()
-        if flock.can_crash:
-            fate = flock.arrays.fate
-            columns |= {name: fate[:, k].copy() for k, name in enumerate(fates(flock.world.dim))}
-        for name, values in zip(flock.model.columns, flock.signals(), strict=True):
-            columns[name] = values.copy()
-        return pa.RecordBatch.from_pydict(columns)
+    def snapshot(self) -> Snapshot:
+        """The flock now, with what agents tell each other; its arrays are the flock's own."""
+        return self.flock.snapshot(copy=False, signals=True)
 
     def write(self) -> None:
         """Record the flock as it is now. Raises Refusal."""
-        batch = self.frame()
+        batch = batch_of(self.snapshot())
         self.waiting.append(batch)
         self.rows += batch.num_rows
         self.frames += 1
@@ -178,7 +160,7 @@ class Recorder:
                 raise self.cut_off(error) from None
 
     def flush(self) -> None:
-        """Bring what waits to the disk."""
+        """Write waiting frames to the disk."""
         import pyarrow as pa
 
         if self.waiting:
@@ -190,8 +172,32 @@ class Recorder:
         self.waiting, self.rows = [], 0
 
 
-def fates(dim: int) -> list[str]:
-    """Columns of an agent's fate: the tick of its crash or -1, what it touched, and where."""
+def batch_of(flock: Snapshot):
+    """A snapshot as a record batch with one row per agent, copies."""
+    import pyarrow as pa
+
+    n = len(flock.ids)
+    columns = {"tick": np.full(n, flock.tick), "id": flock.ids.copy()}
+    for axis, letter in enumerate(AXES[: flock.world.dim]):
+        columns[letter] = flock.position[:, axis].copy()
+    for axis, letter in enumerate(AXES[: flock.world.dim]):
+        columns["u" + letter] = flock.heading[:, axis].copy()
+    columns["speed"] = flock.speed.copy()
+    columns["informed"] = flock.informed.copy()
+    if flock.world.mission is not None and flock.world.mission.path is not None:
+        columns["leg"] = flock.arrays.leg.copy()
+    if flock.can_crash:
+        crash_record = flock.arrays.crash_record
+        columns |= {
+            name: crash_record[:, k].copy() for k, name in enumerate(crash_columns(flock.world.dim))
+        }
+    for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
+        columns[name] = values.copy()
+    return pa.RecordBatch.from_pydict(columns)
+
+
+def crash_columns(dim: int) -> list[str]:
+    """Columns of a crash record: the tick of the crash or -1, what it touched, and where."""
     return ["crash_tick", "crash_cause", *("crash_" + letter for letter in AXES[:dim])]
 
 
@@ -258,8 +264,11 @@ def recover(part: str | Path) -> tuple[Path, int]:
         raise Refusal(f"{str(part)!r} is not a recording that flockscope has begun") from None
 
 
-def read_state(path: str | Path, tick: int | None = None) -> Saved:
-    """The state at a tick (by default the last) of a saved state or recording. Raises Refusal."""
+def read_state(path: str | Path, tick: int | None = None) -> tuple[Spec, Snapshot]:
+    """The run, and the flock at a tick (by default the last), of a saved state or recording.
+
+    Raises Refusal.
+    """
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -278,8 +287,13 @@ def read_state(path: str | Path, tick: int | None = None) -> Saved:
     if table.num_rows == 0:
         raise Refusal(f"tick = {wanted} is not in {str(path)!r}")
     spec = Spec.from_toml(text, str(path))
-    arrays = arrays_of(table, spec, path)
-    return Saved(spec, wanted, max(next_id, int(arrays.ids.max()) + 1), arrays)
+    spec.demand_complete(str(path))
+    one = model(spec.model)
+    world = find_world(spec, one)
+    arrays = arrays_of(table, world.dim, one, path)
+    next_id = max(next_id, int(arrays.ids.max()) + 1)
+    parameters = checked(one.parameters, spec.parameters)
+    return spec, Snapshot(one, world, parameters, spec.seed or 0, wanted, arrays, next_id, True)
 
 
 def last_tick(file) -> int:
@@ -289,17 +303,14 @@ def last_tick(file) -> int:
     return max(group.statistics.max for group in groups)
 
 
-def arrays_of(table, spec: Spec, path) -> Arrays:
+def arrays_of(table, dim: int, one: Model, path) -> Arrays:
     """The arrays of one tick of a recording. Raises Refusal if columns are missing."""
-    from agents.catalogue import model
-
-    axes = AXES[: spec.dim]
+    axes = AXES[:dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        one = model(spec.model)
         signals = [column[name] for name in one.columns]
         mortal = one.body.touches is not None
-        fate = [column[name] for name in fates(spec.dim)] if mortal else []
+        crash_record = [column[name] for name in crash_columns(dim)] if mortal else []
         arrays = Arrays(
             np.column_stack([column[a] for a in axes]),
             np.column_stack([column["u" + a] for a in axes]),
@@ -308,7 +319,7 @@ def arrays_of(table, spec: Spec, path) -> Arrays:
             column["id"].copy(),
             column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
-            np.column_stack(fate) if mortal else unhurt(0, spec.dim),
+            np.column_stack(crash_record) if mortal else no_crashes(0, dim),
         )
     except KeyError as missing:
         raise Refusal(f"{str(path)!r} has no column {missing}") from None

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from agents.motion import whole
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
+from agents.spec import whole
 from worlds.refusal import Refusal, unknown
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ class Series:
     tick: np.ndarray
     """(K,) int, rising."""
     agents: np.ndarray
-    """Agents that flew, (K,) int."""
+    """Agents that had not crashed, (K,) int."""
     values: dict[str, np.ndarray]
     """Each observable by its name, (K,) float."""
 
@@ -43,7 +43,7 @@ class Series:
 
 
 class Follower:
-    """Looks at a running flock whenever it is told to."""
+    """Collects observables of a running flock at the ticks at which it is called."""
 
     def __init__(self, flock: Flock, names: Iterable[str]):
         """`names` as `needed` makes them. Raises Refusal."""
@@ -55,7 +55,7 @@ class Follower:
         """Note what is observed now."""
         flock = self.flock
         seen = [float(flock.observe(name)) for name in self.names]
-        self.rows.append([flock.tick, flock.flying.sum(), *seen])
+        self.rows.append([flock.tick, flock.active.sum(), *seen])
 
     @property
     def series(self) -> Series:
@@ -97,7 +97,7 @@ def follow(flock: Flock, ticks: int, names: Iterable[str] = (SERIES,), every: in
 
     Raises Refusal for an unknown name or for what is out of range, before anything runs.
 
-    >>> from agents import Flock
+    >>> from flockscope import Flock
     >>> series = follow(Flock("vem", agents=50, rng=1, eta=3.0), 200)
     >>> 0.0 < series.over("susceptibility") < 50 / 4
     True

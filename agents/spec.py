@@ -1,65 +1,237 @@
-"""A run as a value: everything that makes its numbers, to TOML and back."""
+"""A run as a value: all that says which run to make; from words and TOML, and back."""
 
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal, TypeGuard, get_args
 
+import numpy as np
 import tomlkit
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationError,
+    ValidationInfo,
+)
 
-from worlds.reading import read_text
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, shortened, unknown
-from worlds.toml import toml
+from worlds.world import World, box
 
-Activation = Literal["synchronous", "random", "sequential"]
-Noise = Literal["angular", "vectorial"]
+DEFAULT = "hwvem"
+"""The model of a run that names none."""
 LARGEST_SEED = 2**63 - 1
-ACTIVATIONS: tuple[Activation, ...] = ("synchronous", "random", "sequential")
-NOISES: tuple[Noise, ...] = ("angular", "vectorial")
+MOST = 10**15
+"""The largest count, unless there is a reason for a smaller one."""
 
 
-def versions() -> dict[str, str]:
-    """Versions of what the numbers depend on."""
-    packages = {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}
-    return {"python": platform.python_version(), **packages}
+@dataclass(frozen=True)
+class Option:
+    """How a person chooses an option of a run, on a command line and in a panel."""
+
+    title: str
+    help: str
+    kind: type = str
+    """Of its value: bool, int, float or str."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """Of an option with choices: what each is called."""
+    most: float = 0
+    """The largest number that a panel offers."""
+    step: float = 1
+    """From one number to the next in a panel."""
 
 
-class Spec(BaseModel):
-    """A run: the same spec gives the same numbers, to the bit, on the same machine.
+def option(title: str, help: str, default: Any = None, kind: type = str, **more: Any) -> Any:
+    """A field of a spec that a person may choose; None is as the model, or its world, has it."""
+    return Field(default, json_schema_extra={"option": Option(title, help, kind, **more)})  # type: ignore[dict-item]
 
-    `start = "given"` marks a run that began from a user's arrays: its spec describes it, but only a
-    saved state can begin it again.
+
+def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+    """`value` as a whole number in [least, most]. Raises Refusal."""
+    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not right or value < least:
+        raise Refusal(
+            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
+        )
+    if value > most:
+        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
+    return int(value)
+
+
+def from_(least: int, most: int = MOST) -> BeforeValidator:
+    """What checks a whole number in [least, most]."""
+    return BeforeValidator(lambda value, info: whole(info.field_name, value, least, most))
+
+
+def distance(value: Any, info: ValidationInfo) -> float:
+    """A length >= 0. Raises Refusal."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not 0.0 <= value < float("inf"):
+        raise Refusal(
+            f"{info.field_name} = {shortened(value)} is not allowed: a finite number >= 0 is needed"
+        )
+    return float(value)
+
+
+def several(size: Any) -> TypeGuard[Sequence[float]]:
+    """Whether a size is one per axis."""
+    return isinstance(size, list | tuple | np.ndarray)
+
+
+def sides(size: Any) -> float | tuple[float, ...]:
+    """The side of a box, or one per axis. Raises Refusal."""
+    return box(len(size), size) if several(size) else box(1, size)[0]
+
+
+def dimensions(value: Any) -> int:
+    """2 or 3. Raises Refusal."""
+    if isinstance(value, bool) or value not in (2, 3):
+        raise Refusal(f"dim = {shortened(value)} is not allowed: a world has 2 or 3 dimensions")
+    return int(value)
+
+
+def name(value: Any, info: ValidationInfo) -> str:
+    """A name. Raises Refusal."""
+    if not isinstance(value, str):
+        raise Refusal(f"{info.field_name} = {shortened(value)} is not a name")
+    return value
+
+
+def name_or_world(value: Any, info: ValidationInfo) -> str | World:
+    """A world, or the name of one. Raises Refusal."""
+    return value if isinstance(value, World) else name(value, info)
+
+
+class Options(BaseModel):
+    """How the agents of a run begin and act; None: as the model has it.
+
+    An option that is declared here is a word of `Flock`, an option of `flockscope run` and `lab`, a
+    key of specs and of rows and sweeps of experiments, and a control of the panel Setup.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=False, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    model: str
-    agents: int = Field(ge=1)
-    informed: int = Field(ge=0)
-    seed: int = Field(ge=0, le=LARGEST_SEED)
-    world: str
-    size: tuple[float, ...]
-    activation: Activation = "synchronous"
-    noise: Noise = "angular"
+    informed: Annotated[int, from_(0)] | None = option(
+        "Informed",
+        "Information agents: they know the heading to take, or the path of the mission",
+        kind=int,
+        most=100,
+    )
+    activation: Literal["synchronous", "random", "sequential"] = option(
+        "Turns",
+        "Who decides when: all on the same instant, or one after the other as in NetLogo",
+        "synchronous",
+        words={"synchronous": "all at once", "random": "random order", "sequential": "one by one"},
+    )
+    noise: Literal["angular", "vectorial"] = option(
+        "Noise",
+        "What eta means. Angular: an angle is added to the heading. Vectorial: a vector is added "
+        "to the mean heading",
+        "angular",
+        words={"angular": "angular", "vectorial": "vectorial"},
+    )
+    spacing: Annotated[float, BeforeValidator(distance)] | None = option(
+        "Spacing",
+        "At the start, least distance between two agents and of an agent to obstacles and walls "
+        "(length); 0 as in the paper: nobody starts inside an obstacle",
+        kind=float,
+        most=100.0,
+        step=0.1,
+    )
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """The options that are not as they are by default."""
+        return self.model_dump(include=set(Options.model_fields), exclude_defaults=True)
+
+
+class Spec(Options):
+    """A run: the same spec gives the same numbers, to the bit, on the same machine.
+
+    What is None is as the model, or its world, has it; a seed is drawn then. `Flock(spec)` begins
+    the run, `flock.spec` leaves nothing open. `start = "given"` marks a run that began from a
+    user's arrays: its spec describes it, but only a saved state can begin it again. Raises Refusal.
+
+    >>> Spec("vem", agents=30, size=5.0).agents
+    30
+    """
+
+    model: Annotated[str, PlainValidator(name)]
+    agents: Annotated[int, from_(0)] | None = option(
+        "Agents", "Ordinary agents; information agents come on top", kind=int, step=10
+    )
+    seed: Annotated[int, from_(0, LARGEST_SEED)] | None = option(
+        "Seed", "Same seed, same run", kind=int
+    )
+    size: Annotated[float | tuple[float, ...], BeforeValidator(sides)] | None = option(
+        "Side",
+        "Side of the world, or one per axis (length). A world with obstacles or a mission has its "
+        "own; any other has the density of the paper",
+        kind=float,
+        step=0.5,
+    )
+    dim: Annotated[int, BeforeValidator(dimensions)] | None = option(
+        "Dimension", "2 or 3: plane or space; a world built in space has no other", kind=int
+    )
+    """As many as there are sides, where `size` has several."""
+    world: Annotated[str | World, PlainValidator(name_or_world)] | None = option(
+        "World",
+        "A built-in world or a TOML file: what stands in it, what happens at its edges, and where "
+        "the flock is to go. A model is at home in one of its own",
+    )
     start: Literal["random", "given"] = "random"
-    spacing: float | None = Field(default=None, ge=0.0)
-    """Least distance at the start between agents and of agents to what is solid; None: none."""
-    parameters: dict[str, bool | float | str] = Field(default_factory=dict)
+    parameters: dict[str, Any] = Field(default_factory=dict)
+    """Of the rule and the body; the model checks them."""
     layout: dict[str, Any] | None = None
     """The world itself, where it is none of the built-in ones."""
     versions: dict[str, str] = Field(default_factory=dict)
+    """Of what the numbers depend on."""
+
+    def __init__(self, model: Any = DEFAULT, **values: Any) -> None:
+        size = values.get("size")
+        if (
+            values.get("dim") is None
+            and isinstance(size, list | tuple | np.ndarray)
+            and len(size) > 1
+        ):
+            values["dim"] = len(size)
+        try:
+            super().__init__(**{"model": model, **values})
+        except ValidationError as error:
+            raise refusal(error.errors()[0]) from None
+        if self.agents is not None and self.start == "random":
+            whole("agents", self.agents, 1)
 
     @property
-    def dim(self) -> int:
-        """2 or 3."""
-        return len(self.size)
+    def count(self) -> int:
+        """All agents, information agents among them."""
+        return (self.agents or 0) + (self.informed or 0)
+
+    def but(self, **changes: Any) -> Spec:
+        """The same run with some things changed. Raises Refusal."""
+        return Spec(**{**dict(self), **changes})
+
+    def taking(self, **words: Any) -> Spec:
+        """The same run with options that are not None, and parameters: all other words."""
+        options = {key: words.pop(key) for key in OPTIONS if key in words}
+        given = {key: value for key, value in options.items() if value is not None}
+        return self.but(**given, parameters={**self.parameters, **words})
 
     def to_toml(self) -> str:
         """The spec as TOML; floats are written so that they come back to the bit."""
-        return tomlkit.dumps(self.model_dump(mode="json", exclude_none=True))
+        spec = self
+        if isinstance(self.world, World):
+            spec = self.but(world=self.world.name, layout=self.world.to_layout())
+        implied = {"dim"} if isinstance(spec.size, tuple) else None
+        values = spec.model_dump(mode="json", exclude_none=True, exclude=implied)
+        return tomlkit.dumps({key: values[key] for key in KEYS if key in values})
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "TOML text") -> Spec:
@@ -67,23 +239,54 @@ class Spec(BaseModel):
         return cls.from_values(toml(text, origin), origin)
 
     @classmethod
-    def from_values(cls, values: dict[str, Any], origin: str) -> Spec:
+    def from_values(cls, values: Mapping[str, Any], origin: str) -> Spec:
         """A spec from a dictionary. Raises Refusal naming the key that is wrong."""
         for key in values:
-            if key not in cls.model_fields:
-                raise unknown("key", key, cls.model_fields, origin)
+            if key not in KEYS:
+                raise unknown("key", key, KEYS, origin)
+        if "model" not in values:
+            raise Refusal(f"model is missing ({origin})")
         try:
             return cls(**values)
-        except ValidationError as error:
-            first = error.errors()[0]
-            key = ".".join(str(part) for part in first["loc"])
-            if first["type"] == "missing":
-                raise Refusal(f"{key} is missing ({origin})") from None
-            raise Refusal(
-                f"{key} = {shortened(first['input'])} is not allowed: {needed(first)} ({origin})"
-            ) from None
+        except Refusal as error:
+            raise Refusal(f"{error} ({origin})") from None
 
     @classmethod
     def read(cls, path: str | Path) -> Spec:
         """A spec from a TOML file. Raises Refusal."""
         return cls.from_toml(read_text(f"spec {str(path)!r}", path), str(path))
+
+    def demand_complete(self, origin: str) -> None:
+        """Raise Refusal if it leaves open what a run that was made has."""
+        for key in ("agents", "informed", "seed", "world", "size"):
+            if getattr(self, key) is None:
+                raise Refusal(f"{key} is missing ({origin})")
+
+
+FIRST = ("model", "agents", "informed", "seed", "world", "size", "dim")
+KEYS = tuple(dict.fromkeys([*FIRST, *Spec.model_fields]))
+"""Keys of a spec, in the order in which they are written."""
+_EXTRAS: dict[str, Any] = {key: Spec.model_fields[key].json_schema_extra for key in KEYS}
+OPTIONS: dict[str, Option] = {key: extra["option"] for key, extra in _EXTRAS.items() if extra}
+"""What a person may choose of a run beside its model, by name."""
+
+
+def refusal(fault: Any) -> Refusal:
+    """What pydantic found wrong with a spec, in our words."""
+    error = fault.get("ctx", {}).get("error")
+    if isinstance(error, Refusal):
+        return error
+    key = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        return unknown("option", key, OPTIONS)
+    if fault["type"] == "literal_error":
+        if not isinstance(fault["input"], str):
+            return Refusal(f"{key} = {shortened(fault['input'])} is not a name")
+        return unknown(key, fault["input"], get_args(Spec.model_fields[key].annotation))
+    return Refusal(f"{key} = {shortened(fault['input'])} is not allowed: {needed(fault)}")
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    packages = {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}
+    return {"python": platform.python_version(), **packages}

@@ -10,9 +10,9 @@ import statistics
 import sys
 import time
 
-from app.viewer.picture import Wanted
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.run.home import at_home
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
 
 COMMANDS = 40
 
@@ -21,7 +21,7 @@ def main(sizes: list[int]) -> None:
     """Measure and print."""
     print(f"{'agents':>8}{'median, ms':>12}{'worst, ms':>12}   of {COMMANDS} changes of eta")
     for agents in sizes:
-        simulation = Simulation(Start(agents=agents), speed=math.inf, running=True)
+        simulation = Simulation(at_home(agents=agents), speed=math.inf, running=True)
         simulation.ready.wait(60)
         simulation.want(Wanted(layers=True)).result(60)
         time.sleep(2.0)

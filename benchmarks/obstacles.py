@@ -1,4 +1,4 @@
-"""Obstacles: how long a survey takes, and how many questions a second its ground answers.
+"""Obstacles: how long a survey takes, and how many questions a second its surroundings answers.
 
 uv run python benchmarks/obstacles.py [--edges 10000] [--reach 6]
 """
@@ -12,10 +12,9 @@ import time
 import numpy as np
 
 from worlds.compiled import entry
-from worlds.ground import Ground, line_of_sight, nearest_surface, points_within
-from worlds.obstacles import Disc, Wall
-from worlds.shape import SEGMENTS
-from worlds.survey import survey
+from worlds.obstacles import SEGMENTS, Disc, Wall
+from worlds.queries.surroundings import Surroundings, line_of_sight, nearest_surface, points_within
+from worlds.queries.survey import survey
 from worlds.world import World
 
 SIDE = 100.0
@@ -23,31 +22,31 @@ REPEATS = 5
 
 
 @entry
-def surfaces(ground, place, _):
+def surfaces(surroundings, place, _):
     """The sum of all nearest distances that are finite, so that none is left out."""
     total = 0.0
     for i in range(place.shape[0]):
-        at = nearest_surface(ground, place[i, 0], place[i, 1], 0.0)
+        at = nearest_surface(surroundings, place[i, 0], place[i, 1], 0.0)
         total += at.distance if at.distance < math.inf else 0.0
     return total
 
 
 @entry
-def sights(ground, place, _):
+def sights(surroundings, place, _):
     """How many places see the next one."""
     total = 0.0
     for i in range(place.shape[0] - 1):
         a, b = place[i], place[i + 1]
-        total += line_of_sight(ground, a[0], a[1], 0.0, b[0], b[1], 0.0)
+        total += line_of_sight(surroundings, a[0], a[1], 0.0, b[0], b[1], 0.0)
     return total
 
 
 @entry
-def points(ground, place, found):
+def points(surroundings, place, found):
     """How many boundary points are within reach of the places."""
     total = 0.0
     for i in range(place.shape[0]):
-        total += points_within(ground, place[i, 0], place[i, 1], ground.reach, found)
+        total += points_within(surroundings, place[i, 0], place[i, 1], surroundings.reach, found)
     return total
 
 
@@ -64,14 +63,14 @@ def yard(edges: int, rng: np.random.Generator) -> World:
     return World("yard", (SIDE, SIDE), ("solid", "solid"), obstacles=(*discs, *walls))
 
 
-def rate(question, ground: Ground, place: np.ndarray) -> float:
+def rate(question, surroundings: Surroundings, place: np.ndarray) -> float:
     """Questions per second, the best of some rounds."""
-    found = np.empty(ground.most_points, np.int32)
-    question(ground, place[:2], found)
+    found = np.empty(surroundings.most_points, np.int32)
+    question(surroundings, place[:2], found)
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        question(ground, place, found)
+        question(surroundings, place, found)
         seconds.append(time.perf_counter() - start)
     return len(place) / min(seconds)
 
@@ -87,11 +86,11 @@ def main() -> None:
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        ground = survey(world, given.reach)
+        surroundings = survey(world, given.reach)
         seconds.append(time.perf_counter() - start)
     print(
-        f"{len(ground.edge):,} edges of {len(ground.span):,} outlines, "
-        f"{len(ground.point_x):,} boundary points, reach {given.reach:g}"
+        f"{len(surroundings.edge):,} edges of {len(surroundings.span):,} outlines, "
+        f"{len(surroundings.point_x):,} boundary points, reach {given.reach:g}"
     )
     print(f"survey: {min(seconds):.3f} s")
     place = rng.uniform(0.0, SIDE, (100_000, 2))
@@ -102,7 +101,7 @@ def main() -> None:
         ("lines of sight", sights, pairs),
         ("boundary points within reach", points, place),
     ):
-        print(f"{name}: {rate(question, ground, where) / 1e6:.2f} million a second")
+        print(f"{name}: {rate(question, surroundings, where) / 1e6:.2f} million a second")
 
 
 if __name__ == "__main__":

@@ -18,8 +18,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from app.live.example import FILE  # noqa: E402
-from app.live.lab import lab_from_toml  # noqa: E402
+from app.live.laboratory.example import FILE  # noqa: E402
+from app.live.laboratory.lab import lab_from_toml  # noqa: E402
+from app.live.operating.choices import Choices  # noqa: E402
 from app.viewer.live.page import LivePage  # noqa: E402
 
 REPEATS, QUICK = 20, 3
@@ -89,13 +90,13 @@ def arm(page: LivePage) -> None:
     """Arm, from whatever state; cars that are held are armed again."""
 
     def armed() -> bool:
-        look = page.room.look
-        if look.arm == "emergency":
-            page.room.ask("reset", "benchmark")
-        elif look.arm == "safe" and not look.reasons:
-            page.room.ask("arm", "benchmark")
+        status = page.session.status
+        if status.arm == "emergency":
+            page.session.ask("reset", "benchmark")
+        elif status.arm == "safe" and not status.reasons:
+            page.session.ask("arm", "benchmark")
         time.sleep(0.05)
-        return page.room.look.arm == "armed"
+        return page.session.status.arm == "armed"
 
     until(armed, SETTLE)
 
@@ -104,14 +105,14 @@ def press(page: LivePage, presser: subprocess.Popen[str]) -> float:
     """Seconds from pressing to the loop's stop."""
     arm(page)
     time.sleep(0.3)
-    if page.room.look.arm != "armed":
+    if page.session.status.arm != "armed":
         return press(page, presser)
-    known = len(page.room.events)
+    known = len(page.session.events)
     print("press", file=presser.stdin, flush=True)
     began = float(presser.stdout.readline())
 
     def stopped():
-        return [one for one in page.room.events[known:] if one.kind == "emergency"]
+        return [one for one in page.session.events[known:] if one.kind == "emergency"]
 
     until(stopped, SETTLE)
     return stopped()[0].time - began
@@ -138,10 +139,12 @@ def main(quick: bool) -> None:
     """Measure and print."""
     repeats = QUICK if quick else REPEATS
     lab = lab_from_toml(patient(), "the benchmark")
-    page = LivePage(lab, port=0, source="emulated cars")
+    page = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     try:
-        until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
-        until(lambda: not page.room.look.reasons, BEGINS)
+        until(
+            lambda: page.session.status is not None and page.session.state.phase == "open", BEGINS
+        )
+        until(lambda: not page.session.status.reasons, BEGINS)
         of = f"   of {repeats} stops"
         print(f"{'':24}{'':12}{'median, s':>12}{'worst, s':>12}{of}", flush=True)
         for way, by_message in (("own way", False), ("as viser's message", True)):

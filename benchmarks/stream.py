@@ -35,10 +35,10 @@ CAMERA = {
 
 def serve(agents: int, speed: float, pipe: Connection) -> None:
     """The laboratory; answers every message of the pipe with the processor times so far, s."""
-    from app.viewer.laboratory import Laboratory
-    from app.viewer.start import Start
+    from app.viewer.lab.laboratory import Laboratory
+    from app.viewer.run.home import at_home
 
-    start = Start("hwvem", agents=agents, parameters={"eta": 0.3})
+    start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=speed)
     laboratory.simulation.ready.wait()
     clock = time.pthread_getcpuclockid(laboratory.simulation.thread.ident or 0)

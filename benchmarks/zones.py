@@ -16,7 +16,7 @@ from typing import Any
 
 from agents import Flock, catalogue
 from agents.bodies.flyer import FLYER
-from agents.model import Model
+from agents.models.model import Model
 from agents.rules.zones import ZONES
 
 TICKS = 5

@@ -13,8 +13,9 @@ from pathlib import Path
 from rule_scenes import flock_of, scene_of
 
 from agents.catalogue import MODELS, Model
-from agents.declare import Declared, declared
 from agents.flock import Flock
+from agents.models.declare import Declared, declared
+from agents.observables.catalogue import OBSERVABLES, usual_charts
 from worlds.layout import read_layout
 
 HERE = Path(__file__).parent / "rules"
@@ -23,13 +24,14 @@ ARTICLES = {
     "acceleration": "an acceleration",
     "velocity": "a velocity",
 }
-VICSEK, MISSION, GOAL, ZONES, OTHERS = (
-    "The Vicsek family",
-    "The Vicsek family on a mission",
-    "Followers of a goal",
-    "Zones and flapping wings",
-    "Other well-known flocks",
-)
+VICSEK, MISSION, GOAL, ZONES, OTHERS = "vicsek", "mission", "goal", "zones", "others"
+TITLES = {
+    VICSEK: "The Vicsek family",
+    MISSION: "The Vicsek family on a mission",
+    GOAL: "Followers of a goal",
+    ZONES: "Zones and flapping wings",
+    OTHERS: "Other well-known flocks",
+}
 GROUPS = {
     VICSEK: "Agents of constant speed turn to a mean of their neighbours' headings; the rules "
     "differ in who counts how much.",
@@ -45,10 +47,8 @@ GROUPS = {
 
 def group(model: Model) -> str:
     """The part of the list that a model is in."""
-    if model.body.name == "navigator":
-        return MISSION
-    if model.body.name == "constant-speed":
-        return VICSEK
+    if model.body.family:
+        return model.body.family
     if model.rule.zones:
         return ZONES
     return GOAL if "gamma" in model.rule.forces else OTHERS
@@ -177,11 +177,8 @@ def page(model: Model) -> str:
     agents = flock.spec.agents
     many = f" --agents {agents}" if agents != model.agents else ""
     ticks = scene.ticks[-1]
-    measure = "inside-obstacles" if model.sees_obstacles else "polarisation"
-    if "goal" in read_layout(model.world).get("mission", {}) and group(model) == GOAL:
-        measure = "goal-distance"
-    if group(model) == MISSION:
-        measure = "following"
+    offered = [name for name, one in OBSERVABLES.items() if one.applies(flock)]
+    measure = usual_charts(model, offered)[0][0]
     return f"""# {model.title} (`{model.name}`)
 
 {model.summary}
@@ -214,7 +211,7 @@ uv run flockscope run {model.name}{many}{options} --ticks {ticks} --seed {scene.
 ```
 
 ```python
-from agents import Flock
+from flockscope import Flock
 
 flock = Flock("{model.name}", agents={agents}{keywords}, rng={scene.seed})
 flock.run({ticks})
@@ -226,13 +223,13 @@ print(flock.observe("{measure}"))
 def index() -> str:
     """The list of all pages."""
     parts = ["# Models", "Made from the models' own declarations by `docs/make.py`."]
-    for title, about in GROUPS.items():
+    for family, about in GROUPS.items():
         lines = [
             f"- [{m.title}]({name}.md) (`{name}`): {m.summary}"
             for name, m in MODELS.items()
-            if group(m) == title
+            if group(m) == family
         ]
-        parts += [f"## {title}", about, "\n".join(lines)]
+        parts += [f"## {TITLES[family]}", about, "\n".join(lines)]
     parts.append("[A rule of your own](../new-rule.md) is one file.")
     return "\n\n".join(parts) + "\n"
 

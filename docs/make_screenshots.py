@@ -13,16 +13,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from app.viewer.scene.shown.status import STEP_OFF
 from playwright.sync_api import sync_playwright
 
-from app.live.example import example
-from app.viewer.laboratory import Laboratory
+from agents.spec import Spec
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices
+from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.scene import STEP_OFF
-from app.viewer.start import Start, at_home
+from app.viewer.run.home import at_home
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"
+BESIDE = {"laboratory-beside.png": "vem-a-nav", "laboratory-pocket.png": "olfati-saber"}
+"""The second model of a picture that has two."""
 ARGUMENTS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -34,8 +38,8 @@ ARGUMENTS = [
 
 def main(only: tuple[str, ...] = ()) -> None:
     """The plane, an agent from close, space; then missions. `only` these, or all."""
-    plane = Start("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
-    space = Start("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
+    plane = at_home("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
+    space = at_home("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
     zones = at_home("couzin", dim=3, agents=150, seed=3, parameters={"dr_a": 4.0})
     riders = at_home("couzin", dim=3, agents=100, seed=3)
     echelons = at_home("echelon", seed=4)
@@ -44,8 +48,8 @@ def main(only: tuple[str, ...] = ()) -> None:
     pocket = at_home("boundary-points", seed=3)
     rooms = at_home("hwvem-nav", world="rooms-3d", agents=150, seed=3)
     cars = at_home("squashing-cars", seed=2)
-    beside = at_home("hwvem-nav", beside="vem-a-nav", seed=3)
-    pockets = at_home("boundary-points", beside="olfati-saber", seed=3)
+    beside = at_home("hwvem-nav", seed=3)
+    pockets = at_home("boundary-points", seed=3)
     for name, *scene in (
         ("laboratory.png", plane, 15.0, 45, in_layers),
         ("laboratory-agent.png", plane, 15.0, 45, from_close),
@@ -69,14 +73,14 @@ def main(only: tuple[str, ...] = ()) -> None:
 
 def in_layers(laboratory: Laboratory, _page: Any) -> None:
     """Colours are layers, and there are trails."""
-    laboratory.view.colour.value = "layer"
-    laboratory.view.trails.value = "line"
-    laboratory.view.length.value = 30
+    laboratory.view.form["colour"].value = "layer"
+    laboratory.view.form["trails"].value = "line"
+    laboratory.view.form["trail_length"].value = 30
 
 
 def from_close(laboratory: Laboratory, page: Any) -> None:
     """An agent is inspected; the View tab is open."""
-    laboratory.view.colour.value = "layer"
+    laboratory.view.form["colour"].value = "layer"
     laboratory.select(200)
     page.get_by_role("tab", name="View").click()
 
@@ -102,8 +106,8 @@ def on_a_bird(laboratory: Laboratory, page: Any) -> None:
 
 def with_wakes(laboratory: Laboratory, _page: Any) -> None:
     """Colours are what each bird saves; the camera is near one that has others ahead."""
-    laboratory.view.colour.value = "energy saved"
-    laboratory.view.wake.value = True
+    laboratory.view.form["colour"].value = "energy saved"
+    laboratory.view.form["wake"].value = True
     for client in laboratory.server.get_clients().values():
         laboratory.scene.follow(client, in_company(laboratory))
 
@@ -119,13 +123,13 @@ def in_company(laboratory: Laboratory) -> int:
 
 def on_a_mission(laboratory: Laboratory, _page: Any) -> None:
     """The first waypoint is done, and the passage lies behind."""
-    laboratory.view.trails.value = "line"
+    laboratory.view.form["trails"].value = "line"
     point(laboratory, "perspective")
 
 
 def among_obstacles(laboratory: Laboratory, page: Any) -> None:
     """A walled yard at a slant; the Setup tab is open."""
-    laboratory.view.trails.value = "line"
+    laboratory.view.form["trails"].value = "line"
     page.get_by_role("tab", name="Setup").click()
     point(laboratory, "perspective")
 
@@ -143,23 +147,23 @@ def through_rooms(_laboratory: Laboratory, page: Any) -> None:
 
 def in_space_and_time(laboratory: Laboratory, page: Any) -> None:
     """Cars, and what they leave behind them rises with time; the View tab is open."""
-    laboratory.view.trails.value = "rising in time"
-    laboratory.view.length.value = 1000
-    laboratory.view.labels.value = True
+    laboratory.view.form["trails"].value = "rising in time"
+    laboratory.view.form["trail_length"].value = 1000
+    laboratory.view.form["labels"].value = True
     page.get_by_role("tab", name="View").click()
     point(laboratory, "perspective")
 
 
 def side_by_side(laboratory: Laboratory, _page: Any) -> None:
     """Two models on one mission."""
-    laboratory.view.trails.value = "line"
+    laboratory.view.form["trails"].value = "line"
 
 
 def before_a_pocket(laboratory: Laboratory, page: Any) -> None:
     """One model goes round, the other one is caught; the Setup tab is open."""
-    laboratory.view.trails.value = "line"
-    laboratory.view.length.value = 200
-    laboratory.view.size.value = 1.6
+    laboratory.view.form["trails"].value = "line"
+    laboratory.view.form["trail_length"].value = 200
+    laboratory.view.form["agent_size"].value = 1.6
     page.get_by_role("tab", name="Setup").click()
 
 
@@ -170,10 +174,13 @@ def point(laboratory: Laboratory, camera: str) -> None:
 
 
 def take(
-    name: str, start: Start, speed: float, tick: int, arrange: Callable[[Laboratory, Any], None]
+    name: str, spec: Spec, speed: float, tick: int, arrange: Callable[[Laboratory, Any], None]
 ) -> None:
     """Run a flock to a tick and take its picture, 1440 x 900."""
-    laboratory = Laboratory(start, port=0, speed=speed, running=False)
+    beside = BESIDE.get(name)
+    laboratory = Laboratory(
+        spec, port=0, speed=speed, running=False, beside=Spec(beside) if beside else None
+    )
     laboratory.simulation.ready.wait()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
@@ -203,7 +210,7 @@ def take_live() -> None:
     """Two emulated cars and two simulated ones drive for a while, armed in the browser."""
     lab = example()
     lab = lab.model_copy(update={"simulated": lab.simulated.model_copy(update={"cars": 2})})
-    laboratory = LivePage(lab, port=0, source="emulated cars")
+    laboratory = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=ARGUMENTS
@@ -214,7 +221,7 @@ def take_live() -> None:
         page.get_by_text("Software WebGL").wait_for()
         page.locator(".mantine-Notification-closeButton").first.click()
         page.get_by_role("button", name="Arm …").click()
-        page.locator(".mantine-Modal-body input").fill(laboratory.room.code.digits)
+        page.locator(".mantine-Modal-body input").fill(laboratory.session.code.digits)
         page.wait_for_timeout(100)
         page.get_by_role("button", name="Arm", exact=True).click()
         page.locator(".fs-running").wait_for()

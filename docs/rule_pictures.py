@@ -14,10 +14,10 @@ from matplotlib.patches import Rectangle
 from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
-from agents.model import Model
+from agents.models.model import Model
 from app.worlds.colours import FLOOR, GOAL, INK, LOOK, PALE, PATH, SOLID, SOLID_EDGE
+from app.worlds.footprint import footprint
 from app.worlds.plan import edges, fill, floor
-from app.worlds.shadow import shadow
 
 DART = np.array([[0.62, 0.0], [-0.42, 0.40], [-0.24, 0.0], [-0.42, -0.40]])
 """Outline of an agent of length 1 that heads along +x."""
@@ -32,10 +32,10 @@ PIECES = 8
 
 
 def by_heading(flock: Flock) -> np.ndarray:
-    """A colour for each agent from its heading, (N, 3); grey for the fallen."""
+    """A colour for each agent from its heading, (N, 3); grey for crashed agents."""
     hue = np.arctan2(flock.heading[:, 1], flock.heading[:, 0]) / (2 * np.pi) % 1.0
     colour = hsv_to_rgb(np.column_stack([hue, np.full_like(hue, 0.8), np.full_like(hue, 0.75)]))
-    colour[~flock.flying] = matplotlib.colors.to_rgb(LOST)
+    colour[~flock.active] = matplotlib.colors.to_rgb(LOST)
     return colour
 
 
@@ -85,7 +85,7 @@ def draw_world(axes: Any, flock: Flock) -> None:
     """Draw what is solid, and the path and the goal of those who know them."""
     world, mission = flock.world, flock.world.mission
     floor(axes, world)
-    fill(axes, shadow(world), SOLID, SOLID_EDGE)
+    fill(axes, footprint(world), SOLID, SOLID_EDGE)
     edges(axes, world)
     if mission is None:
         return

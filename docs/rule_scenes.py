@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from agents import Flock
-from agents.model import Model
+from agents.models.model import Model
 
 
 @dataclass(frozen=True)

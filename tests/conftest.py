@@ -1,18 +1,76 @@
-"""Two processes test whole files, and all that looks into a browser is one file to them.
+"""Which tests there are, how thoroughly values are drawn, and in which order files are tested.
 
-Two browsers at once, without a GPU, would keep each other waiting.
+A test bears its folder's name as a mark (`-m "not browser"`), and `quick` if it needs neither a
+browser nor another process: `-m quick` leaves whole folders out before they are read.
+Two processes test whole files, the dear ones first, so that none is left alone at the end. All
+that looks into a browser is one file to them: two browsers at once, without a GPU, would keep each
+other waiting. A page of the documentation is one by itself.
 """
 
 from __future__ import annotations
 
+import functools
+import os
+import sys
+from pathlib import Path
+
 import pytest
+from _pytest.doctest import DoctestModule
 from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
+HERE = Path(__file__).parent
 BROWSER = "tests/browser"
+QUICK = ("flight", "oracles", "worlds")
+"""Folders of tests that are quick, beside the files of this one."""
+NOT_QUICK = (
+    "test_commands.py",
+    "test_conformance.py",
+    "test_docs.py",
+    "test_interpret.py",
+    "test_kernel_cache.py",
+    "test_mesa.py",
+    "test_observables_of_few.py",
+    "test_page.py",
+    "test_solid_walls.py",
+    "test_trim.py",
+)
+"""Files that are not quick all the same: commands, processes, what takes all models or pages."""
+FEW = 8
+"""Examples that hypothesis draws at most for a test, if what is quick is run."""
+DEAR = (
+    "tests/browser",
+    "tests/test_solid_walls.py",
+    "tests/test_engine_neighbours.py",
+    "tests/test_guarded.py",
+    "tests/test_crashes.py",
+    "tests/test_zones.py",
+    "tests/test_vasarhelyi.py",
+    "tests/test_flock_among_obstacles.py",
+    "tests/test_olfati_saber.py",
+    "tests/test_kernel_cache.py",
+    "tests/test_new_rule.py",
+    "tests/test_sums.py",
+    "tests/test_cars.py",
+    "tests/test_rules.py",
+    "tests/live",
+    "tests/flight/test_commands.py",
+    "tests/papers",
+    "tests/cli/test_missions.py",
+    "tests/experiments/test_missions.py",
+    "tests/cli/test_live.py",
+    "tests/cli",
+)
+"""What takes longest (`--durations=20` says), first."""
+LATE = ("tests/test_conformance.py", "tests/pages")
+"""What runs every model or every printed command: last, when other tests have compiled them."""
 
-settings.register_profile("any machine", deadline=None)
-settings.load_profile("any machine")
+USED = "_hypothesis_internal_use_settings"
+"""Where hypothesis keeps the settings of a test."""
+
+settings.register_profile("dev", deadline=None, max_examples=25)
+settings.register_profile("ci", deadline=None, print_blob=True)
+settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
 class ByFile(LoadFileScheduling):
@@ -20,10 +78,83 @@ class ByFile(LoadFileScheduling):
 
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
+        if file.startswith("tests/pages"):
+            return nodeid
         return BROWSER if file.startswith(BROWSER) else file
+
+
+@pytest.fixture(autouse=True)
+def catalogue_as_it_was():
+    """Models that a test brings, or first asks for, are gone after it."""
+    catalogue = sys.modules.get("agents.catalogue")
+    models = {} if catalogue is None else catalogue.MODELS
+    before = dict(models)
+    yield
+    for name in models.keys() - before:
+        del models[name]
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Hand out tests so."""
     return ByFile(config, log)
+
+
+@functools.cache
+def is_quick(path: Path) -> bool:
+    """Whether a file or folder of tests is, or may hold, what `-m quick` runs."""
+    if not path.is_relative_to(HERE):
+        return not path.is_relative_to(HERE.parent / "app")
+    if path.name in NOT_QUICK:
+        return False
+    inside = path.relative_to(HERE).parts
+    return not inside or inside[0] in QUICK or (len(inside) == 1 and not path.is_dir())
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Do not even read what `-m quick` would leave out."""
+    if config.option.markexpr == "quick" and not is_quick(collection_path):
+        return True
+    return None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file(file_path):
+    """Look for examples only in files that have some: to look, a file is imported."""
+    found = yield
+    if file_path.suffix == ".py" and ">>>" not in file_path.read_text(encoding="utf-8"):
+        return [one for one in found if not isinstance(one, DoctestModule)]
+    return found
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    """Mark tests by their folder, put the dear files first, and draw few examples if quick."""
+    for item in items:
+        for mark in marks(item.path):
+            item.add_marker(mark)
+        if config.option.markexpr == "quick":
+            draw_few(getattr(item, "obj", None))
+    items.sort(key=lambda item: place(item.nodeid.partition("::")[0]))
+
+
+def draw_few(test):
+    """Draw at most FEW examples for a test of hypothesis, whatever it asks for."""
+    asked = getattr(test, USED, None)
+    if asked is not None and asked.max_examples > FEW:
+        setattr(test, USED, settings(asked, max_examples=FEW))
+
+
+@functools.cache
+def marks(path: Path) -> list[str]:
+    """The marks that all tests of a file bear."""
+    inside = path.is_relative_to(HERE) and path.parent != HERE
+    folder = [path.relative_to(HERE).parts[0]] if inside else []
+    return [*folder, "quick"] if is_quick(path) else folder
+
+
+@functools.cache
+def place(file: str) -> int:
+    """Where a file stands: among the dear ones, behind them, or last."""
+    found = (at for at, name in enumerate(DEAR) if file.startswith(name))
+    return next(found, len(DEAR) + file.startswith(LATE))

@@ -4,7 +4,6 @@ Tracks of animals and cars have gaps. What is measured of them is what is measur
 """
 
 import math
-import warnings
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock
-from agents.catalogue import MODELS, model
+from agents.catalogue import model
 from agents.observables import (
     consistency,
     correlation,
@@ -21,18 +20,14 @@ from agents.observables import (
     following,
     formation,
     groups,
-    layers,
     neighbours,
     order,
     per_group,
     rotation,
 )
-from agents.observables.catalogue import OBSERVABLES
 from agents.observables.checks import LeftOut
 from agents.observables.components import groups_within
-from agents.series import follow
-from worlds.refusal import Refusal
-from worlds.world import World
+from tests.left_out import quietly
 
 P = model("boundary-points").parameters()
 SOME = settings(max_examples=60, deadline=None, derandomize=True)
@@ -103,15 +98,6 @@ BY_ROW = {
     "saved": (lambda t: formation.saved_shares(t.position, t.heading, 2.0, *t.box), math.nan),
 }
 """A row for each agent, and what it is for one that is left out."""
-
-
-def quietly(function, *arguments):
-    """What a function gives, and the LeftOut that it warned of; any other warning is an error."""
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("error")
-        warnings.simplefilter("always", LeftOut)
-        found = function(*arguments)
-    return found, [one.message for one in said]
 
 
 cases = {
@@ -243,14 +229,14 @@ def test_the_nearest_pairs_are_those_of_the_ticks_at_which_both_are_known():
 
 
 def test_the_least_clearances_are_those_of_the_ticks_at_which_an_agent_is_known():
-    ground = Flock("vem", agents=2, rng=1, world="corridor").engine.ground
+    surroundings = Flock("vem", agents=2, rng=1, world="corridor").engine.surroundings
     whole, spoilt = traces()
     least = np.full(6, math.inf)
-    _, said = quietly(following.least_clearances, spoilt, ground, least)
+    _, said = quietly(following.least_clearances, spoilt, surroundings, least)
     for i in range(6):
         one = np.full(1, math.inf)
         known = np.isfinite(spoilt[:, :, i]).all(axis=1)
-        following.least_clearances(whole[known][:, :, i : i + 1], ground, one)
+        following.least_clearances(whole[known][:, :, i : i + 1], surroundings, one)
         assert one[0] == least[i]
     assert len(said) == 1
 
@@ -293,207 +279,3 @@ def test_what_works_element_by_element_has_nan_where_it_is_given_nan():
     ):
         assert np.isnan(found).tolist() == [False, True, False]
     assert float(formation.upwash_share(2.0, math.inf)) == 0.0
-
-
-# --- refused ----------------------------------------------------------------------------------
-
-U = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-X = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 1.0]])
-BOX = np.array([10.0, 10.0]), np.zeros(2, bool)
-WRONG = {
-    "a whole track": (lambda: order.polarisation(np.ones((5, 3, 2))), r"heading has shape \(5, 3"),
-    "angles": (lambda: order.polarisation(np.ones(3)), r"heading has shape \(3,\)"),
-    "four axes": (lambda: order.polarisation(np.ones((3, 4))), r"heading has shape \(3, 4\)"),
-    "velocities": (lambda: order.polarisation(2.0 * U), "heading has a row of length 2"),
-    "who stands": (lambda: order.polarisation(0.0 * U), "heading has a row of length 0"),
-    "one of zeros": (
-        lambda: rotation.angular_momentum(X, U * [[1.0], [0.0], [1.0]], *BOX),
-        "length 0: unit vectors are needed, or nan",
-    ),
-    "objects": (lambda: order.polarisation(U.astype(object)), "heading holds object values"),
-    "complex": (lambda: order.polarisation(U + 1j), "heading holds complex128 values"),
-    "words": (lambda: order.polarisation([["a", "b"]]), "heading holds <U1 values"),
-    "ragged": (lambda: order.polarisation([[1.0], [1.0, 2.0]]), "rows have different lengths"),
-    "nothing": (lambda: order.polarisation(None), "heading holds object values"),
-    "lengths": (
-        lambda: rotation.angular_momentum(X[:2], U, *BOX),
-        "rows: position 2, heading 3",
-    ),
-    "axes": (
-        lambda: rotation.angular_momentum(np.ones((3, 3)), U, np.ones(3), np.zeros(3, bool)),
-        r"shapes: position \(3, 3\), heading \(3, 2\)",
-    ),
-    "a box of zero": (lambda: rotation.centre(X, [10.0, 0.0], BOX[1]), r"size = \[10.0, 0.0\]"),
-    "a box of nan": (lambda: groups_within(X, 1.0, [math.nan] * 2, BOX[1]), "size = "),
-    "a box of three": (lambda: neighbours.links(X, 1.0, np.ones(3), BOX[1]), r"size has shape \(3"),
-    "a box of one number": (lambda: neighbours.links(X, 1.0, 10.0, BOX[1]), r"size has shape \(\)"),
-    "images of floats": (lambda: neighbours.links(X, 1.0, BOX[0], [0.0, 1.0]), "images has shape"),
-    "reach nan": (lambda: neighbours.links(X, math.nan, *BOX), "r = nan"),
-    "reach below 0": (lambda: neighbours.mean_neighbours(X, -1.0, *BOX), "r = -1.0"),
-    "reach infinite": (lambda: groups_within(X, math.inf, *BOX), "r = inf"),
-    "width": (lambda: correlation.correlation(X, U, *BOX, width=0.0), "width = 0.0"),
-    "labels of floats": (lambda: per_group.polarisations([0.0, 1.0, 1.0], U), "labels holds float"),
-    "labels below -1": (lambda: groups.group_sizes([0, -2]), "labels holds -2"),
-    "labels too few": (lambda: per_group.polarisations([0, 1], U), "rows: labels 2, heading 3"),
-    "links beyond": (lambda: groups.group_labels(3, [[0, 3]]), "links holds 3"),
-    "links of three": (lambda: groups.group_labels(3, [[0, 1, 2]]), r"links have shape \(1, 3\)"),
-    "informed": (lambda: layers.layers([[0, 1]], [0.0, 1.0]), "informed holds float64 values"),
-    "layers": (lambda: layers.layer_histogram([1.5, 2.0]), "layer holds float64 values"),
-    "reference zero": (lambda: consistency.consistency(U, [0.0, 0.0]), r"reference = \[0.0, 0.0\]"),
-    "reference nan": (lambda: consistency.consistency(U, math.nan), r"reference = \[nan\]"),
-    "reference of three": (
-        lambda: consistency.consistency(U, [1.0, 0.0, 0.0]),
-        "reference has 3 axes and heading 2",
-    ),
-    "degrees": (lambda: consistency.convergence_time(np.ones((2, 2))), "degrees has shape"),
-    "series": (lambda: fluctuations.binder(np.ones((2, 2))), "series has shape"),
-    "agents": (lambda: fluctuations.susceptibility([0.5], -1), "n = -1"),
-    "goal": (lambda: energy.hamiltonian(X, U, [[0.0, 0.0]], [], P), "goal = "),
-    "points": (
-        lambda: energy.hamiltonian(X, U, np.zeros((2, 2)), np.ones((1, 3)), P),
-        "points have 3 axes",
-    ),
-    "energy": (lambda: energy.furthest(-1.0, P), "energy = -1.0"),
-    "places": (lambda: neighbours.separation(X, np.ones((2, 2)), *BOX), "do not match"),
-    "upwash": (lambda: formation.upwash_share([1, 2], [1, 2, 3]), "do not match"),
-    "flock of one number": (lambda: formation.saved_shares(X[0], U[0], 1.0), "position has shape"),
-    "trace": (lambda: following.nearest_pairs(X, np.zeros((2, 2))), "trace has shape"),
-    "least2": (
-        lambda: following.nearest_pairs(np.zeros((1, 2, 3)), np.zeros((2, 2))),
-        r"least2 is float64 \(2, 2\): an array float \(3, 3\) is needed",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", WRONG)
-def test_what_is_not_as_described_is_refused_in_one_line(name):
-    call, words = WRONG[name]
-    with pytest.raises(Refusal, match=words) as said:
-        quietly(call)
-    assert "\n" not in str(said.value)
-
-
-@pytest.mark.parametrize("empty", [[], np.empty((0, 2)), np.empty((0, 3))])
-def test_nobody_has_a_value_and_no_warning(empty):
-    dim = np.shape(empty)[-1] or 2
-    box = np.ones(dim), np.ones(dim, bool)
-    found = {
-        "polarisation": quietly(order.polarisation, empty)[0],
-        "consistency": quietly(consistency.consistency, empty)[0],
-        "momentum": quietly(rotation.angular_momentum, empty, empty, *box)[0],
-        "neighbours": quietly(neighbours.mean_neighbours, empty, 1.0, *box)[0],
-        "links": len(quietly(neighbours.links, empty, 1.0, *box)[0]),
-        "groups": len(quietly(groups_within, empty, 1.0, *box)[0]),
-    }
-    assert list(found.values()) == [0.0, 1.0, 0.0, 0.0, 0, 0]
-    assert np.isnan(quietly(rotation.centre, empty, *box)[0]).all()
-    assert math.isnan(quietly(correlation.correlation_length, empty, empty, *box)[0])
-
-
-# --- of a flock -------------------------------------------------------------------------------
-
-AT_ONE_TICK = [one.name for one in OBSERVABLES.values() if one.over is None]
-ROOM = World(name="room", size=(12.0, 12.0), edges=("solid", "wrap"))
-
-
-@pytest.mark.parametrize("array", ["position", "heading", "speed"])
-@pytest.mark.parametrize("name", AT_ONE_TICK)
-def test_an_agent_of_a_flock_that_is_nowhere_is_left_out(name, array):
-    def flock(rows):
-        rng = np.random.default_rng(8)
-        angle = rng.uniform(0.0, math.tau, 30)
-        start = {
-            "position": rng.uniform(0.5, 11.5, (30, 2)),
-            "heading": np.c_[np.cos(angle), np.sin(angle)],
-            "speed": rng.uniform(0.5, 1.0, 30),
-        }
-        return Flock(
-            "vem", start={key: value[rows] for key, value in start.items()}, world=ROOM, rng=1
-        )
-
-    made, fine = flock(np.arange(30)), flock(np.setdiff1d(np.arange(30), [0, 17]))
-    getattr(made, array)[[0, 17]] = math.nan
-    found, said = quietly(made.observe, name)
-    np.testing.assert_equal(found, fine.observe(name))
-    assert [(one.rows, one.of, one.what) for one in said] == [(2, 30, "agents")]
-
-
-NONE = {
-    "polarisation": 0.0, "consistency": 1.0, "angular-momentum": 0.0, "groups": 0,
-    "largest-group": 0, "mean-neighbours": 0.0, "nearest-neighbour": math.inf, "connectivity": 0.0,
-    "obstacle-distance": math.inf, "inside-obstacles": 0, "group-polarisation": math.nan,
-    "group-angular-momentum": math.nan, "correlation-length": math.nan, "goal-distance": math.nan,
-    "following": math.nan, "drag-saved": math.nan, "energy-saved": math.nan, "group-sizes": {},
-    "group-table": {}, "layers": {},
-}  # fmt: skip
-"""What a flock of nobody has, but for `crashes`, which goes on telling of those that were."""
-ONE = {
-    "polarisation": 1.0, "consistency": 1.0, "angular-momentum": 0.0, "groups": 1,
-    "largest-group": 1, "group-polarisation": 1.0, "group-angular-momentum": 0.0,
-    "mean-neighbours": 0.0, "nearest-neighbour": math.inf, "connectivity": 0.0,
-    "correlation-length": math.nan, "group-sizes": {1: 1},
-    "group-table": {"agents": 1, "polarisation": 1.0, "angular-momentum": 0.0},
-}  # fmt: skip
-"""What a lone agent has, whatever it is and wherever; the rest depends on its world."""
-MAY_BE_NAN = {
-    "correlation-length", "crashes", "goal-distance", "following", "drag-saved", "energy-saved",
-}  # fmt: skip
-"""What a flock of two may lack."""
-
-
-def of(name, n, **more):
-    """A flock of n ordinary agents and its information agents; of none, all were taken out."""
-    flock = Flock(name, agents=max(1, n), rng=1, **more)
-    for member in list(flock.members) if n == 0 else []:
-        member.remove()
-    return flock
-
-
-@pytest.fixture(scope="module")
-def few():
-    """Flocks of none, one and two: of every model where it is at home, and in other worlds."""
-    elsewhere = [
-        ("vem", {"dim": 3}),
-        ("vem", {"world": ROOM}),
-        ("vem", {"world": "open"}),
-        ("vem", {"world": "wrap-plain"}),
-        ("couzin", {"world": "rooms-3d"}),
-        ("hwvem-nav", {"world": "obstacles"}),
-        ("vem", {"informed": 0}),
-    ]
-    made = {n: [of(name, n) for name in MODELS] for n in (0, 1, 2)}
-    for n, flocks in made.items():
-        flocks += [of(name, n, **more) for name, more in elsewhere]
-        ran = of("vem", n, eta=1.0)
-        ran.run(3)
-        flocks.append(ran)
-    return made
-
-
-@pytest.mark.parametrize("n", [0, 1, 2])
-@pytest.mark.parametrize("name", AT_ONE_TICK)
-def test_every_observable_is_defined_of_a_flock_of_none_of_one_and_of_two(name, n, few):
-    """Never an exception, never a warning, and nan only where docs/observables.md says so."""
-    for flock in few[n]:
-        who = flock.model.name, flock.world.name
-        value, said = quietly(flock.observe, name)
-        assert said == [], who
-        agents = len(flock.ids)
-        assert agents == (n + flock.started_with[1] if n else 0)
-        expected = NONE if agents == 0 else ONE if agents == 1 else {}
-        if name in expected:
-            value = value[0] if name == "group-table" and agents == 1 else value
-            assert value == pytest.approx(expected[name], abs=1e-15, nan_ok=True), who
-        elif name not in MAY_BE_NAN and not isinstance(value, dict):
-            assert not math.isnan(value), who
-
-
-@pytest.mark.parametrize("name", ["susceptibility", "binder"])
-def test_a_run_of_few_has_fluctuations_or_none(name, few):
-    for n, expected in (
-        (0, {"susceptibility": 0.0, "binder": math.nan}),
-        (1, {"susceptibility": 0.0, "binder": 2.0 / 3.0}),
-    ):
-        series, said = quietly(follow, few[n][-1], 4, [name])
-        assert said == []
-        assert series.over(name) == pytest.approx(expected[name], abs=1e-12, nan_ok=True)

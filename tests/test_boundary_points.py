@@ -14,6 +14,7 @@ from oracles.olfati_saber import moved
 
 from agents import Flock
 from agents.engine.block import Me, Near
+from agents.engine.cache import kept
 from agents.rules import boundary_points as rule
 from worlds.compiled import entry
 from worlds.obstacles import obstacle
@@ -70,8 +71,8 @@ def memories(flock):
 
 def points_of(flock):
     """All boundary points, (M, 2)."""
-    ground = flock.engine.ground
-    return np.column_stack([ground.point_x, ground.point_y])
+    surroundings = flock.engine.surroundings
+    return np.column_stack([surroundings.point_x, surroundings.point_y])
 
 
 def compare_tick(flock):
@@ -111,9 +112,9 @@ def test_three_ticks_are_those_of_the_reading(scene, given_):
 
 
 @entry
-def explain(me, near, ground, p, out):
-    rule.perceive(me, near, ground, p)
-    rule.explain(me, near, ground, p, out)
+def explain(me, near, surroundings, p, out):
+    rule.perceive(me, near, surroundings, p)
+    rule.explain(me, near, surroundings, p, out)
 
 
 def test_the_forces_shown_are_the_terms_of_the_reading():
@@ -122,11 +123,11 @@ def test_the_forces_shown_are_the_terms_of_the_reading():
     q, v, p = flock.position, velocity_of(flock), flock.parameters
     terms, _ = oracle.forces(q, v, memories(flock), points_of(flock), goal_of(flock), p, [])
     assert (np.abs(terms).max(axis=(0, 2)) > 1e-3).all()
-    flock.engine.ground.goal[:, :2] = goal_of(flock)
+    flock.engine.surroundings.goal[:, :2] = goal_of(flock)
     for row in range(9):
         shown = np.empty((5, 3))
         me, around = close_up(flock, row)
-        explain(me, around, flock.engine.ground, flock.law.parameters, shown)
+        explain(me, around, flock.engine.surroundings, flock.context.parameters, shown)
         assert np.abs(shown[:, :2] - terms[row]).max() < 1e-8
         assert not shown[:, 2].any()
 
@@ -165,7 +166,7 @@ def boundary_end(me, near, ax, ay, p):
     return rule.boundary_end(me, near, ax, ay, p)
 
 
-@entry
+@kept
 def is_blocked(me, near, gx, gy, width):
     return rule.is_blocked(me, near, gx, gy, width)
 
@@ -181,9 +182,9 @@ def around(points):
     return me, near
 
 
-def law(**values):
+def parameters(**values):
     scene = GoalScene(np.zeros((1, 2)), np.zeros((1, 2)), (), None)
-    return scene.flock("boundary-points", **values).law.parameters
+    return scene.flock("boundary-points", **values).context.parameters
 
 
 def at_phases(phases):
@@ -205,7 +206,7 @@ def test_the_boundary_ends_at_the_first_gap_of_dtheta(phases, counterclockwise, 
     """By hand: gaps of pi / 4 = 0.7854; from 1.0 to 3.0 in the first case, and round the back."""
     me, near = around(at_phases(phases))
     for sense, phase in (("counterclockwise", counterclockwise), ("clockwise", clockwise)):
-        x, y, found = boundary_end(me, near, 1.0, 0.0, law(sense=sense))
+        x, y, found = boundary_end(me, near, 1.0, 0.0, parameters(sense=sense))
         assert (x, y) == pytest.approx(at_phases([phase])[0], abs=1e-12)
         assert found == pytest.approx(phase, abs=1e-12)
 
@@ -225,7 +226,7 @@ def test_jumping_ahead_finds_what_sorting_finds(seed, number, dtheta, sense):
     expected = oracle.by_phase(np.zeros(2), list(points), towards, p, slack)
     demand(min(slack) > 1e-9)
     me, near = around(points)
-    found = boundary_end(me, near, *towards, law(sense=sense, dtheta=dtheta))
+    found = boundary_end(me, near, *towards, parameters(sense=sense, dtheta=dtheta))
     assert found[:2] == tuple(expected)
 
 

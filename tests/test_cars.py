@@ -12,7 +12,7 @@ from oracles import couzin
 
 from agents import Flock, catalogue
 from agents.bodies.car import driving
-from agents.bodies.chassis import separation
+from agents.bodies.cars.chassis import separation
 from agents.rules import vicsek
 from worlds.mission import mission
 from worlds.refusal import Refusal
@@ -180,7 +180,7 @@ def test_cars_that_crash_are_out_of_the_run():
     flock.run(1000)
     assert flock.crashes.id.tolist() == [1, 2]
     assert set(flock.crashes.cause.tolist()) == {1}
-    assert not flock.flying.any()
+    assert not flock.active.any()
 
 
 def test_cars_at_the_very_same_place_crash_and_a_lone_one_does_not():
@@ -192,7 +192,7 @@ def test_cars_at_the_very_same_place_crash_and_a_lone_one_does_not():
         "squashing-cars", start=start, world=OPEN, rng=1, C=0.0, hop=0.0, contact="crashes", **EXACT
     )
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert flock.active.tolist() == [False, False, False, False, True]
     assert set(flock.crashes.cause.tolist()) == {1}
 
 

@@ -57,14 +57,14 @@ def test_two_that_meet_crash_at_the_tick_at_which_they_touch_and_nobody_else():
     flock = solitary(towards_each_other())
     flock.run(7)  # 2 apart, closing in by 0.2 a tick: 0.75 is passed in the seventh tick
     assert len(flock.crashes) == 0
-    assert flock.flying.all()
+    assert flock.active.all()
     flock.run(1)
     crashes = flock.crashes
     assert crashes.tick.tolist() == [7, 7]
     assert crashes.row.tolist() == [0, 1]
     assert crashes.cause.tolist() == [1, 1]
     np.testing.assert_allclose(crashes.place, [(5.7, 5.0, 5.0), (6.3, 5.0, 5.0)])
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
 
 
 @pytest.mark.parametrize("edges", ["open", "wrap"])
@@ -80,19 +80,19 @@ def test_two_at_the_very_same_place_crash_and_nobody_with_itself(dim, edges, act
     start["heading"][1] = np.eye(dim)[1]  # who shares a place need not share a heading
     flock = solitary(start, world, activation=activation)
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert flock.active.tolist() == [False, False, False, False, True]
     assert flock.crashes.cause.tolist() == [1] * 4
     flock.run(3)
-    assert flock.flying.tolist() == [False, False, False, False, True]
+    assert flock.active.tolist() == [False, False, False, False, True]
 
 
 def test_points_crash_only_where_they_coincide():
     flock = solitary(at([(5.0, 5.0, 5.0), (5.0, 5.0, 5.0), (5.0, 5.0, 5.001)], speed=0.0), body=0.0)
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
 
 
-def test_the_fallen_fall_freely_to_the_floor_and_lie():
+def test_crashed_agents_fall_freely_to_the_floor_and_lie():
     flock = solitary(at([(5.0, 5.0, 5.0), (5.5, 5.0, 5.0)]))
     flock.run(3)
     speed = np.cumsum(np.full(3, GRAVITY * 0.1))
@@ -104,7 +104,7 @@ def test_the_fallen_fall_freely_to_the_floor_and_lie():
     np.testing.assert_array_equal(flock.position[:, 0], [5.0, 5.5])
 
 
-def test_the_fallen_come_to_rest_on_a_block():
+def test_crashed_agents_come_to_rest_on_a_block():
     flock = solitary(at([(10.0, 10.0, 8.0), (10.4, 10.0, 8.0)]), TABLE)
     flock.run(40)
     np.testing.assert_allclose(flock.position[:, 2], 4.0, atol=0.01)
@@ -119,7 +119,7 @@ def test_in_two_dimensions_they_lie_where_they_crashed():
     np.testing.assert_array_equal(flock.position, start["position"])
 
 
-def test_the_fallen_are_no_longer_seen():
+def test_crashed_agents_are_no_longer_seen():
     def turned(with_wreck):
         places = [(5.0, 5.0, 5.0), (8.0, 6.0, 5.0)]
         start = at([*places, (8.4, 6.0, 5.0)] if with_wreck else places[:1])
@@ -175,7 +175,7 @@ def test_in_turn_both_of_a_pair_crash_in_the_same_tick(activation):
     flock = solitary(towards_each_other(), activation=activation)
     flock.run(20)
     assert flock.crashes.tick.tolist() == [7, 7]
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
     np.testing.assert_array_equal(flock.position[:2, 2], [0.0, 0.0] if flock.tick > 19 else 5.0)
 
 
@@ -188,7 +188,7 @@ def test_members_one_by_one_are_the_ticks_of_the_flock(activation):
         for member in each.members:
             member.step()
     np.testing.assert_array_equal(whole.position, each.position)
-    np.testing.assert_array_equal(whole.arrays.fate, each.arrays.fate)
+    np.testing.assert_array_equal(whole.arrays.crash_record, each.arrays.crash_record)
 
 
 def test_looked_at_only_as_the_run_starts():
@@ -205,11 +205,11 @@ def test_threads_do_not_change_who_crashes():
     for flock in runs:
         flock.run(5)
     assert len(runs[0].crashes) > 100
-    np.testing.assert_array_equal(runs[0].arrays.fate, runs[1].arrays.fate)
+    np.testing.assert_array_equal(runs[0].arrays.crash_record, runs[1].arrays.crash_record)
     np.testing.assert_array_equal(runs[0].position, runs[1].position)
 
 
-def test_observables_leave_the_fallen_out():
+def test_observables_leave_crashed_agents_out():
     flock = solitary(towards_each_other())
     assert flock.observe("groups") == 2
     assert flock.observe("polarisation") == pytest.approx(1.0 / 3.0)
@@ -219,7 +219,7 @@ def test_observables_leave_the_fallen_out():
     assert flock.observe("nearest-neighbour") == np.inf
 
 
-def test_a_saved_state_goes_on_with_its_fallen(tmp_path):
+def test_a_saved_state_goes_on_with_its_crashed_agents(tmp_path):
     flock = Flock("safe", agents=50, world="thesis-blocks", rng=9, body=1.5)
     flock.run(5)
     assert len(flock.crashes) > 0
@@ -228,16 +228,16 @@ def test_a_saved_state_goes_on_with_its_fallen(tmp_path):
     flock.run(20)
     again.run(20)
     np.testing.assert_array_equal(flock.position, again.position)
-    np.testing.assert_array_equal(flock.arrays.fate, again.arrays.fate)
+    np.testing.assert_array_equal(flock.arrays.crash_record, again.arrays.crash_record)
 
 
-def test_agents_join_and_leave_a_flock_with_fallen():
+def test_agents_join_and_leave_a_flock_with_crashed_agents():
     flock = solitary(towards_each_other())
     flock.run(8)
     Member(flock, position=(1.0, 1.0, 1.0))
-    assert flock.flying.tolist() == [False, False, True, True]
+    assert flock.active.tolist() == [False, False, True, True]
     flock.members[0].remove()
-    assert flock.flying.tolist() == [False, True, True]
+    assert flock.active.tolist() == [False, True, True]
     assert flock.crashes.id.tolist() == [2]
     flock.run(1)
 
@@ -269,9 +269,9 @@ def test_a_spacing_that_does_not_fit_is_refused():
         Flock("safe", agents=500, spacing=6.0, rng=1)
 
 
-def test_models_without_bodies_have_no_fate():
+def test_models_without_bodies_have_no_crash_record():
     flock = Flock("couzin", agents=5, rng=1)
     flock.run(2)
     assert not flock.can_crash
     assert len(flock.crashes) == 0
-    assert flock.flying.all()
+    assert flock.active.all()

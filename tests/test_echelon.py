@@ -127,7 +127,7 @@ def test_a_flock_makes_echelons_that_save_and_without_slots_it_saves_nothing():
         for w, found in ((1.0, seeking), (0.0, plain)):
             flock = Flock("echelon", agents=30, rng=seed, w=w)
             flock.run(4000)
-            found.append(flock.signal("saved")[flock.flying].mean())
+            found.append(flock.signal("saved")[flock.active].mean())
     assert np.median(seeking) > 0.6
     assert max(plain) < 0.0
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
 from agents import Flock
 from agents.engine.runner import SPLIT_FROM
+from worlds.compiled import Entry
 
 N = SPLIT_FROM + 1_234
 
@@ -29,7 +32,7 @@ def test_threads_do_not_change_the_bits(model, dim, side):
 
 
 def test_crowds_make_the_desks_grow_on_every_thread():
-    """A flock that clumps while it runs on threads outgrows its first desks without harm."""
+    """A flock that clumps while it runs on threads outgrows its first workspaces without harm."""
     rng = np.random.default_rng(3)
     position = rng.uniform(0.0, 60.0, (N, 2))
     position[:400] = 30.0 + rng.uniform(0.0, 0.5, (400, 2))
@@ -39,7 +42,19 @@ def test_crowds_make_the_desks_grow_on_every_thread():
         start = {"position": position, "heading": heading}
         flock = Flock("vem", start=start, size=60.0, rng=1, eta=0.3, threads=threads)
         flock.run(3)
-        assert flock.engine.desks[0].block.shape[1] >= 400
+        assert flock.engine.workspaces[0].block.shape[1] >= 400
         return flock.position
 
     assert np.array_equal(after(1), after(2))
+
+
+def test_models_whose_parameters_have_the_same_names_are_each_called_at_once(monkeypatch):
+    """numba looks up how to call by names; where it is misled, every call takes its slow way."""
+    flocks = [Flock("vem", agents=20, dim=dim, rng=1) for dim in (2, 3)]
+    for flock in flocks:
+        flock.run(1)
+    slow = Mock()
+    monkeypatch.setattr(Entry, "compile", slow)
+    for flock in flocks:
+        flock.run(1)
+    assert not slow.called

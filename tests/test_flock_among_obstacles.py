@@ -8,11 +8,12 @@ import pytest
 
 from agents import Flock
 from agents.spec import Spec
-from worlds.clearance import clearance
+from worlds.layout import world
 from worlds.mission import Goal, Mission, Path
 from worlds.obstacles import Disc, Wall
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
-from worlds.world import World, world
+from worlds.world import World
 
 
 def room(*obstacles, edges="solid", mission=None):
@@ -183,7 +184,7 @@ def test_the_goal_goes_along_its_route(closed):
     else:
         np.testing.assert_allclose(end, [4.0, 3.0])
     flock.run(9)
-    np.testing.assert_allclose(flock.engine.ground.goal[0, :2], flock.goal_at([8])[0])
+    np.testing.assert_allclose(flock.engine.surroundings.goal[0, :2], flock.goal_at([8])[0])
 
 
 def test_a_goal_that_is_not_there_is_named():

@@ -10,9 +10,9 @@ from oracles import guarded as oracle
 from oracles.solids import box, sphere
 
 from agents import Flock
-from agents.rules.guarded_room import SKIN, spiral
-from worlds.clearance import clearance
+from agents.rules.terms.reserved_ball import SKIN, spiral
 from worlds.obstacles import Sphere
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 14.0
@@ -123,7 +123,7 @@ def test_every_tick_is_that_of_the_oracle(where, seed, n, spread, alpha):
     for _ in range(4):
         place, course, pace, told = oracle.tick(place, course, pace, told, solids, p)
         flock.run(1)
-        if not flock.flying.all():
+        if not flock.active.all():
             break
         np.testing.assert_allclose(flock.position, place, atol=1e-8)
         np.testing.assert_allclose(flock.heading, course, atol=1e-7)
@@ -146,7 +146,7 @@ def test_rooms_that_are_apart_stay_apart_and_clear(activation, alpha, seed):
         apart = now
     assert apart
     assert least_gap(flock) >= 2.0 * SKIN - 1e-6
-    assert flock.flying.all()
+    assert flock.active.all()
 
 
 @pytest.mark.parametrize("alpha", [90.0, 270.0])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
-from agents.inspection import UNSEEN, Shell, shells, warm, zones_of
+from agents.inspection import UNSEEN, Shell, shells, zones_of
 
 LINEAR = ["vem", "vem-a", "wvem", "hwvem"]
 
@@ -78,8 +78,8 @@ def test_the_forces_on_the_inspected_are_what_moves_it(model):
 def test_the_inspected_perceives_the_boundary_points_within_reach():
     flock = Flock("boundary-points", world="wu2023-multi", agents=6, rng=2)
     flock.position[0] = (34.0, 31.0)
-    ground = flock.engine.ground
-    points = np.column_stack([ground.point_x, ground.point_y])
+    surroundings = flock.engine.surroundings
+    points = np.column_stack([surroundings.point_x, surroundings.point_y])
     near = points[np.linalg.norm(points - flock.position[0], axis=1) <= flock.reach]
     found = flock.inspect(0).points
     assert len(near) > 5
@@ -103,7 +103,7 @@ def test_an_information_agent_has_no_forces():
 def test_warming_leaves_the_flock_as_it_is():
     flock, twin = (Flock("boundary-points", agents=8, rng=2) for _ in range(2))
     flock.run(100)
-    warm(flock)
+    flock.warm()
     flock.run(50)
     twin.run(150)
     assert np.array_equal(flock.position, twin.position)
@@ -179,8 +179,8 @@ def test_the_crashed_are_nobodys_neighbours_and_listen_to_nobody():
     flock = Flock("thesis", start=start, rng=1, d_a=6.0, alpha=360.0)
     assert flock.inspect(2).neighbours.tolist() == [0, 1]
     flock.run(1)
-    assert flock.flying.tolist() == [False, False, True]
+    assert flock.active.tolist() == [False, False, True]
     assert flock.inspect(2).neighbours.tolist() == []
-    fallen = flock.inspect(0)
-    assert len(fallen.neighbours) == len(fallen.weights) == len(fallen.zone) == 0
-    assert (fallen.forces, fallen.shells) == ({}, ())
+    crashed = flock.inspect(0)
+    assert len(crashed.neighbours) == len(crashed.weights) == len(crashed.zone) == 0
+    assert (crashed.forces, crashed.shells) == ({}, ())

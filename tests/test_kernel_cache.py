@@ -5,27 +5,23 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 PLUGIN = """
-from agents.bodies import constant_speed
-from agents.catalogue import MODELS, Model
-from agents.declare import Rule
-from agents.engine.block import Wish
-from worlds.compiled import compiled
-from agents.rules.vicsek import Vicsek
+from flockscope import MODELS
+from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Wish, compiled
 from turning import turn
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     return turn(me)
 
 RULE = Rule("turner", "Turner", "Turns.", "x", "none", Vicsek, decide)
-MODELS["turner"] = Model(RULE, constant_speed.BODY)
+MODELS["turner"] = Model(RULE, CONSTANT_SPEED)
 """
 HELPER = """
-from agents.engine.block import Wish
-from worlds.compiled import compiled
+from flockscope.rules import Wish, compiled
 
 {constant}
 
@@ -35,7 +31,7 @@ def turn(me):
 """
 SCRIPT = """
 import plugin
-from agents import Flock
+from flockscope import Flock
 flock = Flock("turner", agents=3, rng=1)
 print(flock.is_compiled)
 if {runs}:
@@ -66,3 +62,72 @@ def test_an_edit_is_never_run_stale_and_an_unedited_rule_is_not_compiled_again(t
     assert run(tmp_path, "WAY = -1.0", "WAY", "0.0") == ["True", "[-1.0, 0.0]"]
     assert run(tmp_path, "WAY = -1.0", "0.0", "WAY", runs=False) == ["False"]
     assert run(tmp_path, "WAY = 1.0", "WAY", "0.0") == ["False", "[1.0, 0.0]"], "a constant counts"
+
+
+MOVED = """
+import sys
+from {module} import Place
+from agents.engine.cache import kept
+
+def doubled(place):
+    return 2.0 * place.x
+
+print(kept(doubled)(Place(3.0)))
+"""
+
+
+def test_kernels_whose_arguments_have_moved_to_another_module_are_compiled_anew(tmp_path):
+    def doubled(module: str) -> str:
+        (tmp_path / f"{module}.py").write_text(
+            "from typing import NamedTuple\nclass Place(NamedTuple):\n    x: float\n"
+        )
+        (tmp_path / "script.py").write_text(MOVED.format(module=module))
+        environment = {
+            **os.environ,
+            "FLOCKSCOPE_CACHE": str(tmp_path / "cache"),
+            "PYTHONPATH": os.pathsep.join([str(tmp_path), os.getcwd()]),
+        }
+        done = subprocess.run(
+            [sys.executable, str(tmp_path / "script.py")],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert doubled("here") == "6.0\n"
+    (tmp_path / "here.py").unlink()
+    assert doubled("there") == "6.0\n"
+
+
+AT_ONCE = """
+import time, sys
+from agents.engine.cache import kept
+
+def doubled(x):
+    return 2.0 * x
+
+made = kept(doubled)
+while time.time() < float(sys.argv[1]):
+    pass
+made(3.0)
+print(sum(made.stats.cache_misses.values()))
+"""
+
+
+def test_processes_that_want_the_same_kernel_at_once_compile_it_once(tmp_path):
+    (tmp_path / "script.py").write_text(AT_ONCE)
+    environment = {
+        **os.environ,
+        "FLOCKSCOPE_CACHE": str(tmp_path / "cache"),
+        "PYTHONPATH": os.getcwd(),
+    }
+    start = str(time.time() + 8.0)
+    command = [sys.executable, str(tmp_path / "script.py"), start]
+    asked = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        for _ in range(3)
+    ]
+    assert sorted(int(one.communicate()[0]) for one in asked) == [0, 0, 1]

@@ -18,9 +18,9 @@ from agents.observables.following import (
     settling_tick,
     spread_bound,
 )
-from worlds.clearance import clearance
+from worlds.layout import world
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
-from worlds.world import world
 
 SCENE = "liu2021-mission"
 
@@ -81,7 +81,7 @@ def test_least_clearances_are_shapelys():
     flock = Flock("hwvem-nav", world=SCENE, rng=1)
     trace = np.random.default_rng(5).uniform((15.5, 7.5), (19.5, 10.5), (40, 7, 2))
     least = np.full(7, np.inf)
-    least_clearances(by_axis(trace), flock.engine.ground, least)
+    least_clearances(by_axis(trace), flock.engine.surroundings, least)
     naive = np.min([clearance(flock.world, position) for position in trace], axis=0)
     assert (naive < 0.0).any()
     np.testing.assert_allclose(least, naive, rtol=0.0, atol=1e-9)
@@ -109,35 +109,35 @@ def flight():
 
 
 def test_positions_are_those_of_a_flock_run_tick_by_tick(flight):
-    _, course = flight
+    _, record = flight
     again = Flock("hwvem-nav", agents=7, world=SCENE, rng=3)
-    for k in range(len(course.position)):
-        assert course.position[k].tobytes() == again.position.tobytes()
+    for k in range(len(record.position)):
+        assert record.position[k].tobytes() == again.position.tobytes()
         again.run(1)
-    assert len(course.position) == course.ticks + 1
+    assert len(record.position) == record.ticks + 1
 
 
 def test_it_ends_when_the_information_agent_is_at_its_last_waypoint(flight):
-    flock, course = flight
+    flock, record = flight
     path = flock.world.mission.path
-    away = np.linalg.norm(course.position[:, 0] - np.array(path.waypoints[-1]), axis=1)
-    assert course.arrived
+    away = np.linalg.norm(record.position[:, 0] - np.array(path.waypoints[-1]), axis=1)
+    assert record.arrived
     assert away[-1] <= path.switch
     assert (away[:-1] > path.switch).all()
 
 
 def test_a_course_says_what_its_positions_say(flight):
-    flock, course = flight
-    position = course.position
-    follows = naive_following(position[SINCE:], course.informed, 1.0)
-    assert 0.0 < course.success == follows.mean()
+    flock, record = flight
+    position = record.position
+    follows = naive_following(position[SINCE:], record.informed, 1.0)
+    assert 0.0 < record.success == follows.mean()
     pairs = np.min([cdist(p, p) + np.diag([np.inf] * len(p)) for p in position], axis=0)
-    assert course.least_pair == pytest.approx(pairs.min(), rel=1e-12)
+    assert record.least_pair == pytest.approx(pairs.min(), rel=1e-12)
     of_followers = pairs[np.ix_(follows, follows)].min()
-    assert course.least_pair_of_followers == pytest.approx(of_followers, rel=1e-12)
+    assert record.least_pair_of_followers == pytest.approx(of_followers, rel=1e-12)
     near = np.min([clearance(flock.world, p) for p in position])
-    assert course.least_obstacle == pytest.approx(near, abs=1e-9)
-    assert course.away.size == course.centre.size == 0
+    assert record.least_obstacle == pytest.approx(near, abs=1e-9)
+    assert record.away.size == record.centre.size == 0
 
 
 def test_no_number_depends_on_the_stretches_or_on_what_is_kept(flight, monkeypatch):
@@ -153,8 +153,8 @@ def test_no_number_depends_on_the_stretches_or_on_what_is_kept(flight, monkeypat
 
 def test_a_mission_may_run_out_of_time():
     flock = Flock("hwvem-nav", agents=3, world=SCENE, rng=1)
-    course = fly(flock, 60)
-    assert (course.ticks, course.arrived, flock.tick) == (60, False, 60)
+    record = fly(flock, 60)
+    assert (record.ticks, record.arrived, flock.tick) == (60, False, 60)
 
 
 def test_round_a_closed_path_nobody_arrives():
@@ -163,8 +163,8 @@ def test_round_a_closed_path_nobody_arrives():
         update={"closed": True, "waypoints": ((3.0, 3.0), (3.0, 1.0))}
     )
     round_trip = replace(scene, mission=scene.mission.model_copy(update={"path": path}))
-    course = fly(Flock("hwvem-nav", agents=2, world=round_trip, rng=1), 200)
-    assert (course.ticks, course.arrived) == (200, False)
+    record = fly(Flock("hwvem-nav", agents=2, world=round_trip, rng=1), 200)
+    assert (record.ticks, record.arrived) == (200, False)
 
 
 def test_a_mission_begins_at_tick_0():
@@ -184,9 +184,9 @@ def test_what_is_called_between_may_end_it():
 
 
 def test_settling_and_coming_through(flight):
-    _, course = flight
+    _, record = flight
     there = replace(
-        course, centre=np.array([9.0, 1.0, 3.0, 1.0, 1.0]), away=np.array([1.0, 7.0, 99.0]), dt=0.5
+        record, centre=np.array([9.0, 1.0, 3.0, 1.0, 1.0]), away=np.array([1.0, 7.0, 99.0]), dt=0.5
     )
     assert there.settled() == 1.5
     assert there.settled(0.5) is None

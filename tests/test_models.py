@@ -6,11 +6,11 @@ import pytest
 from agents import Flock
 from agents.bodies import constant_speed, double_integrator
 from agents.catalogue import MODELS
-from agents.declare import declared
-from agents.model import Model
+from agents.models.declare import declared
+from agents.models.model import Model
 from agents.rules import hwvem, olfati_saber
+from worlds.layout import world
 from worlds.refusal import Refusal
-from worlds.world import world
 
 
 def test_a_body_that_cannot_take_what_the_rule_wishes_is_an_error():
@@ -47,11 +47,11 @@ def test_a_goal_follower_has_no_information_agents():
 
 def test_obstacles_are_surveyed_again_when_they_are_noticed_from_further_away():
     flock = Flock("hwvem-nav", agents=5, rng=1)
-    assert flock.engine.ground.reach == flock.sight == 0.5
+    assert flock.engine.surroundings.reach == flock.sight == 0.5
     flock.set(r_avoid=0.3)
-    assert flock.engine.ground.reach == 0.5
+    assert flock.engine.surroundings.reach == 0.5
     flock.set(r_avoid=1.5)
-    assert flock.engine.ground.reach == 1.5
+    assert flock.engine.surroundings.reach == 1.5
     fresh = Flock("hwvem-nav", agents=5, rng=1, r_avoid=1.5)
     flock.run(50)
     fresh.run(50)

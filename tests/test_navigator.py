@@ -12,8 +12,8 @@ from oracles.topology import contact, layers
 from shapely import LineString
 
 from agents import Flock
-from worlds.clearance import clearance
 from worlds.obstacles import Disc, Polygon, Wall
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 OBSTACLES = (

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cli.calling import refusal
 
-from agents import Flock
+from agents import Flock, catalogue
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
 from worlds.refusal import Refusal
@@ -54,8 +55,8 @@ def test_it_flies_in_three_dimensions(fading):
 
 
 def test_a_rule_may_have_no_noise_at_all(monkeypatch):
-    from agents.declare import Parameters, Rule, parameter
     from agents.engine.template import decide
+    from agents.models.declare import Parameters, Rule, parameter
 
     class Bare(Parameters):
         sight: float = parameter(1.0, "How far", symbol="s", source="none", low=0.1, high=2.0)
@@ -67,3 +68,30 @@ def test_a_rule_may_have_no_noise_at_all(monkeypatch):
     flock.run(3)
     assert np.array_equal(flock.heading, before)
     assert flock.reach == 1.0
+
+
+def test_the_fault_that_the_page_prints_is_what_a_typing_error_gives(tmp_path, monkeypatch):
+    monkeypatch.setattr(catalogue, "FILES", {})
+    monkeypatch.setattr(catalogue, "MODELS", dict(MODELS))
+    page = PAGE.read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1)
+    (tmp_path / "fading.py").write_text(code.replace("p.fade)", "p.fadde)"))
+    printed = re.search(r"^flockscope: .*$", page, re.MULTILINE).group(0)
+    said = refusal("run", tmp_path / "fading.py", "--interpret", "--agents", 5, "--quiet")
+    assert said == printed
+
+
+def test_the_short_form_on_the_page_is_the_same_rule(tmp_path, monkeypatch):
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    path = tmp_path / "both.py"
+    path.write_text("\n".join(blocks))
+    names: dict = {"__name__": "both"}
+    exec(compile(path.read_text(), str(path), "exec"), names)
+    flocks = []
+    for rule in (names["RULE"], names["SHORT"]):
+        monkeypatch.setitem(MODELS, rule.name, Model(rule, constant_speed.BODY))
+        flocks.append(Flock(rule.name, agents=9, size=2.0, rng=1, interpret=True))
+        flocks[-1].run(3)
+    assert np.allclose(flocks[0].heading, flocks[1].heading, atol=1e-12)
+    weights = flocks[1].inspect(0).weights
+    assert ((weights > 0.0) & (weights < 1.0)).all()

@@ -51,7 +51,7 @@ def test_the_agents_of_a_series_are_those_that_fly():
 def test_a_flock_of_which_nobody_flies_any_more_can_be_observed(name):
     flock = flyers([[5.0, 5, 5], [5.3, 5, 5]])
     flock.run(1)
-    assert not flock.flying.any()
+    assert not flock.active.any()
     empty = {
         "polarisation": 0.0,
         "consistency": 1.0,
@@ -76,7 +76,7 @@ def test_what_is_saved_is_the_mean_of_those_that_fly_in_percent():
     flock = flyers([[5.0, 5, 5], [3.0, 5.7, 5], [5.0, 12, 12], [5.1, 12, 12]], model="thesis")
     assert math.isnan(flock.observe("drag-saved"))
     flock.run(2)
-    assert flock.flying.tolist() == [True, True, False, False]
+    assert flock.active.tolist() == [True, True, False, False]
     share = flock.signal("saved")
     drag = flock.observe("drag-saved")
     assert drag == pytest.approx(100.0 * (share[0] + share[1]) / 2.0)

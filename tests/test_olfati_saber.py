@@ -11,9 +11,10 @@ from oracles.close_up import close_up
 from oracles.goal_scenes import GoalScene, goal_of, goal_scene, goal_scenes, velocity_of
 
 from agents.catalogue import MODELS
+from agents.engine.cache import kept
 from agents.observables.energy import potential
 from agents.rules import olfati_saber as rule
-from agents.rules import sigma
+from agents.rules.terms import sigma
 from worlds.compiled import entry
 
 CLEAR = 1e-7
@@ -41,17 +42,17 @@ ANY = {
 TABLE_3 = MODELS["olfati-saber"].parameters()
 
 
-@entry
+@kept
 def bump(z, h):
     return sigma.bump(z, h)
 
 
-@entry
+@kept
 def sigma_norm(d2, eps):
     return sigma.sigma_norm(d2, eps)
 
 
-@entry
+@kept
 def phi(z, a, b):
     return sigma.phi(z, a, b)
 
@@ -66,14 +67,14 @@ def push(d2, p):
     return sigma.push(d2, p)
 
 
-@entry
+@kept
 def level(d2, alarm, d, tau_a, tau_e, tau_s):
     return sigma.level(d2, alarm, d, tau_a, tau_e, tau_s)
 
 
 @entry
-def explain(me, near, ground, p, out):
-    rule.explain(me, near, ground, p, out)
+def explain(me, near, surroundings, p, out):
+    rule.explain(me, near, surroundings, p, out)
 
 
 @entry
@@ -81,10 +82,10 @@ def weigh(me, near, p, out):
     sigma.weigh(me, near, p, out)
 
 
-def law(**values):
+def parameters(**values):
     """Parameters as compiled code has them."""
     scene = GoalScene(np.zeros((1, 2)), np.zeros((1, 2)), (), None)
-    return scene.flock("olfati-saber", **values).law.parameters
+    return scene.flock("olfati-saber", **values).context.parameters
 
 
 # --- the functions ----------------------------------------------------------------------------
@@ -115,7 +116,7 @@ def test_phi_is_nothing_at_zero_and_lies_between_minus_b_and_a(a, b):
 
 
 def test_phi_alpha_repels_nearer_than_d_and_attracts_up_to_r():
-    p = law()
+    p = parameters()
     assert abs(phi_alpha(sigma_norm(16.0, 0.5), p)) < 1e-13
     at = [phi_alpha(sigma_norm(x * x, 0.5), p) for x in (0.5, 3.9, 4.1, 5.9, 6.0, 7.0)]
     assert at[0] < at[1] < 0.0 < at[3] < at[2]
@@ -124,14 +125,14 @@ def test_phi_alpha_repels_nearer_than_d_and_attracts_up_to_r():
 
 def test_flock_mates_push_with_up_to_19():
     """Which is what the printed phi_beta, bounded by 2, is up against."""
-    p = law()
+    p = parameters()
     assert min(phi_alpha(s, p) for s in np.linspace(0.0, 4.0, 401)) == pytest.approx(-19.0, abs=0.3)
 
 
 @SETTINGS
 @given(distance=st.floats(0.05, 7.0), moved=st.booleans())
 def test_the_push_is_the_action_along_the_gradient_of_the_norm(distance, moved):
-    p = law(**{k: v for k, v in ANY.items() if moved})
+    p = parameters(**{k: v for k, v in ANY.items() if moved})
     z = np.array([distance, 0.0])
     s = oracle.sigma_norm(z, p.eps)
     force, rho = push(distance**2, p)
@@ -147,7 +148,7 @@ def test_the_push_is_the_action_along_the_gradient_of_the_norm(distance, moved):
 def test_the_push_is_the_slope_of_the_potential(distance, step):
     """-grad psi, by finite differences of an integral that is taken apart from the kernel."""
     low, high = potential([distance - step, distance + step], TABLE_3)
-    force, _ = push(distance**2, law())
+    force, _ = push(distance**2, parameters())
     assert force * distance == pytest.approx((high - low) / (2 * step), abs=2e-6)
 
 
@@ -203,11 +204,11 @@ def test_the_forces_shown_are_the_terms_of_the_paper():
     near = [oracle.shadows(scene.obstacles, at) for at in q]
     terms = oracle.forces(q, v, near, goal_of(flock), p, [])
     assert (np.abs(terms).max(axis=(0, 2)) > 1e-3).all()
-    flock.engine.ground.goal[:, :2] = goal_of(flock)
+    flock.engine.surroundings.goal[:, :2] = goal_of(flock)
     for row in range(9):
         shown = np.empty((5, 3))
         me, around = close_up(flock, row)
-        explain(me, around, flock.engine.ground, flock.law.parameters, shown)
+        explain(me, around, flock.engine.surroundings, flock.context.parameters, shown)
         assert np.abs(shown[:, :2] - terms[row]).max() < 1e-10
         assert not shown[:, 2].any()
 
@@ -216,7 +217,7 @@ def test_the_weights_shown_are_the_adjacency():
     flock = goal_scene(5, 9, 3, False, 0, "none").flock("olfati-saber")
     me, around = close_up(flock, 0)
     shown, p = np.empty(9), flock.parameters
-    weigh(me, around, flock.law.parameters, shown)
+    weigh(me, around, flock.context.parameters, shown)
     apart = flock.position - flock.position[0]
     expected = [
         oracle.bump(oracle.sigma_norm(z, p.eps) / oracle.range_alpha(p), p.h) for z in apart

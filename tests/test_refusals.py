@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from worlds.layout import world
 from worlds.refusal import Refusal
-from worlds.world import world
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,7 @@ from worlds.world import world
         ({"agents": True}, "agents = True"),
         ({"informed": -1}, "informed = -1"),
         ({"rng": -3}, "seed = -3"),
+        ({"seed": 2}, "rng = 1 and seed = 2: both are the seed, give one"),
         ({"threads": 0}, "threads = 0"),
         ({"dim": 4}, "dim = 4"),
         ({"model": "ivem", "dim": 3}, "ivem is defined in 2-D"),
@@ -36,7 +37,7 @@ from worlds.world import world
         ({"world": "missing.toml"}, "'missing.toml' cannot be read"),
         ({"size": 0.0}, "size = 0.0"),
         ({"size": (1.0, float("inf"))}, "size = inf"),
-        ({"size": (1.0, 2.0, 3.0)}, "has 3 sides, a 2-D world has 2"),
+        ({"size": (1.0, 2.0, 3.0), "dim": 2}, "has 3 sides, a 2-D world has 2"),
         ({"activation": "all"}, "unknown activation 'all'"),
         ({"noise": "angulr"}, "did you mean 'angular'"),
         ({"collect": ("polarization",)}, "did you mean 'polarisation'"),

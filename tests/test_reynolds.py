@@ -11,9 +11,9 @@ from oracles import solids
 from oracles.scenes import unit_vectors
 
 from agents import Flock
-from worlds.clearance import clearance
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc, Polygon, Sphere
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 16.0

@@ -10,7 +10,6 @@ from oracles import vicsek_family as family
 from oracles.flocks import angles_of, at_rest, build, parameters
 from oracles.following import follow
 from oracles.scenes import scene, scenes
-from scipy.stats import kstest
 
 AVERAGING = ("vem", "vem-a", "wvem", "hwvem")
 PLANAR = ("ivem", "ivem-a")
@@ -94,6 +93,8 @@ def lone_agents(noise, eta, n=2000):
 
 def is_uniform(sample, low, high):
     """Whether numbers are uniform in [low, high] by Kolmogorov and Smirnov, at 1 in 1000."""
+    from scipy.stats import kstest
+
     return kstest(sample, "uniform", (low, high - low)).pvalue > 1e-3
 
 

@@ -8,7 +8,9 @@ import pytest
 from agents import Flock
 from agents.record import Recorder
 from agents.spec import Spec
+from worlds.obstacles import Disc
 from worlds.refusal import Refusal
+from worlds.world import World
 
 RUNS = [
     {"model": "hwvem", "agents": 60, "eta": 0.31, "p1": 0.1, "world": "wrap-plain"},
@@ -87,6 +89,39 @@ def test_a_run_from_given_arrays_is_not_begun_from_its_spec():
         Flock.from_spec(spec)
 
 
+def test_a_part_of_a_spec_is_completed_by_the_model_and_its_world():
+    part = Spec.from_toml('model = "vem"\nseed = 4\n[parameters]\neta = 0.5')
+    assert (part.agents, part.world, part.size) == (None, None, None)
+    flock, words = Flock(part), Flock("vem", rng=4, eta=0.5)
+    assert flock.spec == words.spec
+    assert np.array_equal(flock.position, words.position)
+    assert Flock(part, agents=7, eta=1.0).spec == Flock("vem", agents=7, rng=4, eta=1.0).spec
+
+
+def test_sides_say_the_dimensions():
+    assert Flock("hwvem", size=(4.0, 5.0, 6.0), rng=1).world.size == (4.0, 5.0, 6.0)
+    assert Spec(size=(4.0, 5.0)).dim == 2
+
+
+def test_a_spec_may_hold_a_world_and_writes_it_with_its_layout():
+    yard = World("yard", (9.0, 9.0), ("open", "open"), obstacles=(Disc(centre=(4, 4), radius=1),))
+    spec = Spec("reynolds", agents=5, seed=2, world=yard)
+    again = Spec.from_toml(spec.to_toml())
+    assert (again.world, again.layout) == ("yard", yard.to_layout())
+    assert Flock(again).world == Flock(spec).world == yard
+
+
+def test_a_state_whose_spec_leaves_something_open_is_refused(tmp_path):
+    import pyarrow.parquet as pq
+
+    Flock("vem", agents=5, rng=1).save(tmp_path / "state.parquet")
+    table = pq.read_table(tmp_path / "state.parquet")
+    meta = table.schema.metadata[b"flockscope"].replace(b"seed = 1\\n", b"")
+    pq.write_table(table.replace_schema_metadata({b"flockscope": meta}), tmp_path / "open.parquet")
+    with pytest.raises(Refusal, match=r"seed is missing \(.*open\.parquet\)"):
+        Flock.load(tmp_path / "open.parquet")
+
+
 def test_a_file_that_is_no_state_is_refused(tmp_path):
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -115,7 +150,9 @@ def test_a_state_with_a_number_that_is_none_is_refused(tmp_path):
     [
         ("model = 3\nagents", "not TOML"),
         ('modle = "vem"', "did you mean 'model'"),
-        ('model = "vem"', "missing"),
+        ("agents = 3", "model is missing"),
+        ('model = "vem"\nagents = 0', "agents = 0 is not allowed: a whole number >= 1"),
+        ('model = "vem"\nactivation = "rand"', "unknown activation 'rand'"),
     ],
 )
 def test_a_spec_that_is_wrong_is_named(text, says):

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from agents.catalogue import MODELS
-from agents.declare import declared
-from worlds.clearance import clearance
+from agents.models.declare import declared
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
-from worlds.outlines import outlines
+from worlds.queries.clearance import clearance
+from worlds.queries.outlines import outlines
 from worlds.refusal import Refusal
 from worlds.world import World
 

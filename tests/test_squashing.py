@@ -166,7 +166,7 @@ def test_the_named_terms_add_up_to_the_wish():
         seen = flock.inspect(row)
         assert list(seen.forces) == list(flock.model.rule.forces)
         total = sum(seen.forces.values())
-        flock.engine.open(flock.law, flock.tick)
+        flock.engine.open(flock.context, flock.tick)
         before = flock.position[row].copy()
         ahead = Flock.from_spec(flock.spec)
         ahead.run(flock.tick + 1)

@@ -134,7 +134,7 @@ def test_the_thesis_gathers_most_of_its_flock_and_the_safe_zones_do_not_crash():
     for seed in range(1, 9):
         flock = Flock("thesis", rng=seed)
         flock.run(3000)
-        share.append(flock.observe("largest-group") / flock.flying.sum())
+        share.append(flock.observe("largest-group") / flock.active.sum())
         assert flock.observe("polarisation") > 0.9
         careful = Flock("safe", rng=seed)
         careful.run(1500)

@@ -1,1 +1,1 @@
-"""Where a flock lives: boxes, edges, layouts."""
+"""The world of a flock: a box with edges, obstacles and a mission, and where worlds come from."""

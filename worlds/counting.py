@@ -1,4 +1,4 @@
-"""How many of what, in words."""
+"""A number and its noun in words."""
 
 from __future__ import annotations
 

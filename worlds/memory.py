@@ -1,4 +1,4 @@
-"""What this machine has of memory, so that what cannot fit is refused before it is begun."""
+"""The memory of this machine, so that what does not fit is refused at once."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from worlds.refusal import Refusal, first_refusal, unknown
@@ -22,7 +23,7 @@ class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Start(Part):
+class StartRegion(Part):
     """The box in which a flock starts: [low, high], or a cube from `low` of a given density."""
 
     low: Point
@@ -91,7 +92,7 @@ class Goal(Part):
 class Mission(Part):
     """What a flock is to do in a world; each part may be left out."""
 
-    start: Start | None = None
+    start: StartRegion | None = None
     path: Path | None = None
     goal: Goal | None = None
     success: Literal["connected", "arrived"] | None = None
@@ -104,7 +105,7 @@ class Mission(Part):
         """The mission of a flat world in three dimensions: at half the height of it (length)."""
         start = self.start
         if start is not None and len(start.low) == 2:
-            start = Start(
+            start = StartRegion(
                 low=(*start.low, 0.0),
                 high=None if start.high is None else (*start.high, height),
                 density=start.density,
@@ -157,3 +158,18 @@ def mission(values: Mapping[str, Any], origin: str = "") -> Mission:
         return Mission.model_validate(values)
     except ValidationError as error:
         raise first_refusal(error, "mission", origin) from None
+
+
+def along_route(goal: Goal, time) -> np.ndarray:
+    """Positions (T, dim) of the gamma agent at times (T,) >= 0, length, at constant speed.
+
+    It stays at the end of its route, or goes round if the route is closed.
+    """
+    route = np.array(goal.route, float)
+    if goal.closed:
+        route = np.vstack([route, route[:1]])
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
+    gone = goal.speed * np.asarray(time, float)
+    if goal.closed and length[-1] > 0.0:
+        gone = gone % length[-1]
+    return np.column_stack([np.interp(gone, length, axis) for axis in route.T])

@@ -23,7 +23,7 @@ class Refusals(Refusal):
 
 
 def refusal_of(lines: Sequence[str]) -> Refusal:
-    """A refusal of one or more lines, repeated ones said once."""
+    """A refusal of one or more lines, repeated ones once."""
     distinct = list(dict.fromkeys(lines))
     return Refusal(distinct[0]) if len(distinct) == 1 else Refusals(distinct)
 

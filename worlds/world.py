@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import tomlkit
+from pydantic import BaseModel
 
-from worlds.checks import demand_sound
-from worlds.layout import (
-    BOUNDARY_SPACING,
-    DISTANCES,
-    EDGES,
-    layout_dim,
-    layout_fields,
-    layout_names,
-    read_layout,
-)
+from worlds.counting import counted
 from worlds.mission import Mission
 from worlds.obstacles import Obstacle, Union
-from worlds.random_obstacles import RandomObstacles
-from worlds.refusal import Refusal
+from worlds.refusal import Refusal, shortened, unknown
 
-__all__ = [
-    "DISTANCES",
-    "EDGES",
-    "World",
-    "layout_dim",
-    "layout_names",
-    "read_layout",
-    "world",
-    "world_from_layout",
-]
+EDGES = ("wrap", "open", "solid")
+"""What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
+DISTANCES = ("nearest-image", "plain")
+"""How distance is measured where an axis wraps: across the seam, or within the box only."""
+BOUNDARY_SPACING = 0.5
+"""Of boundary points, length; the papers' value."""
+
+
+@dataclass(frozen=True)
+class RandomObstacles:
+    """What a world leaves to chance: a kind of `worlds.generators`, and its parameters."""
+
+    kind: str
+    parameters: BaseModel
+    dim: int
+    """2 for flat obstacles, which stand up in a world of three dimensions; 3 for solids in it."""
+
+    def described(self) -> str:
+        """Kind and parameters, for the source of a drawn world."""
+        given = ", ".join(f"{k} = {value:g}" for k, value in self.parameters.model_dump().items())
+        return f"{self.kind}: {given}"
+
+    def to_table(self) -> dict[str, Any]:
+        """The table [random] of a layout."""
+        return {"kind": self.kind, "dim": self.dim, **self.parameters.model_dump()}
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ class World:
     source: str = ""
     """Where the layout is from."""
     random: RandomObstacles | None = None
-    """Obstacles still to be drawn from a seed; a flock lives in a world that is `drawn`."""
+    """Obstacles still to be drawn from a seed, see `worlds.generators.drawn`."""
 
     def __post_init__(self) -> None:
         if not self.low:
@@ -97,35 +103,8 @@ class World:
         """Whether there is anything solid: an obstacle, also one to be drawn, or an edge."""
         return bool(self.obstacles) or self.random is not None or "solid" in self.edges
 
-    def drawn(self, seed: int) -> World:
-        """The world with its random obstacles drawn: the same seed >= 0 gives the same ones.
-
-        They come after its own obstacles, and bring a mission where it has none. A world without
-        random obstacles is drawn already. Raises Refusal if they do not fit, or if the world is not
-        sound with them.
-
-        >>> len(world("thesis-blocks").drawn(1).obstacles)
-        20
-        """
-        if self.random is None:
-            return self
-        made = self.random.draw(seed, self.low, self.size)
-        task = made.mission
-        if task is not None and self.dim == 3:
-            task = task.standing(self.height)
-        told = f"drawn from seed {seed}: {self.random.told()}"
-        found = replace(
-            self,
-            obstacles=(*self.obstacles, *made.obstacles),
-            random=None,
-            mission=self.mission or task,
-            source=f"{self.source}; {told}" if self.source else told,
-        )
-        demand_sound(found)
-        return found
-
     def to_layout(self) -> dict[str, Any]:
-        """The layout that `world_from_layout` makes this world of again, exactly."""
+        """The layout that `worlds.layout.world_from_layout` makes this world of again, exactly."""
         layout: dict[str, Any] = {
             "title": self.title,
             "source": self.source,
@@ -167,33 +146,30 @@ def as_table(value: Any) -> Any:
     return [as_table(item) for item in value] if isinstance(value, list | tuple) else value
 
 
-def world(
-    name: str,
-    dim: int | None = None,
-    size: float | Sequence[float] | None = None,
-    unsized: Callable[[int], float] | None = None,
-) -> World:
-    """The world of a layout (a built-in name or a TOML file), sound.
-
-    See `world_from_layout`. Raises Refusal, also for the first error that `worlds.checks` finds.
-    """
-    found = world_from_layout(read_layout(name), name, dim, size, unsized)
-    demand_sound(found)
-    return found
+def edges_of(given: str | Sequence[str], dim: int, origin: str) -> tuple[str, ...]:
+    """What the edge of each axis does, of one word for all or one per axis. Raises Refusal."""
+    edges = (given,) * dim if isinstance(given, str) else tuple(given)
+    if len(edges) != dim:
+        axes = counted(len(edges), "axis", "axes")
+        raise Refusal(f"edges = {list(edges)} names {axes}, the world has {dim} ({origin})")
+    for edge in edges:
+        if edge not in EDGES:
+            raise unknown("edge", edge, EDGES, origin)
+    return edges
 
 
-def world_from_layout(
-    layout: Mapping[str, Any],
-    name: str,
-    dim: int | None = None,
-    size: float | Sequence[float] | None = None,
-    unsized: Callable[[int], float] | None = None,
-) -> World:
-    """The world that a layout describes; `worlds.checks` tells whether it is sound.
-
-    `dim` is 2 or 3, by default the layout's own, or 2. A flat layout stands up in three dimensions:
-    its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
-    per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
-    layout with obstacles. Random obstacles are not drawn yet, see `World.drawn`. Raises Refusal.
-    """
-    return World(**layout_fields(layout, name, dim, size, unsized))
+def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
+    """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
+    sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size, object).ravel().tolist())
+    if len(sides) != dim:
+        raise Refusal(f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}")
+    for side in sides:
+        if (
+            isinstance(side, bool)
+            or not isinstance(side, int | float | np.number)
+            or not 0.0 < side < 1e9
+        ):
+            raise Refusal(
+                f"size = {shortened(side)} is not allowed: a side is a length in (0, 1e9)"
+            )
+    return tuple(float(side) for side in sides)

@@ -11,13 +11,13 @@ import math
 from dataclasses import replace
 from typing import Any, Literal
 
-from agents.bodies.car_signals import FRESH, PACE, ROWS, SIGNALS, STEERING, STOPS
-from agents.bodies.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
-from agents.bodies.command import command, received, sent
+from agents.bodies.cars.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
+from agents.bodies.cars.command import command, received, sent
+from agents.bodies.cars.signals import FRESH, PACE, QUEUE, ROWS, SIGNALS, STEERING, STOPS, STUCK
 from agents.bodies.tracking import Tracking
-from agents.declare import Body, Rule, parameter
 from agents.engine.block import Moved
-from agents.model import Model
+from agents.models.declare import Body, Rule, Vehicle, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
 
 CRASHES = 1.0
@@ -117,6 +117,7 @@ class Car(Tracking):
         high=1.0,
         step=0.01,
         source="Jacobs and Koessler IV.A: without a value",
+        noise=True,
     )
     length: float = parameter(
         0.22,
@@ -180,11 +181,11 @@ class Car(Tracking):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
-    """Command, radio, servo, motor; then roll, unless something is in the way."""
+def move(me, near, surroundings, want, p, out):
+    """One tick: command, radio delay, servo, motor, then rolling if nothing is in the way."""
     base = out.shape[0] - ROWS
     ready = 1.0 - me.signal[base + FRESH]
-    wheel, throttle = command(me, near, ground, want, p, base, out)
+    wheel, throttle = command(me, near, surroundings, want, p, base, out)
     sent(me, wheel, throttle, p, base, out)
     wheel, throttle = received(me, p, base, out)
     most = p.servo * p.dt
@@ -193,7 +194,7 @@ def move(me, near, ground, want, p, out):
     speed = me.speed + (p.v_max * throttle - me.speed) * (1.0 - math.exp(-p.dt / p.lag))
     x, y, ux, uy = rolled(me.x, me.y, me.ux, me.uy, speed, steering, wheelbase(p), p.dt)
     stops = ready * me.signal[base + STOPS]
-    if is_stopped(me, near, ground, x, y, ux, uy, p):
+    if is_stopped(me, near, surroundings, x, y, ux, uy, p):
         x, y, ux, uy, speed = me.x, me.y, me.ux, me.uy, 0.0
         stops += 1.0
     out[base + FRESH] = 0.0
@@ -204,7 +205,7 @@ def move(me, near, ground, want, p, out):
 
 
 @compiled
-def touches(me, near, ground, p):
+def touches(me, near, surroundings, p):
     """1.0 if the body touches another car's, 2.0 if it touches what is solid, else 0.0.
 
     Bodies are rectangles. Where they only stop each other, nobody crashes.
@@ -213,7 +214,7 @@ def touches(me, near, ground, p):
         return 0.0
     if nearest_car(me, near, me.x, me.y, me.ux, me.uy, p) <= 0.0:
         return 1.0
-    return 2.0 if nearest_solid(ground, me.x, me.y, me.ux, me.uy, p) <= 0.0 else 0.0
+    return 2.0 if nearest_solid(surroundings, me.x, me.y, me.ux, me.uy, p) <= 0.0 else 0.0
 
 
 @compiled
@@ -238,13 +239,21 @@ BODY = Body(
     stops=True,
     lasts=lambda p: p.dt,
     unit="s",
+    vehicle=Vehicle(
+        fresh=SIGNALS[FRESH],
+        steering=SIGNALS[STEERING],
+        pace=SIGNALS[PACE],
+        stuck=SIGNALS[STUCK],
+        wheel=SIGNALS[QUEUE],
+        throttle=SIGNALS[QUEUE + 1],
+    ),
 )
 STEERED = replace(BODY, name="steered-car", takes="heading")
 """The same car for rules that wish a heading; of a wish only the direction counts for either."""
 
 
 def driving(rule: Rule, **more: Any) -> Model:
-    """The model NAME-cars: cars that go by a rule which wishes a heading or a velocity.
+    """The model NAME-cars: cars driven by a rule that wishes a heading or a velocity.
 
     `more` goes to the model; cars are on a plane, whatever the rule can do.
     """

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 
 
@@ -23,7 +23,7 @@ class ConstantSpeed(Parameters):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """x(k+1) = x(k) + v0 u(k+1): (7) and (8)."""
     return Moved(
         me.x + p.v0 * want.x,
@@ -39,6 +39,7 @@ def move(me, near, ground, want, p, out):
 BODY = Body(
     name="constant-speed",
     title="Constant speed",
+    family="vicsek",
     source="Liu et al. 2021, (7), (8)",
     parameters=ConstantSpeed,
     move=move,

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 
 
@@ -59,7 +59,7 @@ def seconds_per_tick(p: DoubleIntegrator) -> float:
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """p += h u, |p| <= p_max, q += h p (2) with h seconds per tick. At rest the heading is kept."""
     h = tick_length(p)
     vx = me.speed * me.ux + h * want.x

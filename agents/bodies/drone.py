@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.declare import Body, Parameters, Rule, declared, parameter
 from agents.engine.block import Moved
-from agents.model import Model
+from agents.models.declare import Body, Parameters, Rule, declared, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 
 
 class Drone(Parameters):
@@ -97,15 +97,15 @@ def followed(me, want, p):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Velocity, then position; at rest the heading is kept."""
     vx, vy, vz = followed(me, want, p)
     if p.guard > 0.0:
-        at = nearest_surface(ground, me.x, me.y, me.z)
+        at = nearest_surface(surroundings, me.x, me.y, me.z)
         step = p.dt * math.sqrt(vx * vx + vy * vy + vz * vz)
         reach = max(p.margin, 2.0 * step)
         if at.distance <= reach:
-            gx, gy, gz = guarded(ground, at, me, p.dt * vx, p.dt * vy, p.dt * vz, reach)
+            gx, gy, gz = guarded(surroundings, at, me, p.dt * vx, p.dt * vy, p.dt * vz, reach)
             vx, vy, vz = gx / p.dt, gy / p.dt, gz / p.dt
     x, y, z = me.x + p.dt * vx, me.y + p.dt * vy, me.z + p.dt * vz
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)

@@ -12,11 +12,11 @@ import numpy as np
 
 from agents.bodies.turning import towards
 from agents.bodies.upwash import saved
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
-from worlds.crossing import skin
-from worlds.ground import signed_distance
+from worlds.queries.crossing import skin
+from worlds.queries.surroundings import signed_distance
 
 ALWAYS = 0.0
 """`contact` as compiled code has it."""
@@ -125,7 +125,7 @@ class Flyer(Parameters):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Turn by at most theta_max tau towards the wanted velocity, take its speed within a_max tau.
 
     Then go on along the new heading for tau. (0, 0, 0) keeps the heading and aims at v0.
@@ -147,7 +147,7 @@ def move(me, near, ground, want, p, out):
 
 
 @compiled
-def touches(me, near, ground, p):
+def touches(me, near, surroundings, p):
     """1.0 if the body touches another, 2.0 if it touches a block or a wall, else 0.0.
 
     At no distance stands the agent itself; whoever else does touches it.
@@ -167,7 +167,7 @@ def touches(me, near, ground, p):
     if here > 1 or least <= apart * apart:
         return 1.0
     near_enough = 0.5 * p.body + 2.0 * skin(me.x, me.y, me.z)
-    if ground.solids > 0 and signed_distance(ground, me.x, me.y, me.z) <= near_enough:
+    if surroundings.solids > 0 and signed_distance(surroundings, me.x, me.y, me.z) <= near_enough:
         return 2.0
     return 0.0
 

@@ -1,11 +1,11 @@
-"""The guard: a velocity that would take an agent into an obstacle loses what leads there."""
+"""The guard takes out of a velocity the part that would lead an agent into an obstacle."""
 
 from __future__ import annotations
 
 import math
 
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 
 LEAST = 0.01
 """Share of the range that an agent must keep to the next surface; else it stays where it is."""
@@ -19,7 +19,7 @@ def without_inward(at, vx, vy, vz, allowed):
 
 
 @compiled
-def guarded(ground, at, me, vx, vy, vz, reach):
+def guarded(surroundings, at, me, vx, vy, vz, reach):
     """The velocity (length/tick) of an agent whose nearest surface is `at`, within `reach`.
 
     Up to reach / 2 from the surface no velocity towards it is left; further out at most half the
@@ -31,10 +31,10 @@ def guarded(ground, at, me, vx, vy, vz, reach):
     least = min(at.distance, LEAST * reach)
     if at.distance - math.sqrt(vx * vx + vy * vy + vz * vz) >= least:
         return vx, vy, vz
-    then = nearest_surface(ground, me.x + vx, me.y + vy, me.z + vz)
+    then = nearest_surface(surroundings, me.x + vx, me.y + vy, me.z + vz)
     if then.distance < least:
         vx, vy, vz = without_inward(then, vx, vy, vz, 0.0)
-        then = nearest_surface(ground, me.x + vx, me.y + vy, me.z + vz)
+        then = nearest_surface(surroundings, me.x + vx, me.y + vy, me.z + vz)
         if then.distance < least:
             return 0.0, 0.0, 0.0
     return vx, vy, vz

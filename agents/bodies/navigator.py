@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.declare import Body, Parameters, Rule, parameter
 from agents.engine.block import Moved, Wish
-from agents.model import Model
+from agents.models.declare import Body, Parameters, Rule, parameter
+from agents.models.model import Model
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 
 HEARD, AVOIDS = 1.0, 0.0
 """The body's signal o_i (19): whether its heading counts for its neighbours."""
@@ -161,7 +161,7 @@ def spring(me, near, p):
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The terms of (25), length/tick: along the present heading, repulsion, attraction."""
     rx, ry, rz, ax, ay, az = spring(me, near, p)
     c = p.c_align * p.v0
@@ -171,7 +171,7 @@ def explain(me, near, ground, p, out):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Heading (22), velocity (25), (26) and position (8). An information UAV flies its path."""
     last = out.shape[0] - 1
     if me.informed:
@@ -180,7 +180,7 @@ def move(me, near, ground, want, p, out):
         return Moved(
             me.x + v * want.x, me.y + v * want.y, me.z + v * want.z, want.x, want.y, want.z, v
         )
-    at = nearest_surface(ground, me.x, me.y, me.z)
+    at = nearest_surface(surroundings, me.x, me.y, me.z)
     u, heard = along(want, at, me.x, me.y, me.z, me, p)
     out[last] = heard
     rx, ry, rz, ax, ay, az = spring(me, near, p)
@@ -191,7 +191,7 @@ def move(me, near, ground, want, p, out):
     if speed > p.v0:
         vx, vy, vz = vx * (p.v0 / speed), vy * (p.v0 / speed), vz * (p.v0 / speed)
     if p.guard > 0.0 and at.distance <= p.r_avoid:
-        vx, vy, vz = guarded(ground, at, me, vx, vy, vz, p.r_avoid)
+        vx, vy, vz = guarded(surroundings, at, me, vx, vy, vz, p.r_avoid)
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
     return Moved(me.x + vx, me.y + vy, me.z + vz, u.x, u.y, u.z, speed)
 
@@ -205,6 +205,7 @@ def passes(p):
 BODY = Body(
     name="navigator",
     title="Navigating UAV",
+    family="mission",
     source="Liu et al. 2021, (18) to (26)",
     parameters=Navigator,
     move=move,

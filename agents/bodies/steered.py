@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
-from worlds.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 
 
 class Steered(Parameters):
@@ -93,15 +93,15 @@ def steered(me, want, p):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Velocity, then position; at rest the heading is kept."""
     ux, uy, uz, speed = steered(me, want, p)
     if p.guard > 0.0:
-        at = nearest_surface(ground, me.x, me.y, me.z)
+        at = nearest_surface(surroundings, me.x, me.y, me.z)
         step = p.dt * speed
         reach = max(p.margin, 2.0 * step)
         if at.distance <= reach:
-            gx, gy, gz = guarded(ground, at, me, step * ux, step * uy, step * uz, reach)
+            gx, gy, gz = guarded(surroundings, at, me, step * ux, step * uy, step * uz, reach)
             step = math.sqrt(gx * gx + gy * gy + gz * gz)
             speed = step / p.dt
             if step > 0.0:

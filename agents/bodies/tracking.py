@@ -1,11 +1,11 @@
-"""What motion capture makes of where cars are: noise, and frames in which a car is not seen."""
+"""Errors of motion capture: noise of positions, and frames in which a car is not seen."""
 
 from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, parameter
 from agents.engine.noise import cos_sin, uniform
+from agents.models.declare import Parameters, parameter
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, YAW_RADIUS, YAW_ANGLE, SEEN = 4, 5, 6, 7, 8
@@ -34,6 +34,7 @@ class Tracking(Parameters):
         high=0.2,
         step=0.0005,
         source="ours: what such cameras have",
+        noise=True,
     )
     noise_yaw: float = parameter(
         0.005,
@@ -44,6 +45,7 @@ class Tracking(Parameters):
         high=0.5,
         step=0.001,
         source="ours: what such cameras have",
+        noise=True,
     )
     dropout: float = parameter(
         0.0,
@@ -54,6 +56,7 @@ class Tracking(Parameters):
         high=1.0,
         step=0.01,
         source="ours: Jacobs and Koessler had ambiguous markers now and then",
+        noise=True,
     )
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Body, Parameters, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 
 
@@ -66,7 +66,7 @@ def towards(ux, uy, uz, x, y, z, most):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """Turn by at most theta tau towards the wanted heading, then go s tau along the new one."""
     most = math.radians(p.theta) * p.tau
     ux, uy, uz = towards(me.ux, me.uy, me.uz, want.x, want.y, want.z, most)

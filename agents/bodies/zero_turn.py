@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from agents.bodies.tracking import Tracking
-from agents.declare import Body, parameter
 from agents.engine.block import Moved
+from agents.models.declare import Body, Vehicle, parameter
 from worlds.compiled import compiled
 
 
@@ -30,7 +30,7 @@ class ZeroTurn(Tracking):
 
 
 @compiled
-def move(me, near, ground, want, p, out):
+def move(me, near, surroundings, want, p, out):
     """x(t + dt) = x(t) + g D dt; it looks where it goes, and keeps its heading at rest."""
     d = p.gain * p.dt
     x, y = me.x + d * want.x, me.y + d * want.y
@@ -49,4 +49,5 @@ BODY = Body(
     takes="velocity",
     lasts=lambda p: p.dt,
     unit="s",
+    vehicle=Vehicle(),
 )

@@ -1,0 +1,1 @@
+"""The compiled loop that runs a flock: cells, neighbourhood blocks, noise, threads."""

@@ -1,4 +1,4 @@
-"""What the compiled loop works on: the flock's arrays, the law, the place, and working space."""
+"""What the compiled loop works on: the flock's arrays, its context and place, and a workspace."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.engine.cells import Grid, Slots, Space
-from worlds.ground import Ground
+from worlds.queries.surroundings import Surroundings
 
 
 class Arrays(NamedTuple):
@@ -23,13 +23,13 @@ class Arrays(NamedTuple):
     memory: np.ndarray
     """Signals of the rule, signals of the body, what the rule keeps to itself, what is measured;
     shape (K, N)."""
-    fate: np.ndarray
+    crash_record: np.ndarray
     """Of agents that can crash the tick at which they did, or -1, what they touched, and where;
-    (N, 2 + dim), or no rows at all. See `agents.crashes`."""
+    (N, 2 + dim), or no rows at all. See `agents.state.crashes`."""
 
 
 def empty_slots(n: int, dim: int, signals: int) -> Slots:
-    """Room for a sorted copy of n agents."""
+    """Empty arrays for a sorted copy of n agents."""
     n3 = n if dim == 3 else 0
     return Slots(
         np.zeros(n, np.int32),
@@ -45,8 +45,8 @@ def empty_slots(n: int, dim: int, signals: int) -> Slots:
     )
 
 
-class Law(NamedTuple):
-    """What every agent goes by in a tick."""
+class Context(NamedTuple):
+    """Parameters and constants that every agent goes by in a tick."""
 
     parameters: Any
     """The rule's and the body's parameters as floats: the loop's `P`."""
@@ -58,13 +58,13 @@ class Law(NamedTuple):
     """How much time a tick stands for."""
 
 
-class Desk(NamedTuple):
-    """One thread's working space."""
+class Workspace(NamedTuple):
+    """One thread's scratch buffers."""
 
     block: np.ndarray
-    """A neighbourhood block: positions, headings, positions of nearest images; (9, room)."""
+    """A neighbourhood block: positions, headings, positions of nearest images; (9, capacity)."""
     signals: np.ndarray
-    """The block's signals, (K, room)."""
+    """The block's signals, (K, capacity)."""
     mine: np.ndarray
     """One agent's signals as it reads them, (K,), and as it writes them."""
     out: np.ndarray
@@ -75,14 +75,16 @@ class Desk(NamedTuple):
     found: np.ndarray
     """Boundary points around one agent: indices, int32."""
     points: np.ndarray
-    """Their coordinates and a spare row, (3, room)."""
+    """Their coordinates and a spare row, (3, points)."""
 
 
-def empty_desk(room: int, signals: int, private: int, measures: int, points: int) -> Desk:
-    """A desk for blocks of up to `room` agents, with up to `points` boundary points around one."""
-    return Desk(
-        np.zeros((9, room)),
-        np.zeros((signals, room)),
+def empty_workspace(
+    capacity: int, signals: int, private: int, measures: int, points: int
+) -> Workspace:
+    """Buffers for blocks of at most `capacity` agents and `points` boundary points around one."""
+    return Workspace(
+        np.zeros((9, capacity)),
+        np.zeros((signals, capacity)),
         np.zeros(signals),
         np.zeros(signals),
         np.zeros(private),
@@ -93,20 +95,37 @@ def empty_desk(room: int, signals: int, private: int, measures: int, points: int
 
 
 def empty_grid(n: int, parts: int) -> Grid:
-    """Room for as many cells as are worth having for n agents."""
-    room = max(64, n) + 2
+    """An empty grid with as many cells as are worth having for n agents."""
+    capacity = max(64, n) + 2
     return Grid(
         np.zeros(3),
         np.zeros(3),
         np.zeros(3),
         np.ones(3, np.int64),
-        np.zeros(room, np.int32),
-        np.zeros((parts, room), np.int32),
+        np.zeros(capacity, np.int32),
+        np.zeros((parts, capacity), np.int32),
     )
+
+
+class Until(NamedTuple):
+    """When a run ends: once something has held of the flock for some ticks.
+
+    What has to hold is the part `holds` of a loop, see `agents.engine.template`.
+    """
+
+    numbers: np.ndarray
+    """What `holds` is asked with, float64; none where the run is to go on whatever holds."""
+    hold: int
+    """Ticks for which it has to hold."""
+    last_off: int
+    """Last tick at which it did not, -1 for none so far."""
+
+
+NEVER = Until(np.empty(0), 0, -1)
 
 
 class Place(NamedTuple):
     """The world as compiled code sees it: its edges, and what stands in it."""
 
     space: Space
-    ground: Ground
+    surroundings: Surroundings

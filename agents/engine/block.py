@@ -1,6 +1,6 @@
 """What a rule sees: itself (`Me`), the agents around it (`Near`), and what it answers (`Wish`).
 
-The world around it, its obstacles and its goal, is `worlds.ground.Ground`.
+The world around it, its obstacles and its goal, is `worlds.queries.surroundings.Surroundings`.
 
 All vectors have three components; in a 2-D world the third is 0. Coordinates in a block are
 those of the nearest image, so that `near.x[j] - me.x` is the separation whatever the edges.

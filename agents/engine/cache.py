@@ -1,4 +1,4 @@
-"""Compiled kernels on disk, never stale.
+"""A cache of compiled kernels on disk that is never stale.
 
 numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
 named by a hash over the bytecode of every function that it reaches and the value of every constant.
@@ -39,7 +39,7 @@ def describe(value: object) -> str:
 
 
 def describe_code(code: types.CodeType) -> str:
-    """What a code object does, without where it stands."""
+    """What a code object does, without its place in a file."""
     constants = [
         describe_code(c) if isinstance(c, types.CodeType) else describe(c) for c in code.co_consts
     ]
@@ -53,8 +53,11 @@ def fingerprint(function, digest, seen: set[int]) -> None:
     seen.add(id(function))
     python = function.py_func if isinstance(function, Dispatcher) else function
     digest.update(describe_code(python.__code__).encode())
+    digest.update(python.__module__.encode())  # a kept kernel imports it by this name
     if isinstance(function, Dispatcher):
         digest.update(describe(function.targetoptions).encode())
+        compiler = function._compiler.pipeline_class  # type: ignore[attr-defined]
+        digest.update(compiler.__qualname__.encode())
     for value in reached(python):
         if isinstance(value, Dispatcher | types.FunctionType):
             fingerprint(value, digest, seen)
@@ -87,7 +90,26 @@ def keep(entry, digest) -> Path:
     with KEEPING:
         setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
         entry.enable_caching()
+    forget_if_unreadable(entry)
+    entry.lock = folder / "lock"
     return folder
+
+
+def is_kept(entry) -> bool:
+    """Whether what `entry` compiles to is on disk, from this very checkout or installation."""
+    return bool(entry._cache._cache_file._load_index())
+
+
+def forget_if_unreadable(entry) -> None:
+    """Forget kernels whose arguments are of classes that have moved since: compile them anew.
+
+    A class that a kernel meets only in its arguments is not in the kernel's name.
+    """
+    kept = entry._cache._cache_file
+    try:
+        kept._load_index()
+    except (ImportError, AttributeError):
+        Path(kept._index_path).unlink(missing_ok=True)
 
 
 def kept(function):

@@ -28,7 +28,7 @@ class Space(NamedTuple):
     images: np.ndarray
     """1 where neighbours are seen across the seam (minimum image)."""
     floor: float
-    """Height on which the fallen lie; of no account in two dimensions."""
+    """Height on which crashed agents come to rest, length; of no account in two dimensions."""
 
 
 class Grid(NamedTuple):
@@ -43,7 +43,7 @@ class Grid(NamedTuple):
     shape: np.ndarray
     """Cells along each axis, int64 (3,)."""
     start: np.ndarray
-    """First slot of each cell, int32 (cells + 2 or more,). The last cell is that of the fallen."""
+    """First slot of each cell, int32 (cells + 2 or more,). Crashed agents are in the last."""
     tally: np.ndarray
     """Agents of each part and cell while sorting, int32 (parts, cells + 2 or more)."""
 
@@ -65,14 +65,14 @@ class Slots(NamedTuple):
     signal: np.ndarray
     """Shape (K, N)."""
     queue: np.ndarray
-    """Room for a list of slots, int32 (N,); empty for rules without signals."""
+    """Space for a list of slots, int32 (N,); empty for rules without signals."""
 
 
 @compiled
 def plan(grid, space, reach, position):
     """Lay cells of at least `reach` over the box, or over the flock along open axes."""
     n, dim = position.shape
-    room = grid.start.shape[0] - 2
+    capacity = grid.start.shape[0] - 2
     side = reach * MARGIN
     for axis in range(dim):
         if space.wraps[axis]:
@@ -95,9 +95,9 @@ def plan(grid, space, reach, position):
             cells *= number
             grid.shape[axis] = int(min(number, 2.0**30))
             grid.inverse[axis] = number / grid.extent[axis] if number > 1.0 else 0.0
-        if cells <= room:
+        if cells <= capacity:
             return
-        side *= max(1.01, (cells / room) ** (1.0 / dim))
+        side *= max(1.01, (cells / capacity) ** (1.0 / dim))
 
 
 @compiled
@@ -128,7 +128,7 @@ def cell_of(grid, space, position, i):
 
 @compiled
 def number_of(grid):
-    """How many cells there are; the cell of that number is that of the fallen, near nobody."""
+    """How many cells there are; the cell of that number is that of crashed agents, near nobody."""
     return grid.shape[0] * grid.shape[1] * grid.shape[2]
 
 
@@ -139,7 +139,7 @@ def count_rows(grid, space, slots, flock, part, low, high):
     Returns the first row whose position is not finite, or -1.
     """
     cells = number_of(grid)
-    mortal = flock.fate.shape[0] > 0
+    mortal = flock.crash_record.shape[0] > 0
     count = grid.tally[part]
     for cell in range(cells + 1):
         count[cell] = 0
@@ -149,7 +149,7 @@ def count_rows(grid, space, slots, flock, part, low, high):
         if cell < 0:
             bad = i if bad < 0 else bad
             cell = 0
-        if mortal and flock.fate[i, 0] >= 0.0:
+        if mortal and flock.crash_record[i, 0] >= 0.0:
             cell = cells
         slots.cell[i] = cell
         count[cell] += 1
@@ -160,7 +160,7 @@ def count_rows(grid, space, slots, flock, part, low, high):
 def share_slots(grid, parts):
     """Second pass: turn counts into the first slot of each cell, and of each part in it.
 
-    Returns the number of agents in the fullest cell, the fallen left out.
+    Returns the number of agents in the fullest cell, crashed agents left out.
     """
     cells = number_of(grid)
     slot = 0

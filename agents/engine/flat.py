@@ -1,4 +1,4 @@
-"""Columns that are the same wherever they are read, and cost nothing.
+"""Columns of one constant value, which take no memory and no time.
 
 A rule is written once, with three components. In 2-D its `near.z` and `near.uz` are a column of
 zeros, the compiler sees them, and what would be done with them disappears. So with `near.heard`, a
@@ -8,6 +8,7 @@ column of ones in a flock where everyone is heard.
 from __future__ import annotations
 
 import operator
+from dataclasses import dataclass
 from typing import Any
 
 from numba import types
@@ -27,8 +28,29 @@ ZEROS, ONES = ConstantColumn(0.0), ConstantColumn(1.0)
 register_model(ConstantColumn)(models.OpaqueModel)
 
 
+@dataclass(frozen=True)
+class PlainColumn:
+    """A column of one value (float) where a rule runs as plain Python."""
+
+    value: float
+
+    def __getitem__(self, j: Any) -> float:
+        """The value."""
+        return self.value
+
+
+def zeros() -> Any:
+    """A column of zeros."""
+    return PlainColumn(0.0)
+
+
+def ones() -> Any:
+    """A column of ones."""
+    return PlainColumn(1.0)
+
+
 @intrinsic
-def zeros(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
+def compiled_zeros(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
     """A column of zeros, inside compiled code."""
 
     def codegen(context, builder, signature, arguments):  # noqa: ARG001
@@ -38,13 +60,17 @@ def zeros(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
 
 
 @intrinsic
-def ones(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
+def compiled_ones(typingctx: Any = None) -> Any:  # noqa: ARG001 - numba hands it over
     """A column of ones, inside compiled code."""
 
     def codegen(context, builder, signature, arguments):  # noqa: ARG001
         return context.get_dummy_value()
 
     return ONES(), codegen
+
+
+overload(zeros)(lambda: lambda: compiled_zeros())
+overload(ones)(lambda: lambda: compiled_ones())
 
 
 @overload(operator.getitem)

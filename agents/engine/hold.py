@@ -1,4 +1,4 @@
-"""What is solid holds: no step goes through it, however long the step and however thin the wall.
+"""Solid surfaces stop agents: no step crosses one, however long the step or thin the wall.
 
 A step is followed from where it begins. Where it enters something solid the agent is put before the
 surface and does what its body does there: it bounces off as light does off a mirror, slides along,
@@ -12,8 +12,8 @@ import math
 
 from agents.engine.block import Moved
 from worlds.compiled import compiled, shared
-from worlds.crossing import first_crossing, is_far, skin
-from worlds.ground import signed_distance
+from worlds.queries.crossing import first_crossing, is_far, skin
+from worlds.queries.surroundings import signed_distance
 
 PASSES, BOUNCES, SLIDES, STOPS = range(4)
 """What an agent does where its step enters something solid."""
@@ -22,12 +22,12 @@ MEETINGS = 32
 
 
 @compiled
-def held(ground, space, me, moved, meets):
+def held(surroundings, space, me, moved, meets):
     """The move, with what leads through solids taken out of it."""
     dx, dy, dz = moved.x - me.x, moved.y - me.y, moved.z - me.z
-    if is_far(ground, me.x, me.y, me.z, math.sqrt(dx * dx + dy * dy + dz * dz)):
+    if is_far(surroundings, me.x, me.y, me.z, math.sqrt(dx * dx + dy * dy + dz * dz)):
         return moved
-    return followed(ground, space, me.x, me.y, me.z, moved, meets)
+    return followed(surroundings, space, me.x, me.y, me.z, moved, meets)
 
 
 @compiled
@@ -49,7 +49,7 @@ def across(space, axis, x, d, crosses):
 
 
 @shared
-def followed(ground, space, ax, ay, az, moved, meets):
+def followed(surroundings, space, ax, ay, az, moved, meets):
     """The move from a, followed from surface to surface and from seam to seam.
 
     In what an agent cannot get out of in one tick it stays, and where even that would be inside,
@@ -62,7 +62,7 @@ def followed(ground, space, ax, ay, az, moved, meets):
     for _ in range(MEETINGS):
         px, py, pz = to_seam(space, 0, x, dx), to_seam(space, 1, y, dy), to_seam(space, 2, z, dz)
         part = min(px, min(py, pz))
-        at = first_crossing(ground, x, y, z, part * dx, part * dy, part * dz)
+        at = first_crossing(surroundings, x, y, z, part * dx, part * dy, part * dz)
         if at.share <= 1.0:
             hits += 1
             way = part * at.share
@@ -93,7 +93,7 @@ def followed(ground, space, ax, ay, az, moved, meets):
         dx, dy, dz = left * dx, left * dy, left * dz
     if hits == 0 and whole:
         return moved
-    if not (signed_distance(ground, x, y, z) >= 0.0):
+    if not (signed_distance(surroundings, x, y, z) >= 0.0):
         return Moved(ax, ay, az, -moved.ux, -moved.uy, -moved.uz, 0.0)
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     if length < 1e-9:

@@ -17,7 +17,7 @@ from pathlib import Path
 from numba.core.dispatcher import Dispatcher
 
 from agents.engine import template
-from agents.engine.cache import fingerprint, keep, new_digest
+from agents.engine.cache import fingerprint, is_kept, keep, new_digest
 
 HERE = Path(__file__).parent
 LOADING = threading.Lock()
@@ -47,6 +47,7 @@ def turns_module(sweep: types.ModuleType):
         "SEES_POINTS",
         "SIGNALS",
         "act",
+        "holds",
         "judge",
         "myself",
         "nearby",
@@ -68,31 +69,37 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
             fingerprint(value, digest, seen)
         else:
             digest.update(repr(value).encode())
-    module_name = f"agents.engine.{kind}_{digest.hexdigest()[:16]}"
+    module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
     with LOADING:
         if module_name not in sys.modules:
-            sys.modules[module_name] = made(kind, module_name, globals_, fields, digest, seen)
+            module = made(kind, module_name, globals_, fields)
+            sys.modules[module_name] = module  # a kept kernel finds its parameters' class there
+            fingerprint(module.advance, digest, seen)
+            module.__dict__["cache_folder"] = keep(module.advance, digest)
     return sys.modules[module_name]
 
 
-def made(kind: str, module_name: str, globals_: dict, fields, digest, seen) -> types.ModuleType:
+def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleType:
     """The template `kind` executed as a module of that name."""
     spec = importlib.util.spec_from_file_location(module_name, TEMPLATES[kind])
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    module.__dict__.update(globals_, P=parameter_tuple(module_name, fields))
+    parameters = parameter_tuple(module_name, fields)
+    module.__dict__.update(globals_, P=parameters, **{parameters.__name__: parameters})
     spec.loader.exec_module(module)
-    fingerprint(module.advance, digest, seen)
-    module.__dict__["cache_folder"] = keep(module.advance, digest)
     return module
 
 
 def parameter_tuple(module_name: str, fields) -> type:
-    """A NamedTuple class of floats that pickles by its module, as numba's cache needs."""
-    return namedtuple("P", fields, module=module_name)
+    """A NamedTuple class of floats that pickles by its module, as numba's cache needs.
+
+    It bears the module's name: numba's calls tell tuples apart by the names of their class and
+    fields alone, and take a slow way each time where two are alike.
+    """
+    return namedtuple(f"P_{module_name.rpartition('_')[2]}", fields, module=module_name)
 
 
 def is_compiled(module: types.ModuleType) -> bool:
     """Whether the kernel is in the cache already, so that the first tick will not wait for it."""
-    return bool(module.advance.signatures) or any(module.cache_folder.rglob("*.nbc"))
+    return bool(module.advance.signatures) or is_kept(module.advance)

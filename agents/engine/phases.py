@@ -1,4 +1,4 @@
-"""The phases of a tick, to be asked of a loop one by one or together."""
+"""The phases of a tick as bits: a loop runs one of them or several in a call."""
 
 PLAN, COUNT, SHARE, PLACE, FILL, PREPARE, SWEEP = 1, 2, 4, 8, 16, 32, 64
 ALL = PLAN | COUNT | SHARE | PLACE | FILL | PREPARE | SWEEP

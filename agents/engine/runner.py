@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from agents.engine import phases
 from agents.engine.arrays import (
+    NEVER,
     Arrays,
-    Desk,
-    Law,
+    Context,
     Place,
-    empty_desk,
+    Until,
+    Workspace,
     empty_grid,
     empty_slots,
+    empty_workspace,
 )
 from agents.engine.team import Team
-from agents.observables.consistency import NOTHING, Watch, is_consistent
 
 UNTRACED = np.empty((0, 0, 0))
 """In place of a trace: positions are not kept."""
@@ -33,26 +36,44 @@ class NotANumber(ArithmeticError):
     """A rule gave an agent a position that is not a finite number."""
 
 
+Called = Callable[..., Any]
+"""How compiled functions are called: Called(function, *arguments)."""
+
+
+def at_once(function: Callable, *arguments: Any) -> Any:
+    """Call a compiled function as it is."""
+    return function(*arguments)
+
+
 class Engine:
     """The compiled loop of a rule over a flock's arrays."""
 
-    def __init__(self, module, arrays: Arrays, place: Place, seed: int, threads: int = 1):
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        threads: int = 1,
+        called: Called = at_once,
+    ):
         self.module = module
+        self.called = called
         self.arrays = arrays
-        self.space, self.ground = place
+        self.space, self.surroundings = place
         self.seed = seed
         n, dim = arrays.position.shape
-        self.parts = max(1, threads) if n >= SPLIT_FROM else 1
+        self.parts = max(1, threads)
         self.slots = empty_slots(n, dim, module.SIGNALS)
         self.grid = empty_grid(n, self.parts)
-        self.desks: list[Desk] = []
+        self.workspaces: list[Workspace] = []
         self.widen(256)
 
-    def widen(self, room: int) -> None:
-        """Larger desks."""
+    def widen(self, capacity: int) -> None:
+        """Larger workspaces."""
         loop = self.module
-        made = room, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.ground.most_points
-        self.desks = [empty_desk(*made) for _ in range(self.parts)]
+        made = capacity, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.surroundings.most_points
+        self.workspaces = [empty_workspace(*made) for _ in range(self.parts)]
 
     def refuse(self, row: int, tick: int) -> None:
         """Name the agent whose position is no number."""
@@ -63,35 +84,44 @@ class Engine:
 
 
 class Synchronous(Engine):
-    """All agents decide on the same instant, then all have moved."""
+    """Synchronous activation: all agents decide on the same state, then all move (two phases)."""
 
-    def __init__(self, module, arrays: Arrays, place: Place, seed: int, threads: int = 1):
-        super().__init__(module, arrays, place, seed, threads)
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        threads: int = 1,
+        called: Called = at_once,
+    ):
+        super().__init__(module, arrays, place, seed, threads, called)
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
 
-    def call(self, law, tick, ticks, work, watch=NOTHING, trace=UNTRACED):
-        """One call of the compiled loop, with a larger desk if it asks for one."""
+    def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
+        """One call of the compiled loop, with a larger workspace if it asks for one."""
         part = work[1]
         done = 0
         while True:
-            more, last_off, bad, need = self.module.advance(
+            more, last_off, bad, need = self.called(
+                self.module.advance,
                 self.arrays,
                 self.space,
-                self.ground,
+                self.surroundings,
                 self.grid,
                 self.slots,
-                self.desks[part],
-                law,
+                self.workspaces[part],
+                context,
                 self.seed,
                 tick + done,
                 ticks - done,
                 work,
-                watch,
+                until,
                 trace[done:],
             )
             done += more
-            watch = watch._replace(last_off=last_off)
+            until = until._replace(last_off=last_off)
             if bad >= 0:
                 self.refuse(bad, tick + done)
             if need:
@@ -99,32 +129,32 @@ class Synchronous(Engine):
             if not need or not work[0] & phases.COUNT:  # the sort goes on from where it is
                 return done, last_off
 
-    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING, trace=UNTRACED):
-        """Run ticks; returns (ticks done, last tick not consistent or -1).
+    def run(self, context: Context, tick: int, ticks: int, until: Until = NEVER, trace=UNTRACED):
+        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
         n = len(self.arrays.position)
-        if self.parts == 1 or watch.kind:
-            return self.call(law, tick, ticks, (phases.ALL, 0, 1, 0, n), watch, trace)
+        if self.parts == 1 or len(until.numbers):
+            return self.call(context, tick, ticks, (phases.ALL, 0, 1, 0, n), until, trace)
         for k in range(ticks):
-            self.shared_tick(law, tick + k)
+            self.shared_tick(context, tick + k)
             if len(trace):
                 trace[k] = self.arrays.position
         return ticks, -1
 
-    def open(self, law: Law, tick: int) -> None:
+    def open(self, context: Context, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""
         n = len(self.arrays.position)
-        self.call(law, tick, 1, (phases.OPEN, 0, 1, 0, n))
+        self.call(context, tick, 1, (phases.OPEN, 0, 1, 0, n))
         self.slot_of = np.argsort(self.slots.row)
 
-    def one(self, law: Law, tick: int, row: int) -> None:
+    def one(self, context: Context, tick: int, row: int) -> None:
         """Let the agent of one row of an opened tick decide and move."""
         slot = int(self.slot_of[row])
-        self.call(law, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
+        self.call(context, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
 
-    def shared_tick(self, law: Law, tick: int) -> None:
+    def shared_tick(self, context: Context, tick: int) -> None:
         """One tick, each phase of it on all threads."""
         n = len(self.arrays.position)
         edges = [n * k // self.parts for k in range(self.parts + 1)]
@@ -133,11 +163,13 @@ class Synchronous(Engine):
         own = [deque(spans[k * CHUNKS : (k + 1) * CHUNKS]) for k in range(self.parts)]
 
         def alone(phase: int) -> None:
-            self.call(law, tick, 1, (phase, 0, self.parts, 0, n))
+            self.call(context, tick, 1, (phase, 0, self.parts, 0, n))
 
         def together(phase: int) -> None:
             self.team.together(
-                lambda k: self.call(law, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1]))
+                lambda k: self.call(
+                    context, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1])
+                )
             )
 
         def sweep(k: int) -> None:
@@ -146,7 +178,7 @@ class Synchronous(Engine):
                 with suppress(IndexError):
                     while True:
                         span = left.popleft() if owner == k else left.pop()
-                        self.call(law, tick, 1, (phases.SWEEP, k, self.parts, *span))
+                        self.call(context, tick, 1, (phases.SWEEP, k, self.parts, *span))
 
         alone(phases.PLAN)
         together(phases.COUNT)
@@ -159,26 +191,35 @@ class Synchronous(Engine):
 
 
 class InTurn(Engine):
-    """Agents act one after another, each on the flock as those before it have left it."""
+    """Sequential or random activation: agents act one by one, each on what the others left."""
 
-    def __init__(self, module, arrays: Arrays, place: Place, seed: int, shuffled: bool):
-        super().__init__(module, arrays, place, seed)
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        shuffled: bool,
+        called: Called = at_once,
+    ):
+        super().__init__(module, arrays, place, seed, called=called)
         self.shuffled = shuffled
         if module.CRASHES:
             self.widen(max(256, len(arrays.ids)))
 
-    def call(self, law, tick, order: np.ndarray, opens: bool) -> None:
+    def call(self, context, tick, order: np.ndarray, opens: bool) -> None:
         """Let the rows of `order` act, after opening the tick if `opens`."""
         first = 0
         while True:
-            first, bad = self.module.advance(
+            first, bad = self.called(
+                self.module.advance,
                 self.arrays,
                 self.space,
-                self.ground,
+                self.surroundings,
                 self.grid,
                 self.slots,
-                self.desks[0],
-                law,
+                self.workspaces[0],
+                context,
                 self.seed,
                 tick,
                 order,
@@ -190,21 +231,21 @@ class InTurn(Engine):
             if first == len(order):
                 return
             opens = False
-            self.widen(2 * self.desks[0].block.shape[1])
+            self.widen(2 * self.workspaces[0].block.shape[1])
 
-    def run(self, law: Law, tick: int, ticks: int, watch: Watch = NOTHING, trace=UNTRACED):
-        """Run ticks; returns (ticks done, last tick not consistent or -1).
+    def run(self, context: Context, tick: int, ticks: int, until: Until = NEVER, trace=UNTRACED):
+        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
-        last_off = watch.last_off
+        last_off = until.last_off
         for now in range(tick, tick + ticks):
-            if watch.kind:
-                if not is_consistent(self.arrays.heading, watch):
+            if len(until.numbers):
+                if not self.module.holds(self.arrays, until.numbers):
                     last_off = now
-                elif now - last_off >= watch.hold:
+                elif now - last_off >= until.hold:
                     return now - tick, last_off
-            self.call(law, now, self.order(now), True)
+            self.call(context, now, self.order(now), True)
             if len(trace):
                 trace[now - tick] = self.arrays.position
         return ticks, last_off
@@ -216,10 +257,10 @@ class InTurn(Engine):
             return np.arange(n)
         return np.random.default_rng([self.seed, tick]).permutation(n)
 
-    def open(self, law: Law, tick: int) -> None:
+    def open(self, context: Context, tick: int) -> None:
         """Begin a tick in which agents are called one by one."""
-        self.call(law, tick, np.empty(0, np.int64), True)
+        self.call(context, tick, np.empty(0, np.int64), True)
 
-    def one(self, law: Law, tick: int, row: int) -> None:
+    def one(self, context: Context, tick: int, row: int) -> None:
         """Let the agent of one row act."""
-        self.call(law, tick, np.array([row]), False)
+        self.call(context, tick, np.array([row]), False)

@@ -1,4 +1,4 @@
-"""The tick: every agent decides on the flock as it stands, then all of them have moved.
+"""A tick in two phases: every agent decides on the same state, then all of them move.
 
 This file is a template. `agents.engine.loop` loads it once for each rule and body as a module of
 its own, with the names of `agents.engine.template` put in place, because numba caches a kernel on
@@ -31,9 +31,8 @@ from agents.engine.guide import guided
 from agents.engine.hold import PASSES, held
 from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
-from agents.observables.consistency import is_consistent
 from worlds.compiled import compiled, entry
-from worlds.ground import points_within, set_goal
+from worlds.queries.surroundings import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (
@@ -47,6 +46,7 @@ if TYPE_CHECKING:
         SEES_POINTS,
         SIGNALS,
         decide,
+        holds,
         measure,
         move,
         passes,
@@ -81,10 +81,10 @@ def headed(me, wish, noise, eta):
 
 
 @compiled
-def settle(flock, space, ground, i, me, moved, p):
+def settle(flock, space, surroundings, i, me, moved, p):
     """Write what the body answered into row i, within the world's edges and out of its solids."""
     if MEETS != PASSES and not passes(p):
-        moved = held(ground, space, me, moved, MEETS)
+        moved = held(surroundings, space, me, moved, MEETS)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
     flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
     flock.heading[i, 0] = moved.ux
@@ -96,27 +96,27 @@ def settle(flock, space, ground, i, me, moved, p):
 
 
 @compiled
-def act(flock, space, ground, i, me, near, law, desk):
+def act(flock, space, surroundings, i, me, near, context, workspace):
     """One agent's tick: perceive, decide, add noise, move, remember; or fall, if it has crashed.
 
     An information agent listens to nobody: it follows the mission's path, or keeps its heading.
     """
-    p = law.parameters
-    if CRASHES and flock.fate[i, 0] >= 0.0:
-        fall(flock, space, ground, i, law.lasts)
+    p = context.parameters
+    if CRASHES and flock.crash_record[i, 0] >= 0.0:
+        fall(flock, space, surroundings, i, context.lasts)
         return
-    out = desk.out
+    out = workspace.out
     for k in range(SIGNALS):
         out[k] = me.signal[k]
     if me.informed:
-        want = guided(flock, ground, i, me)
+        want = guided(flock, surroundings, i, me)
     else:
         if PRIVATE > 0:
-            perceive(me, near, ground, p)
-        want = decide(me, near, ground, p)
+            perceive(me, near, surroundings, p)
+        want = decide(me, near, surroundings, p)
         if HEADS:
-            want = headed(me, want, law.noise, p.eta)
-    settle(flock, space, ground, i, me, move(me, near, ground, want, p, out), p)
+            want = headed(me, want, context.noise, p.eta)
+    settle(flock, space, surroundings, i, me, move(me, near, surroundings, want, p, out), p)
     if SIGNALS > 0:
         remember(me, near, p, out)
     for k in range(SIGNALS):
@@ -124,27 +124,27 @@ def act(flock, space, ground, i, me, near, law, desk):
     for k in range(PRIVATE):
         flock.memory[SIGNALS + k, i] = me.memory[k]
     if MEASURES > 0:
-        measure(me, near, p, desk.measured)
+        measure(me, near, p, workspace.measured)
         for k in range(MEASURES):
-            flock.memory[SIGNALS + PRIVATE + k, i] = desk.measured[k]
+            flock.memory[SIGNALS + PRIVATE + k, i] = workspace.measured[k]
 
 
 @compiled
-def judge(flock, ground, i, me, near, p):
+def judge(flock, surroundings, i, me, near, p):
     """Crash the agent of row i if it touches another agent or what is solid."""
-    cause = touches(me, near, ground, p)
+    cause = touches(me, near, surroundings, p)
     if cause > 0.0:
         crash(flock, i, me.tick, cause)
 
 
 @compiled
-def myself(flock, slots, slot, desk, tick, key):
-    """`Me` of a slot; the desk receives its signals and its memory."""
+def myself(flock, slots, slot, workspace, tick, key):
+    """`Me` of a slot; the workspace receives its signals and its memory."""
     i = slots.row[slot]
     for k in range(SIGNALS):
-        desk.mine[k] = slots.signal[k, slot]
+        workspace.mine[k] = slots.signal[k, slot]
     for k in range(PRIVATE):
-        desk.own[k] = flock.memory[SIGNALS + k, i]
+        workspace.own[k] = flock.memory[SIGNALS + k, i]
     return Me(
         slots.x[slot],
         slots.y[slot],
@@ -153,8 +153,8 @@ def myself(flock, slots, slot, desk, tick, key):
         slots.uy[slot],
         slots.uz[slot] if DIM == 3 else 0.0,
         flock.speed[i],
-        desk.mine,
-        desk.own,
+        workspace.mine,
+        workspace.own,
         flock.informed[i],
         0.0 if DEAFENS else 1.0,
         flock.ids[i],
@@ -165,16 +165,16 @@ def myself(flock, slots, slot, desk, tick, key):
 
 
 @compiled
-def ready(flock, space, grid, slots, desk, p, tick, key):
+def ready(flock, space, grid, slots, workspace, p, tick, key):
     """Before anyone decides: what each agent shows, and what the rule needs of the whole flock."""
     if SIGNALS > 0:
         for slot in range(slots.row.shape[0]):
-            me = myself(flock, slots, slot, desk, tick, key)
+            me = myself(flock, slots, slot, workspace, tick, key)
             for k in range(SIGNALS):
-                desk.out[k] = desk.mine[k]
-            show(me, p, desk.out)
+                workspace.out[k] = workspace.mine[k]
+            show(me, p, workspace.out)
             for k in range(SIGNALS):
-                slots.signal[k, slot] = desk.out[k]
+                slots.signal[k, slot] = workspace.out[k]
         prepare(flock, space, grid, slots, p, tick)
         for slot in range(slots.row.shape[0]):
             for k in range(SIGNALS):
@@ -182,26 +182,26 @@ def ready(flock, space, grid, slots, desk, p, tick, key):
 
 
 @compiled
-def see_points(ground, reach, me, desk):
-    """Copy the boundary points within reach of an agent to its desk; returns how many."""
-    n = points_within(ground, me.x, me.y, reach, desk.found)
+def see_points(surroundings, reach, me, workspace):
+    """Copy the boundary points within reach of an agent to its workspace; returns how many."""
+    n = points_within(surroundings, me.x, me.y, reach, workspace.found)
     for k in range(n):
-        desk.points[0, k] = ground.point_x[desk.found[k]]
-        desk.points[1, k] = ground.point_y[desk.found[k]]
+        workspace.points[0, k] = surroundings.point_x[workspace.found[k]]
+        workspace.points[1, k] = surroundings.point_y[workspace.found[k]]
     return n
 
 
 @compiled
-def nearby(m, desk, at, points):
-    """The m agents of the desk's block, and the points there, as a rule sees them.
+def nearby(m, workspace, at, points):
+    """The m agents of the workspace's block, and the points there, as a rule sees them.
 
     Positions start at row `at`.
     """
-    block, signals = desk.block, desk.signals
+    block, signals = workspace.block, workspace.signals
     flat: Any = zeros()
     z, uz = (flat, flat) if DIM == 2 else (block[at + 2], block[5])
     heard: Any = signals[SIGNALS - 1] if DEAFENS else ones()
-    spot = desk.points
+    spot = workspace.points
     return Near(
         m,
         block[at],
@@ -220,9 +220,9 @@ def nearby(m, desk, at, points):
 
 
 @compiled
-def sweep(flock, space, ground, grid, slots, desk, law, tick, key, first, last):
+def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key, first, last):
     """The agents of slots first to last act, cell by cell."""
-    block = desk.block
+    block = workspace.block
     lone = False
     for axis in range(DIM):
         lone = lone or (space.images[axis] == 1 and grid.shape[axis] == 1)
@@ -232,74 +232,90 @@ def sweep(flock, space, ground, grid, slots, desk, law, tick, key, first, last):
     while slot < last:
         cell = slots.cell[slots.row[slot]]
         if CRASHES and cell == cells:
-            fall(flock, space, ground, slots.row[slot], law.lasts)
+            fall(flock, space, surroundings, slots.row[slot], context.lasts)
             slot += 1
             continue
         end = min(last, grid.start[cell + 1])
-        m = fill_block(grid, space, slots, cell, block, desk.signals)
-        near = nearby(m, desk, at, 0)
+        m = fill_block(grid, space, slots, cell, block, workspace.signals)
+        near = nearby(m, workspace, at, 0)
         while slot < end:
-            me = myself(flock, slots, slot, desk, tick, key)
+            me = myself(flock, slots, slot, workspace, tick, key)
             if SEES_POINTS:
-                near = nearby(m, desk, at, see_points(ground, law.reach, me, desk))
+                near = nearby(
+                    m, workspace, at, see_points(surroundings, context.reach, me, workspace)
+                )
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
             if CRASHES:
-                judge(flock, ground, slots.row[slot], me, near, law.parameters)
-            act(flock, space, ground, slots.row[slot], me, near, law, desk)
+                judge(flock, surroundings, slots.row[slot], me, near, context.parameters)
+            act(flock, space, surroundings, slots.row[slot], me, near, context, workspace)
             slot += 1
 
 
 @compiled
 def note(position, into):
-    """Copy the positions (N, dim), without the working space that an array assignment takes."""
+    """Copy the positions (N, dim), without the temporary array of an assignment."""
     for i in range(position.shape[0]):
         for axis in range(DIM):
             into[i, axis] = position[i, axis]
 
 
 @entry
-def advance(flock, space, ground, grid, slots, desk, law, seed, tick, ticks, work, watch, trace):
+def advance(
+    flock,
+    space,
+    surroundings,
+    grid,
+    slots,
+    workspace,
+    context,
+    seed,
+    tick,
+    ticks,
+    work,
+    until,
+    trace,
+):
     """Run `ticks` ticks, or the asked phases of one.
 
     `work` = (phases, part, parts, first row, last row): phases is a sum of PLAN .. SWEEP, and the
-    rows (slots, while sweeping) are those of this part. `watch` = (kind, bound, hold, x, y, z):
-    stop once the flock has been consistent within `bound` for `hold` ticks; see
-    `agents.observables.consistency.is_consistent`. `trace` (ticks, N, dim) or (0, N, dim) receives
-    the positions after each tick. Returns (ticks done, last tick that was not
-    consistent or -1, first row with a position that is no number or -1, room that the desk's block
-    lacks or 0); where it lacks room, the tick has not begun.
+    rows (slots, while sweeping) are those of this part. `until` is when to stop (`Until`). `trace`
+    (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
+    tick at which `holds` did not or -1, first row with a position that is no number or -1, room
+    that the workspace's block lacks or 0); where it lacks room, the tick has not begun.
     """
     phases, part, parts, first, last = work
-    last_off = watch.last_off
+    last_off = until.last_off
     done = 0
     while done < ticks:
         now = tick + done
-        if watch.kind > 0:
-            if not is_consistent(flock.heading, watch):
+        if until.numbers.shape[0] > 0:
+            if not holds(flock, until.numbers):
                 last_off = now
-            elif now - last_off >= watch.hold:
+            elif now - last_off >= until.hold:
                 break
         key = tick_key(seed, now)
         if phases & PLAN:
-            set_goal(ground, now * law.lasts)
-            plan(grid, space, law.reach, flock.position)
+            set_goal(surroundings, now * context.lasts)
+            plan(grid, space, context.reach, flock.position)
         if phases & COUNT:
             bad = count_rows(grid, space, slots, flock, part, first, last)
             if bad >= 0:
                 return done, last_off, bad, 0
         if phases & SHARE:
             need = min(3**DIM * share_slots(grid, parts), flock.ids.shape[0])
-            if need > desk.block.shape[1]:
+            if need > workspace.block.shape[1]:
                 return done, last_off, -1, need
         if phases & PLACE:
             place_rows(grid, slots, part, first, last)
         if phases & FILL:
             fill_slots(slots, flock.position, flock.heading, flock.memory, first, last)
         if phases & PREPARE:
-            ready(flock, space, grid, slots, desk, law.parameters, now, key)
+            ready(flock, space, grid, slots, workspace, context.parameters, now, key)
         if phases & SWEEP:
-            sweep(flock, space, ground, grid, slots, desk, law, now, key, first, last)
+            sweep(
+                flock, space, surroundings, grid, slots, workspace, context, now, key, first, last
+            )
         if trace.shape[0] > 0:
             note(flock.position, trace[done])
         done += 1

@@ -1,4 +1,4 @@
-"""A few threads that do the shares of one job together, with as little ado as Python allows."""
+"""A few threads that share one job, with as little overhead as Python allows."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def attempt(job: Callable[[int], None], k: int) -> BaseException | None:
 
 
 def help_out(inbox: SimpleQueue, outbox: SimpleQueue) -> None:
-    """A helper's life: shares of jobs until None comes."""
+    """The loop of a helper thread: shares of jobs until None comes."""
     while (task := inbox.get()) is not None:
         outbox.put(attempt(*task))
         task = None
 
 
 def dismiss(inboxes: list[SimpleQueue]) -> None:
-    """Send the helpers home."""
+    """End the helper threads."""
     for inbox in inboxes:
         inbox.put(None)

@@ -1,4 +1,4 @@
-"""What a rule may leave out: the parts of a loop that then do nothing.
+"""The parts of a loop that a rule may leave out; these defaults do nothing.
 
 Also stands in, for type checkers, for the names that `agents.engine.loop` puts into a loop.
 """
@@ -28,49 +28,55 @@ MEETS = 0
 
 
 @compiled
-def perceive(me, near, ground, p):
-    """Take note of nothing."""
+def holds(flock, numbers):
+    """The condition that may end a run once it has held for some ticks: by default never."""
+    return False
 
 
 @compiled
-def decide(me, near, ground, p):
-    """Keep the heading."""
+def perceive(me, near, surroundings, p):
+    """By default an agent keeps nothing in memory."""
+
+
+@compiled
+def decide(me, near, surroundings, p):
+    """By default the heading is kept."""
     return Wish(0.0, 0.0, 0.0)
 
 
 @compiled
 def show(me, p, out):
-    """Show nothing that is not remembered."""
+    """By default the signals are those that were remembered."""
 
 
 @compiled
 def remember(me, near, p, out):
-    """Remember what was shown."""
+    """By default the signals stay as they were shown."""
 
 
 @compiled
 def prepare(flock, space, grid, slots, p, tick):
-    """Need nothing of the whole flock."""
+    """By default nothing is computed of the whole flock."""
 
 
 @compiled
 def measure(me, near, p, out):
-    """Measure nothing."""
+    """By default nothing is measured."""
 
 
 @compiled
-def touches(me, near, ground, p):
-    """Touch nothing."""
+def touches(me, near, surroundings, p):
+    """By default agents are points and touch nothing."""
     return 0.0
 
 
 @compiled
 def passes(p):
-    """Go through nothing solid."""
+    """By default solid surfaces stop agents."""
     return False
 
 
 @compiled
-def move(me, near, ground, want, p, out):
-    """Stand still."""
+def move(me, near, surroundings, want, p, out):
+    """By default agents stay where they are."""
     return Moved(me.x, me.y, me.z, want.x, want.y, want.z, 0.0)

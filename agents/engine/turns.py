@@ -1,4 +1,4 @@
-"""Turns: agents act one after another, each on the flock as those before it have left it.
+"""Sequential activation: each agent acts on the flock as those before it have left it.
 
 NetLogo's way (`ask turtles`), and Mesa's where agents move at once. Like `sweep.py` this is a
 template that `agents.engine.loop` loads for each rule. Agents are kept in lists by cell, so that a
@@ -24,7 +24,7 @@ from agents.engine.cells import (
 from agents.engine.fall import fall
 from agents.engine.noise import tick_key
 from worlds.compiled import compiled, entry
-from worlds.ground import set_goal
+from worlds.queries.surroundings import set_goal
 
 if TYPE_CHECKING:
     from agents.engine.sweep import (
@@ -66,38 +66,38 @@ def unlink(grid, slots, i):
 
 
 @compiled
-def judge_all(flock, space, ground, grid, slots, desk, p, tick, key):
+def judge_all(flock, space, surroundings, grid, slots, workspace, p, tick, key):
     """Crash those that touch something, all on the flock as the tick finds it.
 
-    They are seen until the tick ends. The desk's block has room for all agents.
+    They are seen until the tick ends. The workspace's block has room for all agents.
     """
     cells = number_of(grid)
     slot = 0
     while slot < grid.start[cells]:
         cell = slots.cell[slots.row[slot]]
-        m = fill_block(grid, space, slots, cell, desk.block, desk.signals)
+        m = fill_block(grid, space, slots, cell, workspace.block, workspace.signals)
         while slot < grid.start[cell + 1]:
-            me = myself(flock, slots, slot, desk, tick, key)
-            nearest_images(space, grid, desk.block, m, me.x, me.y, me.z, DIM)
-            judge(flock, ground, slots.row[slot], me, nearby(m, desk, 6, 0), p)
+            me = myself(flock, slots, slot, workspace, tick, key)
+            nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
+            judge(flock, surroundings, slots.row[slot], me, nearby(m, workspace, 6, 0), p)
             slot += 1
 
 
 @compiled
-def open_tick(flock, space, ground, grid, slots, desk, law, tick, key):
+def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick, key):
     """Sort the flock, do what needs all of it, and link the lists; returns a bad row or -1."""
     n = flock.ids.shape[0]
-    set_goal(ground, tick * law.lasts)
-    plan(grid, space, law.reach, flock.position)
+    set_goal(surroundings, tick * context.lasts)
+    plan(grid, space, context.reach, flock.position)
     bad = count_rows(grid, space, slots, flock, 0, 0, n)
     if bad >= 0:
         return bad
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
     fill_slots(slots, flock.position, flock.heading, flock.memory, 0, n)
-    ready(flock, space, grid, slots, desk, law.parameters, tick, key)
+    ready(flock, space, grid, slots, workspace, context.parameters, tick, key)
     if CRASHES:
-        judge_all(flock, space, ground, grid, slots, desk, law.parameters, tick, key)
+        judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
     for cell in range(number_of(grid) + 1):
         grid.start[cell] = -1
     for i in range(n - 1, -1, -1):
@@ -106,13 +106,13 @@ def open_tick(flock, space, ground, grid, slots, desk, law, tick, key):
 
 
 @compiled
-def row_of(flock, i, desk, tick, key):
-    """`Me` of a row as it stands now; the desk receives its signals and its memory."""
+def row_of(flock, i, workspace, tick, key):
+    """`Me` of a row as it stands now; the workspace receives its signals and its memory."""
     flat = flock.position.shape[1] == 2
     for k in range(SIGNALS):
-        desk.mine[k] = flock.memory[k, i]
+        workspace.mine[k] = flock.memory[k, i]
     for k in range(PRIVATE):
-        desk.own[k] = flock.memory[SIGNALS + k, i]
+        workspace.own[k] = flock.memory[SIGNALS + k, i]
     return Me(
         flock.position[i, 0],
         flock.position[i, 1],
@@ -121,8 +121,8 @@ def row_of(flock, i, desk, tick, key):
         flock.heading[i, 1],
         0.0 if flat else flock.heading[i, 2],
         flock.speed[i],
-        desk.mine,
-        desk.own,
+        workspace.mine,
+        workspace.own,
         flock.informed[i],
         0.0 if DEAFENS else 1.0,
         flock.ids[i],
@@ -133,9 +133,9 @@ def row_of(flock, i, desk, tick, key):
 
 
 @compiled
-def gather(flock, space, grid, slots, desk, p, i, tick, key):
-    """Copy the agents around row i into the desk's block; returns how many, or -1 for no room."""
-    block = desk.block
+def gather(flock, space, grid, slots, workspace, p, i, tick, key):
+    """Copy the agents around row i into the block; returns how many, or -1 if it has no room."""
+    block = workspace.block
     m = 0
     for c in range(27):
         cell, sx, sy, sz = around(grid, space, slots.cell[i], c)
@@ -143,7 +143,7 @@ def gather(flock, space, grid, slots, desk, p, i, tick, key):
         while j >= 0:
             if m == block.shape[1]:
                 return -1
-            other = row_of(flock, j, desk, tick, key)
+            other = row_of(flock, j, workspace, tick, key)
             block[0, m] = other.x + sx
             block[1, m] = other.y + sy
             block[2, m] = other.z + sz
@@ -152,46 +152,48 @@ def gather(flock, space, grid, slots, desk, p, i, tick, key):
             block[5, m] = other.uz
             if SIGNALS > 0:
                 for k in range(SIGNALS):
-                    desk.out[k] = desk.mine[k]
-                show(other, p, desk.out)
+                    workspace.out[k] = workspace.mine[k]
+                show(other, p, workspace.out)
                 for k in range(SIGNALS):
-                    desk.signals[k, m] = desk.out[k]
+                    workspace.signals[k, m] = workspace.out[k]
             m += 1
             j = slots.row[j]
     return m
 
 
 @entry
-def advance(flock, space, ground, grid, slots, desk, law, seed, tick, order, first, opens):
+def advance(
+    flock, space, surroundings, grid, slots, workspace, context, seed, tick, order, first, opens
+):
     """Let the rows order[first:] act in turn, after opening the tick if `opens`.
 
     Returns (place in `order` reached, first row with a position that is no number or -1). It stops
-    early, before the agent at that place has acted, if the desk's block lacks room.
+    early, before the agent at that place has acted, if the workspace's block lacks room.
     """
-    p = law.parameters
+    p = context.parameters
     key = tick_key(seed, tick)
     if opens:
-        bad = open_tick(flock, space, ground, grid, slots, desk, law, tick, key)
+        bad = open_tick(flock, space, surroundings, grid, slots, workspace, context, tick, key)
         if bad >= 0:
             return first, bad
     for at in range(first, order.shape[0]):
         i = order[at]
-        if CRASHES and flock.fate[i, 0] >= 0.0:
-            fall(flock, space, ground, i, law.lasts)
+        if CRASHES and flock.crash_record[i, 0] >= 0.0:
+            fall(flock, space, surroundings, i, context.lasts)
             continue
-        m = gather(flock, space, grid, slots, desk, p, i, tick, key)
+        m = gather(flock, space, grid, slots, workspace, p, i, tick, key)
         if m < 0:
             return at, -1
-        me = row_of(flock, i, desk, tick, key)
+        me = row_of(flock, i, workspace, tick, key)
         if SIGNALS > 0:
             for k in range(SIGNALS):
-                desk.out[k] = desk.mine[k]
-            show(me, p, desk.out)
+                workspace.out[k] = workspace.mine[k]
+            show(me, p, workspace.out)
             for k in range(SIGNALS):
-                desk.mine[k] = desk.out[k]
-        nearest_images(space, grid, desk.block, m, me.x, me.y, me.z, DIM)
-        points = see_points(ground, law.reach, me, desk) if SEES_POINTS else 0
-        act(flock, space, ground, i, me, nearby(m, desk, 6, points), law, desk)
+                workspace.mine[k] = workspace.out[k]
+        nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
+        points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
+        act(flock, space, surroundings, i, me, nearby(m, workspace, 6, points), context, workspace)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from agents.declare import Parameters, parameter
+from agents.models.declare import Parameters, parameter
 from worlds.refusal import Refusal
 
 THESIS = "thesis, table 2.1"

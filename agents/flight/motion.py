@@ -90,7 +90,7 @@ def fly(
 ) -> Track:
     """Fly from a state (SIZE,) at time 0 for a duration (s), by SciPy's DOP853.
 
-    `times` (K,) are those to keep, by default the first and the last; `at` is told the share done.
+    `times` (K,) are those to keep, by default the first and the last; `at` gets the share done.
     Raises Refusal where the motion cannot be followed.
     """
     kept = np.array([0.0, duration]) if times is None else np.asarray(times, float)

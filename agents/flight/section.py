@@ -82,7 +82,7 @@ def separated(angle, craft: Aircraft):
     DeLaurier switches at the stall angle; this blends over `stall_width`, so that what is
     integrated is smooth: one half at +-`stall`.
 
-    >>> from agents.flight.aircraft import Aircraft
+    >>> from flockscope.flight import Aircraft
     >>> craft = Aircraft()
     >>> [round(float(separated(a * craft.stall, craft)), 3) for a in (0.0, 0.7, 1.0, 1.3, -1.0)]
     [0.0, 0.057, 0.5, 0.943, 0.5]

@@ -39,7 +39,7 @@ SHARE = (np.arange(STRIPS) + 0.5) / STRIPS
 
 
 class Air(NamedTuple):
-    """Forces of the air on the wings; arrays (...,) unless told.
+    """Forces of the air on the wings; arrays (...,) if nothing else is said.
 
     They are those without the accelerations u', w', q'; what these add is -`mass` @ (u', w', q').
     """

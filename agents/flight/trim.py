@@ -189,7 +189,7 @@ def trim(
     speed: m/s, in SPEEDS. frequency: of flap and twist, Hz, in FREQUENCIES. twist: R of the wing
         tip, rad, in TWISTS.
     near: a trim to start from, of a flight not far from this one.
-    at: told the share of the search that is done, an estimate in [0, 1].
+    at: called with the share of the search that is done, an estimate in [0, 1].
 
     Raises Refusal for values out of range and where no such flight is found.
 

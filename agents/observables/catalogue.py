@@ -2,100 +2,86 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from typing import Any
+
 from agents.observables import consistency, fluctuations, of_flocks, order, rotation
-from agents.observables.observable import Observable, over_a_run
+from agents.observables.observable import (
+    COUNT,
+    LENGTH,
+    SHARE,
+    Card,
+    Observable,
+    Range,
+    Table,
+    everywhere,
+    over_a_run,
+)
+from agents.observables.occasions import (
+    among_solids,
+    can_crash,
+    led,
+    led_along_a_path,
+    on_its_way,
+    saves,
+)
 from agents.observables.per_group import size_histogram
+from worlds.plug_ins import plug_ins
 
 ORDER = [
     Observable(
         "polarisation",
         "Length of the mean heading",
         "1",
-        "[0, 1]",
+        SHARE,
         lambda flock: order.polarisation(flock.heading),
+        quick=True,
+        tells=everywhere,
+        card=Card("polarisation"),
     ),
     Observable(
         "consistency",
         "Degree of consistency with the information agent's heading, or with the mean heading",
         "1",
-        "[0, 1]",
+        SHARE,
         lambda flock: consistency.consistency(flock.heading, flock.reference),
+        quick=True,
+        tells=everywhere,
+        beside="polarisation",
+        card=Card("consistency", ".4f", of=lambda model: not model.rule.zones),
     ),
     Observable(
         "angular-momentum",
         "How much the flock mills about its centre",
         "1",
-        "[0, 1]",
+        SHARE,
         lambda flock: rotation.angular_momentum(
             flock.position, flock.heading, flock.world.size, flock.world.images
         ),
+        quick=True,
+        beside="polarisation",
+        card=Card("rotation"),
     ),
     Observable(
         "correlation-length",
         "How far velocity fluctuations hang together",
         "length",
-        "[0, inf]",
+        LENGTH,
         of_flocks.correlation_length,
     ),
     over_a_run(
         "susceptibility",
         "Variance of the polarisation over a run, times N",
         "1",
-        "[0, N / 4]",
+        Range(0.0, limit="N / 4"),
         fluctuations.susceptibility,
     ),
     over_a_run(
         "binder",
         "Binder's cumulant of the polarisation over a run",
         "1",
-        "[-inf, 2/3]",
+        Range(high=2.0 / 3.0, limit="2/3"),
         lambda series, _: fluctuations.binder(series),
-    ),
-]
-GROUPS = [
-    Observable(
-        "groups",
-        "Connected groups of the r-graph",
-        "groups",
-        "[0, N]",
-        of_flocks.number_of_groups,
-    ),
-    Observable(
-        "largest-group",
-        "Agents in the largest group",
-        "agents",
-        "[0, N]",
-        of_flocks.largest_group,
-    ),
-    Observable(
-        "group-polarisation",
-        "Length of the mean heading of the largest group",
-        "1",
-        "[0, 1]",
-        of_flocks.group_polarisation,
-    ),
-    Observable(
-        "group-angular-momentum",
-        "How much the largest group mills about its own centre",
-        "1",
-        "[0, 1]",
-        of_flocks.group_angular_momentum,
-    ),
-    Observable(
-        "group-sizes",
-        "Groups of each size",
-        "groups",
-        "size -> [0, N]",
-        lambda flock: size_histogram(flock.group_labels()),
-        is_table=True,
-    ),
-    Observable(
-        "group-table",
-        "Agents, polarisation and angular momentum of each group, 0 the largest",
-        "1",
-        "group -> [0, N], [0, 1], [0, 1]",
-        of_flocks.group_table,
-        is_table=True,
     ),
 ]
 NEIGHBOURS = [
@@ -103,30 +89,33 @@ NEIGHBOURS = [
         "mean-neighbours",
         "Mean number of neighbours within r",
         "agents",
-        "[0, N - 1]",
+        Range(0.0, limit="N - 1"),
         of_flocks.mean_neighbours,
+        card=Card("neighbours", ".1f"),
     ),
     Observable(
         "nearest-neighbour",
         "Least distance between agents",
         "length",
-        "[0, inf]",
+        LENGTH,
         of_flocks.nearest,
+        tells=among_solids,
     ),
     Observable(
         "connectivity",
         "Algebraic connectivity of the r-graph",
         "1",
-        "[0, N]",
+        COUNT,
         of_flocks.connectivity,
+        needs_links=True,
     ),
     Observable(
         "layers",
         "Agents in each layer below the information agents",
         "agents",
-        "layer -> [0, N]",
+        Table("layer", (COUNT,)),
         of_flocks.layer_histogram,
-        is_table=True,
+        needs_links=True,
     ),
 ]
 WORLD = [
@@ -134,52 +123,153 @@ WORLD = [
         "obstacle-distance",
         "Least distance of an agent to an obstacle or a solid edge",
         "length",
-        "[-inf, inf]",
+        Range(),
         of_flocks.obstacle_distance,
+        applies=among_solids,
+        tells=among_solids,
     ),
     Observable(
         "inside-obstacles",
         "Agents inside an obstacle or beyond a solid edge",
         "agents",
-        "[0, N]",
+        COUNT,
         of_flocks.inside,
-    ),
-    Observable(
-        "crashes",
-        "Agents that have crashed",
-        "agents",
-        "[0, N]",
-        of_flocks.crashes,
+        applies=among_solids,
+        tells=among_solids,
     ),
     Observable(
         "goal-distance",
         "Distance of the flock's centre to the goal or to the end of the path",
         "length",
-        "[0, inf]",
+        LENGTH,
         of_flocks.goal_distance,
+        quick=True,
+        applies=on_its_way,
+        tells=on_its_way,
+        card=Card(
+            lambda world: "to goal" if world.mission.goal is not None else "to path's end",
+            part="way",
+        ),
     ),
     Observable(
         "following",
         "Share of agents linked to an information agent",
         "1",
-        "[0, 1]",
+        SHARE,
         of_flocks.following,
+        needs_links=True,
+        applies=led,
+        tells=led_along_a_path,
+        card=Card("following", ".0%", part="team"),
+    ),
+]
+GROUPS = [
+    Observable(
+        "groups",
+        "Connected groups of the r-graph",
+        "groups",
+        COUNT,
+        of_flocks.number_of_groups,
+        tells=can_crash,
+        card=Card("groups"),
+    ),
+    Observable(
+        "largest-group",
+        "Agents in the largest group",
+        "agents",
+        COUNT,
+        of_flocks.largest_group,
+        card=Card("largest group"),
+    ),
+    Observable(
+        "group-polarisation",
+        "Length of the mean heading of the largest group",
+        "1",
+        SHARE,
+        of_flocks.group_polarisation,
+    ),
+    Observable(
+        "group-angular-momentum",
+        "How much the largest group mills about its own centre",
+        "1",
+        SHARE,
+        of_flocks.group_angular_momentum,
+    ),
+    Observable(
+        "group-sizes",
+        "Groups of each size",
+        "groups",
+        Table("size", (COUNT,)),
+        lambda flock: size_histogram(flock.group_labels()),
+    ),
+    Observable(
+        "group-table",
+        "Agents, polarisation and angular momentum of each group, 0 the largest",
+        "1",
+        Table("group", (COUNT, SHARE, SHARE)),
+        of_flocks.group_table,
     ),
 ]
 FLIGHT = [
     Observable(
+        "crashes",
+        "Agents that have crashed",
+        "agents",
+        COUNT,
+        of_flocks.crashes,
+        events=lambda flock: flock.crashes.tick,
+        applies=can_crash,
+        tells=can_crash,
+    ),
+    Observable(
         "drag-saved",
         "Induced drag saved by the others' upwash, mean",
         "%",
-        "[-inf, inf]",
+        Range(),
         of_flocks.drag_saved,
+        quick=True,
+        applies=saves,
+        card=Card("drag saved"),
     ),
     Observable(
         "energy-saved",
         "Power saved by the others' upwash, mean, if 35 % of it is induced",
         "%",
-        "[-inf, inf]",
+        Range(),
         of_flocks.energy_saved,
+        quick=True,
+        applies=saves,
+        tells=saves,
+        beside="drag-saved",
+        card=Card("power saved"),
+        saves_power=True,
     ),
 ]
-OBSERVABLES = {one.name: one for one in [*ORDER, *GROUPS, *NEIGHBOURS, *WORLD, *FLIGHT]}
+BUILT_IN = {one.name: one for one in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT]}
+
+
+def brought(_: str, thing: object) -> tuple[str, Observable]:
+    """The observable that an entry point brings. Raises TypeError if it is none."""
+    if not isinstance(thing, Observable):
+        raise TypeError(f"an Observable is needed, not {type(thing).__name__}")
+    return thing.name, thing
+
+
+OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", brought, BUILT_IN)
+"""All observables: the built-in ones, then those of other packages, which replace none of these."""
+
+
+def usual_charts(model: Any, offered: Collection[str]) -> tuple[tuple[str, ...], ...]:
+    """What tells most of a model's flocks that have these observables: three charts, some empty.
+
+    What the model says itself; else the rotation of what has zones, the crashes of what can crash,
+    the distance to a goal.
+    """
+    if model.charts:
+        return model.charts
+    if "crashes" in offered:
+        return ("groups",), ("polarisation",), ("crashes",)
+    way = ("goal-distance",) if "goal-distance" in offered else ()
+    if model.rule.zones:
+        return ("polarisation", "angular-momentum"), ("groups",), way
+    return ("polarisation", "consistency"), ("mean-neighbours",), way

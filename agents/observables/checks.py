@@ -29,10 +29,10 @@ SHORTEST, LONGEST = 0.98**2, 1.02**2
 class LeftOut(UserWarning):
     """Rows that are not numbers were left out of what was measured; once for each call.
 
-    >>> with warnings.catch_warnings(record=True) as said:
+    >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always", LeftOut)
     ...     _ = together(position=np.array([[1.0, math.nan], [2.0, 3.0]]))
-    >>> said[0].message.rows, said[0].message.of, said[0].message.what
+    >>> caught[0].message.rows, caught[0].message.of, caught[0].message.what
     (1, 2, 'position')
     """
 
@@ -144,8 +144,8 @@ def same_length(**arrays: np.ndarray) -> None:
     """Refuse arrays of which one has more rows than another."""
     counts = {name: len(array) for name, array in arrays.items()}
     if len(set(counts.values())) > 1:
-        said = ", ".join(f"{name} {count}" for name, count in counts.items())
-        raise Refusal(f"arrays do not match in their numbers of rows: {said}")
+        each = ", ".join(f"{name} {count}" for name, count in counts.items())
+        raise Refusal(f"arrays do not match in their numbers of rows: {each}")
 
 
 @kept
@@ -187,8 +187,8 @@ def together(**arrays: np.ndarray) -> tuple[Any, ...]:
     same_length(**arrays)
     shapes = {array.shape[1:] for array in arrays.values()}
     if len(shapes) > 1:
-        said = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise Refusal(f"arrays do not match in their shapes: {said}")
+        each = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise Refusal(f"arrays do not match in their shapes: {each}")
     if all(is_finite(array) for array in arrays.values()):
         return None, *arrays.values()
     stay = whole_rows(*arrays.values())

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
+from agents.engine.arrays import Until
 from agents.observables.checks import column, headings, numbers
 from worlds.compiled import compiled
 from worlds.refusal import Refusal
@@ -15,24 +15,6 @@ DESIRED = 0.9984
 """Deg_con^d, the degree at which Liu et al. 2021 call a flock consistent (section 3.1)."""
 HOLD = 60
 """Ticks for which it must hold before it is believed."""
-
-
-class Watch(NamedTuple):
-    """What a compiled run watches for: consistency within a bound, held for some ticks."""
-
-    kind: int
-    """0 nothing, 1 consistency with (x, y, z), 2 consistency with the flock's mean heading."""
-    bound: float
-    """Largest sum of squared angles, rad^2."""
-    hold: int
-    last_off: int
-    """Last tick at which it was not consistent, -1 for none so far."""
-    x: float
-    y: float
-    z: float
-
-
-NOTHING = Watch(0, 0.0, 0, -1, 0.0, 0.0, 0.0)
 
 
 @compiled
@@ -66,15 +48,21 @@ def mean_direction(heading):
 
 
 @compiled
-def is_consistent(heading, watch):
-    """Whether the squared angles to the reference sum to at most `watch.bound`."""
-    x, y, z = watch.x, watch.y, watch.z
-    if watch.kind == 2:
+def is_consistent(flock, numbers):
+    """Whether the squared angles (rad^2) to the reference sum to at most a bound.
+
+    `numbers` are the bound and the reference (x, y, z), or the bound alone where it is the mean
+    heading; what a run of the engine may go on until.
+    """
+    heading, bound = flock.heading, numbers[0]
+    if numbers.shape[0] > 1:
+        x, y, z = numbers[1], numbers[2], numbers[3]
+    else:
         x, y, z = mean_direction(heading)
     total = 0.0
     for i in range(heading.shape[0]):
         total += squared_angle(heading, i, x, y, z)
-        if total > watch.bound:
+        if total > bound:
             return False
     return True
 
@@ -145,10 +133,10 @@ def convergence_time(degrees, desired: float = DESIRED) -> int | None:
     return k if k < len(degree) else None
 
 
-def watch_for(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> Watch:
-    """A `Watch` for n agents: until Deg_con >= desired has held for `hold` ticks. Or Refusal."""
+def until_consistent(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> Until:
+    """When n agents are consistent: Deg_con >= desired has held for `hold` ticks. Or Refusal."""
     bound = ((1.0 - desired) * n * math.pi) ** 2
     if reference is None:
-        return Watch(2, bound, hold, -1, 0.0, 0.0, 0.0)
-    x, y, *z = (float(c) for c in reference_vector(np.empty((0, 2)), reference))
-    return Watch(1, bound, hold, -1, x, y, z[0] if z else 0.0)
+        return Until(np.array([bound]), hold, -1)
+    vector = reference_vector(np.empty((0, 2)), reference)
+    return Until(np.array([bound, *vector, 0.0][:4]), hold, -1)

@@ -94,7 +94,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     The potential of a pair counts once from either side, as printed: 1/2 (V_ij + V_ji). Nobody has
     the energy 0. Raises Refusal. One agent alone:
 
-    >>> from agents.catalogue import model
+    >>> from flockscope import model
     >>> p = model("boundary-points").parameters()
     >>> hamiltonian([[3.0, 4.0]], [[0.0, 1.0]], [[0.0, 0.0], [0.0, 0.0]], [], p)
     13.0
@@ -115,9 +115,9 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
         raise Refusal(f"points have {points.shape[1]} axes and positions {dim}")
     _, points = together(points=points)
     flock = p.c1a * held(position, position, p)
-    ground = 2.0 * p.c1b * held(position, points, p)
+    boundary = 2.0 * p.c1b * held(position, points, p)
     pull = p.c1g * float(np.square(position - at).sum())
-    return 0.5 * (flock + ground + pull + float(np.square(velocity - speed).sum()))
+    return 0.5 * (flock + boundary + pull + float(np.square(velocity - speed).sum()))
 
 
 def furthest(energy: float, p: Any) -> float:

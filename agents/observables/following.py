@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.engine.cache import kept
 from agents.observables.checks import column, leave_out, length, numbers
-from worlds.ground import nearest_surface
+from worlds.queries.surroundings import nearest_surface
 from worlds.refusal import Refusal
 
 
@@ -29,16 +29,16 @@ def bring_pairs(trace, least2):
 
 
 @kept
-def bring_clearances(trace, ground, least):
+def bring_clearances(trace, surroundings, least):
     """`least_clearances` of arrays that are checked."""
     ticks, dim, n = trace.shape
-    if ground.solids == 0:
+    if surroundings.solids == 0:
         return
     for t in range(ticks):
         for i in range(n):
             z = trace[t, 2, i] if dim == 3 else 0.0
             if math.isfinite(trace[t, 0, i]) and math.isfinite(trace[t, 1, i]) and math.isfinite(z):
-                at = nearest_surface(ground, trace[t, 0, i], trace[t, 1, i], z)
+                at = nearest_surface(surroundings, trace[t, 0, i], trace[t, 1, i], z)
                 least[i] = min(least[i], at.distance)
 
 
@@ -114,14 +114,14 @@ def nearest_pairs(trace: np.ndarray, least2: np.ndarray) -> None:
     bring_pairs(trace, written("least2", least2, (n, n), float))
 
 
-def least_clearances(trace: np.ndarray, ground, least: np.ndarray) -> None:
+def least_clearances(trace: np.ndarray, surroundings, least: np.ndarray) -> None:
     """Bring `least` (N,), each agent's least signed distance to a surface, up to date.
 
-    `trace` is (T, dim, N), positions of T ticks, length; `ground` a flock's `engine.ground`. Left
-    out and refused as for `nearest_pairs`.
+    `trace` is (T, dim, N), positions of T ticks, length; `surroundings` a flock's
+    `engine.surroundings`. Left out and refused as for `nearest_pairs`.
     """
     trace, _ = places(trace)
-    bring_clearances(trace, ground, written("least", least, trace.shape[2:], float))
+    bring_clearances(trace, surroundings, written("least", least, trace.shape[2:], float))
 
 
 def keep_following(trace, informed, r: float, follows, reached, queue) -> None:

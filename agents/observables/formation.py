@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from agents.bodies.upwash import CORE, WITHIN, relief, saved_within
 from agents.engine.block import Me, Near
@@ -101,6 +100,8 @@ def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.
     >>> tuple(round(one, 3) for one in best_spacing())
     (-0.137, 0.692)
     """
+    from scipy.optimize import minimize_scalar
+
     found = minimize_scalar(
         lambda tip: -float(upwash_share(behind, 1.0 + tip, above, core)),
         bounds=(-0.5, 1.0),

@@ -1,6 +1,7 @@
 """What is measured of a flock in its world, from the functions of plain arrays.
 
-Each takes a flock, or what of it flies (`Flock.aloft`), which may be nobody.
+Each takes the agents of a flock that have not crashed, an `agents.snapshot.Snapshot`, which may be
+of nobody.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 
 from agents.observables import correlation, groups, layers, neighbours, per_group
 from agents.observables.formation import INDUCED
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 
 SAVED = "saved"
 """The measure of a body that tells the share of its induced drag an agent saves."""

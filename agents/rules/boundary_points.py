@@ -15,9 +15,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
-from agents.rules.sigma import (
+from agents.models.declare import Rule, parameter
+from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
     flockmates,
@@ -171,13 +171,13 @@ def boundary_end(me, near, ax, ay, p):
 
 
 @compiled
-def perceive(me, near, ground, p):
+def perceive(me, near, surroundings, p):
     """Split point, rejoin point and expected position (table 2, figures 3 and 4)."""
     m = me.memory
     m[SCENARIO] = 0.0
-    if not has_goal(ground):
+    if not has_goal(surroundings):
         return
-    gx, gy = ground.goal[0, 0], ground.goal[0, 1]
+    gx, gy = surroundings.goal[0, 0], surroundings.goal[0, 1]
     was = m[BLOCKED]
     m[BLOCKED] = is_blocked(me, near, gx, gy, alarm(p))
     scenario = AT_SPLIT if m[BLOCKED] > 0.0 else FREE
@@ -220,7 +220,7 @@ def boundary(me, near, p):
 
 
 @compiled
-def terms(me, near, ground, p):
+def terms(me, near, surroundings, p):
     """The terms of u_i (19), a row (x, y, z) for each of FORCES, m/s^2.
 
     Without a gamma agent nothing is in the way, and boundary points push but do not tow.
@@ -233,9 +233,9 @@ def terms(me, near, ground, p):
         if me.memory[SCENARIO] > 0.0:
             ex = heed * ((me.memory[AIM] - me.x) / p.dt - vx)
             ey = heed * ((me.memory[AIM + 1] - me.y) / p.dt - vy)
-    if has_goal(ground):
-        gx = -p.c1g * (me.x - ground.goal[0, 0]) - p.c2g * (vx - ground.goal[1, 0])
-        gy = -p.c1g * (me.y - ground.goal[0, 1]) - p.c2g * (vy - ground.goal[1, 1])
+    if has_goal(surroundings):
+        gx = -p.c1g * (me.x - surroundings.goal[0, 0]) - p.c2g * (vx - surroundings.goal[1, 0])
+        gy = -p.c1g * (me.y - surroundings.goal[0, 1]) - p.c2g * (vy - surroundings.goal[1, 1])
     return (
         (p.c1a * fx, p.c1a * fy, 0.0),
         (p.c2a * cx, p.c2a * cy, 0.0),
@@ -246,16 +246,16 @@ def terms(me, near, ground, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """u_i = u_i^alpha + u_i^beta + u_i^gamma (19)."""
-    f, c, b, e, g = terms(me, near, ground, p)
+    f, c, b, e, g = terms(me, near, surroundings, p)
     return Wish(f[0] + c[0] + b[0] + e[0] + g[0], f[1] + c[1] + b[1] + e[1] + g[1], 0.0)
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The terms of (19) one by one."""
-    written(terms(me, near, ground, p), out)
+    written(terms(me, near, surroundings, p), out)
 
 
 RULE = Rule(
@@ -275,6 +275,8 @@ RULE = Rule(
     signals=("pace",),
     show=show,
     memory=MEMORY,
+    places=("split", "rejoin", "aim"),
+    places_while="following",
     perceive=perceive,
     weigh=weigh,
     forces=FORCES,

@@ -1,4 +1,4 @@
-"""Couzin's zones: keep away from those too near, else go with the near and to the far.
+"""Couzin's zones: repulsion from agents too near, else alignment and attraction.
 
 Couzin, Krause, James, Ruxton and Franks 2002, Collective memory and spatial sorting in animal
 groups, J. theor. Biol. 218, 1 to 11. Repulsion is felt all round; orientation and attraction only
@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, Zone, parameter
 from agents.engine.block import Wish
 from agents.engine.noise import cos_sin, uniform
-from agents.rules.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
+from agents.models.declare import Parameters, Rule, Zone, parameter
+from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, ROLL = 4, 5, 6
@@ -71,6 +71,7 @@ class Couzin(Parameters):
         high=2.0,
         step=0.01,
         source="Couzin et al. 2002, table 1",
+        noise=True,
     )
 
     @property
@@ -116,7 +117,7 @@ def missed(me, x, y, z, sigma):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
     s = sums(me, near, p)
     if s.n_r > 0.0:

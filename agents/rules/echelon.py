@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
+from agents.models.declare import Rule, parameter
 from agents.rules.couzin import missed
-from agents.rules.potential_field import push
-from agents.rules.slots import PACE, closing_up, nearest_slot
-from agents.rules.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
+from agents.rules.terms.potential_field import push
+from agents.rules.terms.slots import PACE, closing_up, nearest_slot
+from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 
@@ -71,6 +71,7 @@ class Echelon(Zones):
         high=2.0,
         step=0.01,
         source="as in Couzin et al. 2002; value ours",
+        noise=True,
     )
     climb: float = parameter(
         15.0,
@@ -157,7 +158,7 @@ def levelled(x, y, z, climb):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Repulsion first; else by weight w the slot, or dropping back if none is free, and the zones.
 
     A bird that sees nobody ahead leads and follows the zones alone. Obstacles push as in the
@@ -180,7 +181,7 @@ def decide(me, near, ground, p):
     pace = math.sqrt(to.x * to.x + to.y * to.y + to.z * to.z)
     to = missed(me, to.x, to.y, to.z, p.sigma)
     z = levelled(to.x, to.y, to.z, p.climb)
-    fx, fy, fz = push(me, ground, p)
+    fx, fy, fz = push(me, surroundings, p)
     share = p.tau / p.m
     return Wish(pace * to.x + share * fx, pace * to.y + share * fy, pace * z + share * fz)
 
@@ -201,7 +202,7 @@ def weigh(me, near, p, out):
 
 @compiled
 def show(me, p, out):
-    """Neighbours are told one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

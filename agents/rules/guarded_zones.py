@@ -3,11 +3,11 @@
 Of the thesis (`agents.rules.zones`) are the three zones, sight in the zones of orientation and
 attraction, and the field round obstacles (4.1). Added are:
 
-- the guard (`agents.rules.guarded_room`): every agent keeps a room free in which it can circle, and
-  only makes steps that leave it one. From the tick on from which all rooms are apart, which is the
-  first ones of a run, there are no crashes, whatever the wishes are: that is proved, not tuned;
+- the guard (`agents.rules.terms.reserved_ball`): every agent reserves a ball in which it can
+  circle, and only makes steps that leave it one. From the tick on from which all balls are apart,
+  one of the first of a run, there are no crashes, whatever the wishes are: that is proved;
 - repulsion all round, beside the other two zones and not in place of them, and from farther: at
-  d_r = 2 the rooms seldom meet, so that the guard seldom has to say no;
+  d_r = 2 the balls seldom meet, so that the guard seldom has to say no;
 - attraction weighs less than orientation (w_a), so that the flock flies and does not mill;
 - calls: agents that come near each other anyway tell where they are, and each is drawn to the
   middle of those it hears within d_c, seen or not. That keeps the flock one: sight alone loses
@@ -21,10 +21,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
+from agents.models.declare import Rule, parameter
 from agents.rules.couzin import missed
-from agents.rules.guarded_room import (
+from agents.rules.terms.guarded_steps import safe_step
+from agents.rules.terms.potential_field import bent
+from agents.rules.terms.reserved_ball import (
     OUT_X,
     OUT_Y,
     OUT_Z,
@@ -33,22 +35,20 @@ from agents.rules.guarded_room import (
     Direction,
     beside,
     escape,
-    room,
+    reserved_ball,
     spiral,
     turn_of,
 )
-from agents.rules.guarded_steps import safe_step
-from agents.rules.potential_field import bent
-from agents.rules.zone_sums import ALL_ROUND, edge_of, zone_sums
+from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 
-WISH, ROOM = 0, 3
+WISH, BALL = 0, 3
 """Where in its memory an agent keeps the velocity it has chosen, and what it will tell next."""
 STOPPED = 1e-9
 """Speed that a body is asked for to stop, length/s: a wish of no length means cruise."""
 SHARES = 8.0
-"""So many radii of a room two agents may be apart whose next rooms could meet."""
+"""So many radii of a reserved ball two agents may be apart whose next ones could meet."""
 
 
 class GuardedZones(Zones):
@@ -62,7 +62,7 @@ class GuardedZones(Zones):
         low=0.05,
         high=30.0,
         step=0.05,
-        source="ours: rooms with bodies in them need 1.34 already; 1.34 in the thesis",
+        source="ours: reserved balls with bodies need 1.34 already; 1.34 in the thesis",
     )
     alpha: float = parameter(
         270.0,
@@ -114,7 +114,7 @@ class GuardedZones(Zones):
     def range(self) -> float:
         """The largest distance at which agents notice each other, length.
 
-        All those are noticed whose rooms could meet after the next tick.
+        All those are noticed whose reserved balls could meet after the next tick.
         """
         body = getattr(self, "body", 0.0) + 2.0 * SKIN
         step = getattr(self, "v_max", 0.0) * getattr(self, "tau", 0.0)
@@ -127,7 +127,7 @@ class GuardedZones(Zones):
 
 
 def widest(p: Any) -> float:
-    """The largest room of an agent, at its largest speed: a radius, length."""
+    """The radius of an agent's largest reserved ball, that at its largest speed; length."""
     if not hasattr(p, "v_max"):
         return 0.0
     change, theta = p.a_max * p.tau, turn_of.py_func(p)
@@ -154,7 +154,7 @@ def called(me, near, p):
 
 
 @compiled
-def wished(me, near, ground, p):
+def wished(me, near, surroundings, p):
     """The velocity that flocking asks for, of length v0."""
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, ALL_ROUND, edge_of(p.alpha))
     fx, fy, fz = s.ox + p.w_a * s.ax, s.oy + p.w_a * s.ay, s.oz + p.w_a * s.az
@@ -165,50 +165,50 @@ def wished(me, near, ground, p):
     y = s.ry + share * fy + p.w_c * cy
     z = s.rz + share * fz + p.w_c * cz
     to = missed(me, x, y, z, p.sigma)
-    return bent(me, to.x, to.y, to.z, ground, p)
+    return bent(me, to.x, to.y, to.z, surroundings, p)
 
 
 @compiled
-def perceive(me, near, ground, p):
-    """Choose a step by the wish and by the guard; keep it and the room after it in mind."""
-    x, y, z = wished(me, near, ground, p)
+def perceive(me, near, surroundings, p):
+    """Choose a step by the wish and by the guard; remember it and the ball reserved after it."""
+    x, y, z = wished(me, near, surroundings, p)
     speed = math.sqrt(x * x + y * y + z * z)
     wish = Direction(me.ux, me.uy, me.uz)
     if speed > 0.0:
         wish = Direction(x / speed, y / speed, z / speed)
-    step = safe_step(me, near, ground, wish, speed, p)
+    step = safe_step(me, near, surroundings, wish, speed, p)
     asked = max(step.speed, STOPPED)
     me.memory[WISH] = asked * step.u.x
     me.memory[WISH + 1] = asked * step.u.y
     me.memory[WISH + 2] = asked * step.u.z
     d = step.speed * p.tau
-    me.memory[ROOM + OUT_X] = step.room.x - (me.x + d * step.u.x)
-    me.memory[ROOM + OUT_Y] = step.room.y - (me.y + d * step.u.y)
-    me.memory[ROOM + OUT_Z] = step.room.z - (me.z + d * step.u.z)
-    me.memory[ROOM + RADIUS] = step.room.radius
+    me.memory[BALL + OUT_X] = step.ball.x - (me.x + d * step.u.x)
+    me.memory[BALL + OUT_Y] = step.ball.y - (me.y + d * step.u.y)
+    me.memory[BALL + OUT_Z] = step.ball.z - (me.z + d * step.u.z)
+    me.memory[BALL + RADIUS] = step.ball.radius
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """The velocity of the step that was chosen."""
     return Wish(me.memory[WISH], me.memory[WISH + 1], me.memory[WISH + 2])
 
 
 @compiled
 def show(me, p, out):
-    """An agent that has told nobody of a room yet would escape to its left."""
+    """An agent that has reserved nothing yet would escape to its left."""
     if out[RADIUS] == math.inf:
         u = Direction(me.ux, me.uy, me.uz)
-        first = room(Direction(0.0, 0.0, 0.0), u, beside(u, u), escape(me.speed, p))
+        first = reserved_ball(Direction(0.0, 0.0, 0.0), u, beside(u, u), escape(me.speed, p))
         out[OUT_X], out[OUT_Y], out[OUT_Z] = first.x, first.y, first.z
         out[RADIUS] = first.radius
 
 
 @compiled
 def remember(me, near, p, out):
-    """Tell of the room after the step."""
+    """The signals that others receive: the ball reserved after the step."""
     for k in range(RADIUS + 1):
-        out[k] = me.memory[ROOM + k]
+        out[k] = me.memory[BALL + k]
 
 
 @compiled
@@ -236,7 +236,7 @@ def weigh(me, near, p, out):
 GUARDED = Rule(
     name="guarded",
     title="Guarded zones",
-    summary="The thesis's zones with a guard: each agent keeps a room free in which it can circle "
+    summary="The thesis's zones with a guard: each agent reserves a ball in which it can circle "
     "and only takes steps that leave it one, so that solid bodies never touch. Also added to the "
     "thesis: repulsion all round, and calls, heard all round, that keep the flock together.",
     equation=r"w_i = -\sum_{zor} \hat r_{ij} + \frac{\sum_{zoo} \hat v_j + w_a \sum_{zoa} "
@@ -249,7 +249,9 @@ GUARDED = Rule(
     wish="velocity",
     reach="range",
     together="d_a",
+    # Named as in recordings: the centre of the reserved ball seen from the agent, its radius.
     signals=("room_x", "room_y", "room_z", "room_radius"),
+    symmetries=("shift", "rotation"),  # one that knows no way out yet escapes to its left
     show=show,
     remember=remember,
     memory=("wish_x", "wish_y", "wish_z", "next_x", "next_y", "next_z", "next_radius"),

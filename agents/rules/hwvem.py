@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import UNKNOWN, next_layer, search_layers
+from agents.models.declare import Rule, parameter
 from agents.rules.vicsek import Vicsek
 from worlds.compiled import compiled
 
@@ -82,7 +82,7 @@ def survey(me, near, r):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Weighted mean heading of the neighbours (9), (18), summed layer by layer."""
     layer = near.signal[LAYER]
     nearest, neighbours = survey(me, near, p.r)
@@ -122,7 +122,7 @@ def prepare(flock, space, grid, slots, p, tick):
 
 @compiled
 def remember(me, near, p, out):
-    """Word of the layers spreads one hop: (5)."""
+    """Layers spread by one hop per tick: (5)."""
     if p.layers != INSTANT:
         out[LAYER] = next_layer(me, near, p.r, LAYER)
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import search_layers
+from agents.models.declare import Rule, parameter
 from agents.rules.vicsek import Vicsek
 from worlds.compiled import compiled
 
@@ -33,7 +33,7 @@ class ImprovedVicsekInformed(Vicsek):
 
 @compiled
 def show(me, p, out):
-    """An agent shows its heading as an angle in [0, 2 pi)."""
+    """The signal that neighbours receive: the heading as an angle in [0, 2 pi)."""
     angle = math.atan2(me.uy, me.ux)
     out[ANGLE] = angle + FULL if angle < 0.0 else angle
 
@@ -50,7 +50,7 @@ def extremes(me, near, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """theta_i + lambda (max - min) / 2: (30), (31)."""
     theta = me.signal[ANGLE]
     least, largest = extremes(me, near, p)
@@ -64,7 +64,7 @@ def decide(me, near, ground, p):
 
 
 @compiled
-def decide_informed(me, near, ground, p):
+def decide_informed(me, near, surroundings, p):
     """In direct contact with an information UAV: the weighted mean; else as IVEM."""
     x = y = total = contact = 0.0
     for j in range(near.n):
@@ -76,7 +76,7 @@ def decide_informed(me, near, ground, p):
         total += h
         contact += knows
     if contact == 0.0 or total == 0.0:
-        return decide(me, near, ground, p)
+        return decide(me, near, surroundings, p)
     return Wish(x / total, y / total, 0.0)
 
 
@@ -128,6 +128,7 @@ IVEM = Rule(
     signals=("angle",),
     show=show,
     weigh=weigh,
+    symmetries=("shift", "mirror"),  # angles are compared as numbers in [0, 2 pi)
 )
 
 IVEM_A = Rule(
@@ -145,4 +146,5 @@ IVEM_A = Rule(
     weigh=weigh_informed,
     informed=1,
     converges=True,
+    symmetries=("shift", "mirror"),
 )

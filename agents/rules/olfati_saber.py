@@ -1,7 +1,7 @@
 """Flocking with obstacle avoidance of Olfati-Saber 2006, as Wu et al. 2023, 2.2, repeat it.
 
 Every agent knows the gamma agent. Each obstacle within r is a beta agent at its nearest point,
-which moves along the surface as the agent's shadow: p_hat = P p, for walls and curves alike.
+which moves along the surface as the agent's projection: p_hat = P p, for walls and curves alike.
 Obstacles that touch are one obstacle. Printed, the push of a beta agent is at most 2 c_1^beta where
 flock-mates push with up to 19, and agents are pushed through obstacles; so by default it pushes as
 an agent does (see the parameter `beta`).
@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
-from agents.rules.sigma import (
+from agents.models.declare import Rule, parameter
+from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
     bump,
@@ -29,7 +29,7 @@ from agents.rules.sigma import (
     written,
 )
 from worlds.compiled import compiled
-from worlds.ground import solids_around, surface
+from worlds.queries.surroundings import solids_around, surface
 
 PRINTED = 1.0
 """Index of `printed` among the choices of `beta`."""
@@ -67,7 +67,7 @@ def printed_push(d2, p):
 
 
 @compiled
-def shadows(me, ground, p):
+def beta_terms(me, surroundings, p):
     """Gradient and consensus (10) summed over the solids within r, without the gains.
 
     With n the normal of a solid's nearest surface, P = I - n n^T, and so p_hat - p = P p - p =
@@ -75,9 +75,9 @@ def shadows(me, ground, p):
     """
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
     fx = fy = fz = cx = cy = cz = 0.0
-    around = solids_around(ground, me.x, me.y)
+    around = solids_around(surroundings, me.x, me.y)
     for k in range(around.number):
-        at = surface(ground, around, k, me.x, me.y, me.z)
+        at = surface(surroundings, around, k, me.x, me.y, me.z)
         if math.fabs(at.distance) <= p.r:
             dx, dy, dz = at.x - me.x, at.y - me.y, at.z - me.z
             d2 = dx * dx + dy * dy + dz * dz
@@ -93,37 +93,41 @@ def shadows(me, ground, p):
 
 
 @compiled
-def lead(me, ground, p):
+def lead(me, surroundings, p):
     """u^gamma (11); nothing where there is no gamma agent."""
-    if not has_goal(ground):
+    if not has_goal(surroundings):
         return 0.0, 0.0, 0.0
-    x, y, z = me.x - ground.goal[0, 0], me.y - ground.goal[0, 1], me.z - ground.goal[0, 2]
+    x, y, z = (
+        me.x - surroundings.goal[0, 0],
+        me.y - surroundings.goal[0, 1],
+        me.z - surroundings.goal[0, 2],
+    )
     pull = p.c1g / stretch(x * x + y * y + z * z, 1.0)
     return (
-        -pull * x - p.c2g * (me.speed * me.ux - ground.goal[1, 0]),
-        -pull * y - p.c2g * (me.speed * me.uy - ground.goal[1, 1]),
-        -pull * z - p.c2g * (me.speed * me.uz - ground.goal[1, 2]),
+        -pull * x - p.c2g * (me.speed * me.ux - surroundings.goal[1, 0]),
+        -pull * y - p.c2g * (me.speed * me.uy - surroundings.goal[1, 1]),
+        -pull * z - p.c2g * (me.speed * me.uz - surroundings.goal[1, 2]),
     )
 
 
 @compiled
-def terms(me, near, ground, p):
+def terms(me, near, surroundings, p):
     """The terms of u_i (7), a row (x, y, z) for each of FORCES, m/s^2."""
     fx, fy, fz, cx, cy, cz = flockmates(me, near, p, 0.0, 1.0, 1.0, 1.0)
-    bx, by, bz, ex, ey, ez = shadows(me, ground, p)
+    bx, by, bz, ex, ey, ez = beta_terms(me, surroundings, p)
     return (
         (p.c1a * fx, p.c1a * fy, p.c1a * fz),
         (p.c2a * cx, p.c2a * cy, p.c2a * cz),
         (p.c1b * bx, p.c1b * by, p.c1b * bz),
         (p.c2b * ex, p.c2b * ey, p.c2b * ez),
-        lead(me, ground, p),
+        lead(me, surroundings, p),
     )
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """u_i = u_i^alpha + u_i^beta + u_i^gamma (7)."""
-    f, c, b, e, g = terms(me, near, ground, p)
+    f, c, b, e, g = terms(me, near, surroundings, p)
     return Wish(
         f[0] + c[0] + b[0] + e[0] + g[0],
         f[1] + c[1] + b[1] + e[1] + g[1],
@@ -132,9 +136,9 @@ def decide(me, near, ground, p):
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The terms of (7) one by one."""
-    written(terms(me, near, ground, p), out)
+    written(terms(me, near, surroundings, p), out)
 
 
 RULE = Rule(

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish
-from agents.rules.steering import avoidance, cut, seek
+from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.steering import avoidance, cut, seek
 from worlds.compiled import compiled
 
 PACE = 0
@@ -204,11 +204,11 @@ def flocking(me, near, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """The weighted sum of the steering forces, length/s^2; the body cuts it at max_force."""
     sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, near, p)
-    ox, oy, oz = avoidance(me, ground, p)
-    gx, gy, gz = seek(me, ground, p)
+    ox, oy, oz = avoidance(me, surroundings, p)
+    gx, gy, gz = seek(me, surroundings, p)
     s, a, c, o, g = p.w_separation, p.w_alignment, p.w_cohesion, p.w_avoidance, p.w_seek
     return Wish(
         p.max_force * (s * sx + a * ax + c * cx + o * ox + g * gx),
@@ -218,14 +218,14 @@ def decide(me, near, ground, p):
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The steering forces with their weights, length/s^2, in the order of FORCES."""
     sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, near, p)
     out[0, 0], out[0, 1], out[0, 2] = sx, sy, sz
     out[1, 0], out[1, 1], out[1, 2] = ax, ay, az
     out[2, 0], out[2, 1], out[2, 2] = cx, cy, cz
-    out[3, 0], out[3, 1], out[3, 2] = avoidance(me, ground, p)
-    out[4, 0], out[4, 1], out[4, 2] = seek(me, ground, p)
+    out[3, 0], out[3, 1], out[3, 2] = avoidance(me, surroundings, p)
+    out[4, 0], out[4, 1], out[4, 2] = seek(me, surroundings, p)
     for k in range(3):
         out[0, k] *= p.w_separation * p.max_force
         out[1, k] *= p.w_alignment * p.max_force
@@ -236,7 +236,7 @@ def explain(me, near, ground, p, out):
 
 @compiled
 def show(me, p, out):
-    """Neighbours see one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish
+from agents.models.declare import Rule, parameter
 from agents.rules.couzin import missed
-from agents.rules.potential_field import push
-from agents.rules.zone_sums import edge_of, zone_sums
+from agents.rules.terms.potential_field import push
+from agents.rules.terms.zone_sums import edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 
@@ -108,14 +108,14 @@ def avoidance(me, near, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Avoidance, and g times the direction of orientation and attraction."""
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, edge_of(p.alpha), edge_of(p.alpha))
     fx, fy, fz = s.ox + s.ax, s.oy + s.ay, s.oz + s.az
     length = math.sqrt(fx * fx + fy * fy + fz * fz)
     share = p.g / length if length > 1e-12 else 0.0
     x, y, z = avoidance(me, near, p)
-    bx, by, bz = push(me, ground, p)
+    bx, by, bz = push(me, surroundings, p)
     field = p.tau / (p.m * max(p.v0, 1e-6))
     x, y, z = x + share * fx + field * bx, y + share * fy + field * by, z + share * fz + field * bz
     to = missed(me, x, y, z, p.sigma)
@@ -135,7 +135,7 @@ def weigh(me, near, p, out):
 
 @compiled
 def show(me, p, out):
-    """Neighbours are told one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

@@ -9,9 +9,18 @@ bounded, sigma(0) = -beta C, and so it is here.
 from __future__ import annotations
 
 from agents.bodies.tracking import Tracking, error_of, left_behind
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
-from agents.rules.pulls import ERROR_X, ERROR_Y, HUNTS, chase, injected, is_heard, is_hunter, pulls
+from agents.models.declare import Rule, parameter
+from agents.rules.terms.pulls import (
+    ERROR_X,
+    ERROR_Y,
+    HUNTS,
+    chase,
+    injected,
+    is_heard,
+    is_hunter,
+    pulls,
+)
 from worlds.compiled import compiled
 
 LAST_X, LAST_Y, KNOWN, RATE_X, RATE_Y = 0, 1, 2, 3, 4
@@ -129,20 +138,20 @@ class Squashing(Tracking):
 
 
 @compiled
-def desired(me, near, ground, p):
+def desired(me, near, surroundings, p):
     """D of (2) without its derivative."""
     if is_hunter(me, p):
         return chase(me, near, p)
     cx, cy, px, py, ax, ay = pulls(me, near, p)
-    ix, iy = injected(me, ground, p)
+    ix, iy = injected(me, surroundings, p)
     return cx + ix + px + ax, cy + iy + py + ay
 
 
 @compiled
-def perceive(me, near, ground, p):
+def perceive(me, near, surroundings, p):
     """How fast D changes, by its value of the tick before."""
     if p.derivative > 0.0:
-        x, y = desired(me, near, ground, p)
+        x, y = desired(me, near, surroundings, p)
         known = me.memory[KNOWN]
         me.memory[RATE_X] = known * (x - me.memory[LAST_X]) / p.dt
         me.memory[RATE_Y] = known * (y - me.memory[LAST_Y]) / p.dt
@@ -152,9 +161,9 @@ def perceive(me, near, ground, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """D of (2), with the derivative term if there is one."""
-    x, y = desired(me, near, ground, p)
+    x, y = desired(me, near, surroundings, p)
     if p.derivative > 0.0:
         x += p.derivative * me.memory[RATE_X]
         y += p.derivative * me.memory[RATE_Y]
@@ -162,14 +171,14 @@ def decide(me, near, ground, p):
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The terms of D, in the order of FORCES; the chase of a predator is its pull by cars."""
     out[:, :] = 0.0
     if is_hunter(me, p):
         out[0, 0], out[0, 1] = chase(me, near, p)
     else:
         out[0, 0], out[0, 1], out[2, 0], out[2, 1], out[3, 0], out[3, 1] = pulls(me, near, p)
-        out[1, 0], out[1, 1] = injected(me, ground, p)
+        out[1, 0], out[1, 1] = injected(me, surroundings, p)
     if p.derivative > 0.0:
         out[4, 0] = p.derivative * me.memory[RATE_X]
         out[4, 1] = p.derivative * me.memory[RATE_Y]
@@ -177,7 +186,7 @@ def explain(me, near, ground, p, out):
 
 @compiled
 def show(me, p, out):
-    """Where the tracking takes the car to be, and whether it is a predator."""
+    """The signals that others receive: the tracked position, and whether it is a predator."""
     out[ERROR_X], out[ERROR_Y] = error_of(me, p, me.signal[ERROR_X], me.signal[ERROR_Y])
     out[HUNTS] = 1.0 if is_hunter(me, p) else 0.0
 
@@ -212,6 +221,7 @@ SQUASHING = Rule(
     wish="velocity",
     dimensions=(2,),
     signals=("error_x", "error_y", "predator"),
+    hunters="predator",
     show=show,
     remember=remember,
     memory=("last_x", "last_y", "known", "rate_x", "rate_y"),

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish, adjacent
+from agents.models.declare import Parameters, Rule, parameter
 from worlds.compiled import compiled
-from worlds.ground import solids_around, surface
+from worlds.queries.surroundings import solids_around, surface
 
 PACE = 0
 """The signal that tells an agent's speed; with its heading it makes its velocity v_j."""
@@ -212,15 +212,15 @@ def neighbourly(me, near, p):
 
 
 @compiled
-def shill(me, ground, p):
+def shill(me, surroundings, p):
     """v^wall and v^obst, m/s: alignment, without slack and in full, to a shill agent per solid.
 
     It stands at the solid's nearest place and flies with v^shill along the normal away from it.
     """
     x = y = z = 0.0
-    around = solids_around(ground, me.x, me.y)
+    around = solids_around(surroundings, me.x, me.y)
     for k in range(around.number):
-        at = surface(ground, around, k, me.x, me.y, me.z)
+        at = surface(surroundings, around, k, me.x, me.y, me.z)
         if at.distance <= p.r:
             wx = p.v_shill * at.nx - me.speed * me.ux
             wy = p.v_shill * at.ny - me.speed * me.uy
@@ -235,10 +235,10 @@ def shill(me, ground, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """The wanted velocity before it is cut at v^max; at rest, self-propulsion is ahead."""
     rx, ry, rz, fx, fy, fz = neighbourly(me, near, p)
-    sx, sy, sz = shill(me, ground, p)
+    sx, sy, sz = shill(me, surroundings, p)
     return Wish(
         p.v_flock * me.ux + rx + fx + sx,
         p.v_flock * me.uy + ry + fy + sy,
@@ -247,18 +247,18 @@ def decide(me, near, ground, p):
 
 
 @compiled
-def explain(me, near, ground, p, out):
+def explain(me, near, surroundings, p, out):
     """The terms of the wanted velocity, m/s, in the order of FORCES."""
     out[0, 0], out[0, 1], out[0, 2] = p.v_flock * me.ux, p.v_flock * me.uy, p.v_flock * me.uz
     rx, ry, rz, fx, fy, fz = neighbourly(me, near, p)
     out[1, 0], out[1, 1], out[1, 2] = rx, ry, rz
     out[2, 0], out[2, 1], out[2, 2] = fx, fy, fz
-    out[3, 0], out[3, 1], out[3, 2] = shill(me, ground, p)
+    out[3, 0], out[3, 1], out[3, 2] = shill(me, surroundings, p)
 
 
 @compiled
 def show(me, p, out):
-    """Neighbours are told one's speed."""
+    """The signal that neighbours receive: the agent's speed."""
     out[PACE] = me.speed
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from agents.declare import Parameters, Rule, parameter
 from agents.engine.block import Wish, adjacent
+from agents.models.declare import Parameters, Rule, parameter
 from worlds.compiled import compiled
 
 
@@ -37,11 +37,12 @@ class Vicsek(Parameters):
         high=round(2 * math.pi, 4),
         step=0.05,
         source="Liu et al. 2021, (6); vectorial: Grégoire and Chaté 2004",
+        noise=True,
     )
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Mean heading over the neighbours and itself: (6), with obstacles (18)."""
     n = me.own_weight
     x, y, z = n * me.ux, n * me.uy, n * me.uz

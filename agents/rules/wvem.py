@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from agents.declare import Rule, parameter
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import search_layers
+from agents.models.declare import Rule, parameter
 from agents.rules.vicsek import Vicsek
 from worlds.compiled import compiled
 
@@ -50,7 +50,7 @@ def weight(layer, p):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Weighted mean heading of the neighbours, itself left out."""
     layer = near.signal[LAYER]
     x = y = z = total = 0.0

@@ -6,11 +6,11 @@ Bachelor's thesis on self-organised flocks of flapping-wing aircraft, sections 3
 
 from __future__ import annotations
 
-from agents.declare import Parameters, Rule, Zone, parameter
 from agents.engine.block import Wish
+from agents.models.declare import Parameters, Rule, Zone, parameter
 from agents.rules.couzin import missed
-from agents.rules.potential_field import bent
-from agents.rules.zone_sums import edge_of, weigh_zones, zone_sums
+from agents.rules.terms.potential_field import bent
+from agents.rules.terms.zone_sums import edge_of, weigh_zones, zone_sums
 from worlds.compiled import compiled
 
 
@@ -110,7 +110,7 @@ class Zones(Parameters):
 
 
 @compiled
-def decide(me, near, ground, p):
+def decide(me, near, surroundings, p):
     """Repulsion first (3.9); else orientation (3.10), attraction (3.11) or their mean (3.12)."""
     edge = edge_of(p.alpha)
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, edge, edge)
@@ -118,7 +118,7 @@ def decide(me, near, ground, p):
         to = missed(me, s.rx, s.ry, s.rz, p.sigma)
     else:
         to = missed(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
-    x, y, z = bent(me, to.x, to.y, to.z, ground, p)
+    x, y, z = bent(me, to.x, to.y, to.z, surroundings, p)
     return Wish(x, y, z)
 
 

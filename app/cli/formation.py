@@ -10,9 +10,9 @@ import typer
 
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
-from app.cli.settings import at_least, numbers
 from app.cli.usage import grouped
 from app.results import demand_folder, picture_files
+from app.settings import at_least, numbers
 from worlds.memory import demand_memory
 from worlds.refusal import Refusal
 

@@ -10,14 +10,18 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.declare import checked
+from agents.flock import Flock
+from agents.models.declare import checked
+from agents.spec import DEFAULT, Spec
+from app.cli.given import Asked, given, with_options
+from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.settings import assignment
 from app.cli.stopping import Stopping, leave
-from app.viewer.beside import companion, shared_by
-from app.viewer.origin import allowed
-from app.viewer.start import at_home
-from worlds.layout import layout_names
+from app.settings import assignment
+from app.viewer.run.beside import companion, shared_by
+from app.viewer.run.home import at_home
+from app.viewer.web.origin import allowed
+from worlds.refusal import Refusal
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
@@ -25,37 +29,26 @@ LOOK = 0.1
 """Time between two looks whether somebody asked it to stop, s."""
 
 
+@with_options
 def lab(
-    model: Annotated[str, typer.Argument(help=f"Model: {', '.join(MODELS)}.")] = "hwvem",
+    model: Annotated[
+        str | None,
+        typer.Argument(
+            help=f"Model: {', '.join(MODELS)}, or a FILE.py.",
+            callback=by_name,
+            show_default=DEFAULT,
+        ),
+    ] = None,
+    rule: Rules = None,
     beside: Annotated[
         str | None,
-        typer.Option(help="A second model, beside it in the same world from the same start."),
-    ] = None,
-    agents: Annotated[
-        int | None, typer.Option(min=1, help="Number of agents; by default the model's own.")
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the run.")] = 1,
-    dim: Annotated[
-        int | None,
-        typer.Option(min=2, max=3, help="2 or 3 dimensions; by default the world's own."),
-    ] = None,
-    world: Annotated[
-        str | None,
         typer.Option(
-            help=f"{', '.join(layout_names())}, or a TOML file; by default the model's own."
+            help="A second model, beside it in the same world from the same start.",
+            callback=by_name,
         ),
     ] = None,
-    activation: Annotated[
-        str | None, typer.Option(help="synchronous, or agents in turn: random, sequential.")
-    ] = None,
-    spacing: Annotated[
-        float | None,
-        typer.Option(
-            min=0.0,
-            help="Least distance at the start, between agents and to what is solid; by default the "
-            "model's own.",
-        ),
-    ] = None,
+    *,
+    asked: Asked,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
@@ -68,27 +61,22 @@ def lab(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
-    from app.viewer.laboratory import Laboratory
+    from app.viewer.lab.laboratory import Laboratory
 
     names = tuple(allowed(name) for name in allow_host or ())
+    model = first_of(model, rule) or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
-    start = at_home(
-        model,
-        agents=agents,
-        seed=seed,
-        dim=dim,
-        world=world,
-        activation=activation,
-        spacing=spacing,
-        threads=threads,
-        parameters=own,
-        beside=beside,
-        beside_parameters=others,
-    )
-    flock = start.build()
-    if beside is not None:
-        companion(start, flock)
-    serve(Laboratory(start, host, port, speed, allow=names), open_browser)
+    spec, origins = given(model, asked, [])
+    with origins.named():
+        if isinstance(spec.size, tuple):
+            raise Refusal(f"size = {list(spec.size)} is not allowed: here all sides are alike")
+        spec = at_home(**{**dict(spec), "parameters": own})
+        second = None if beside is None else Spec(beside, parameters=others)
+        flock = Flock(spec, threads=threads)
+        if second is not None:
+            companion(flock, second)
+    laboratory = Laboratory(spec, host, port, speed, allow=names, beside=second, threads=threads)
+    serve(laboratory, open_browser)
 
 
 def parameters(

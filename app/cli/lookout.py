@@ -8,7 +8,7 @@ import typer
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.whereabouts import Stray
+    from agents.state.whereabouts import Stray
 
 ASTRAY = 4
 """Exit code of a run in which an agent was inside an obstacle or beyond a solid edge."""

@@ -16,7 +16,7 @@ from app.cli.usage import Group, OneCommand
 
 
 class Entry(NamedTuple):
-    """Where a command is, and what it is in a line."""
+    """Where a command is, from this package, and what it is in a line."""
 
     module: str
     function: str
@@ -24,21 +24,24 @@ class Entry(NamedTuple):
 
 
 COMMANDS = {
-    "lab": Entry("app.cli.lab", "lab", "Open the laboratory in the browser (the default)."),
-    "run": Entry("app.cli.run", "run", "Run a flock and print what is observed at its end."),
-    "paper": Entry("app.cli.paper", "paper", "Repeat a table or a figure of a paper."),
-    "live": Entry("app.cli.live", "live", "Real cars: check a laboratory, drive, replay, emulate."),
+    "lab": Entry(".lab", "lab", "Open the laboratory in the browser (the default)."),
+    "run": Entry(".run", "run", "Run a flock and print what is observed at its end."),
+    "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
+    "live": Entry(
+        ".live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
+    ),
     "flight": Entry(
-        "app.cli.flight", "flight", "A flapping-wing aircraft: trim, sweep over speed, fly."
+        ".flight.commands", "flight", "A flapping-wing aircraft: trim, sweep over speed, fly."
     ),
     "world": Entry(
-        "app.cli.world", "world", "Worlds: list, draw, check, read from drawings, make."
+        ".world.commands", "world", "Worlds: list, draw, check, read from drawings, make."
     ),
-    "formation": Entry(
-        "app.cli.formation", "formation", "Formation flight: what birds save by upwash."
-    ),
-    "list": Entry("app.cli.listing", "listing", "Models, parameters, worlds, observables, papers."),
-    "recover": Entry("app.cli.recover", "recover", "Save the recording of a run that was killed."),
+    "formation": Entry(".formation", "formation", "Formation flight: what birds save by upwash."),
+    "list": Entry(".listing", "listing", "Models, parameters, worlds, observables, papers."),
+    "check": Entry(".check", "check", "Check a model: what every model keeps to."),
+    "warm": Entry(".warm", "warm", "Compile models ahead, so that nobody waits for them."),
+    "cite": Entry(".cite", "cite", "The papers that a model comes from, as BibTeX."),
+    "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
 }
 
 
@@ -67,7 +70,7 @@ class Commands(Group):
 def load(name: str) -> Any:
     """Import a command."""
     entry = COMMANDS[name]
-    function = getattr(import_module(entry.module), entry.function)
+    function = getattr(import_module(entry.module, __package__), entry.function)
     if isinstance(function, typer.Typer):  # a command that has commands of its own
         command = get_command(function)
     else:

@@ -6,7 +6,8 @@ import textwrap
 from collections.abc import Callable
 from typing import Any
 
-from app.cli.listing import ARTICLES, KINDS, WIDE, cell, models, names, observables, parameters
+from app.cli.choices import ARTICLES, KINDS, WIDE, cell, models, names, observables, parameters
+from app.cli.world.list_layouts import worlds
 from worlds.counting import counted
 from worlds.refusal import Refusal, shortened, suggestion
 
@@ -32,7 +33,7 @@ def things_called(name: str) -> dict[str, Any]:
 def model(name: str) -> Thing:
     """A model with its parameters. Raises Refusal."""
     from agents.catalogue import model as find_model
-    from agents.declare import declared
+    from agents.models.declare import declared
 
     found = find_model(name)
     row = next(row for row in models() if row["name"] == name)
@@ -46,7 +47,6 @@ def model(name: str) -> Thing:
 
 def world(name: str) -> Thing:
     """A built-in world as its layout has it."""
-    from app.cli.world_list import worlds
     from worlds.layout import read_layout
 
     row = next(row for row in worlds() if row["name"] == name)
@@ -72,9 +72,9 @@ def paper(name: str) -> Thing:
         "title": one.title,
         "source": one.source,
         "kind": one.settings.kind,
-        "models": sorted({row.model for row in one.cells}),
-        "agents": sorted({row.agents for row in one.cells}),
-        "rows": len(one.cells),
+        "models": sorted({row.spec.model for row in one.cases}),
+        "agents": sorted({row.agents for row in one.cases}),
+        "rows": len(one.cases),
         "runs": one.runs,
         "measures": [measure.name for measure in one.measures],
         "claims": len(one.said),

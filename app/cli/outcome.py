@@ -23,21 +23,9 @@ CELLS = 12
 
 def telling(flock: Flock) -> list[str]:
     """The observables that tell how a flock does in its world."""
-    from agents.observables.of_flocks import SAVED
+    from agents.observables.catalogue import OBSERVABLES
 
-    names = ["polarisation", "consistency"]
-    mission = flock.world.mission
-    if flock.world.is_solid:
-        names += ["nearest-neighbour", "obstacle-distance", "inside-obstacles"]
-    if mission is not None and (mission.goal is not None or mission.path is not None):
-        names += ["goal-distance"]
-    if mission is not None and mission.path is not None and flock.informed.any():
-        names += ["following"]
-    if flock.can_crash:
-        names += ["groups", "crashes"]
-    if SAVED in flock.model.columns:
-        names += ["energy-saved"]
-    return names
+    return [name for name, one in OBSERVABLES.items() if one.tells(flock)]
 
 
 def tell_written(*files: Path | None) -> None:
@@ -107,7 +95,7 @@ def course(series: Series) -> dict[str, Any]:
 
 def crash_list(flock: Flock) -> list[dict[str, Any]]:
     """Who has crashed, when, where and against what, in the order of ticks."""
-    from agents.crashes import CAUSES
+    from agents.state.crashes import CAUSES
 
     found = flock.crashes
     return [

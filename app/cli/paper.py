@@ -14,9 +14,9 @@ from app.cli.lookout import ASTRAY
 from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress, duration
 from app.cli.refusals import INTERRUPTED
-from app.cli.settings import at_least, names, whole_numbers
 from app.cli.stopping import Stopping
 from app.results import demand_folder, picture_files
+from app.settings import at_least, names, whole_numbers
 from worlds.counting import counted
 
 MOST_RUNS = 100_000
@@ -90,7 +90,7 @@ def carried_out(
 ) -> Done:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
     from app.experiments.conduct import conduct
-    from app.experiments.pool import cores
+    from app.experiments.workers.pool import cores
 
     begun = time.monotonic()
     try:
@@ -127,9 +127,9 @@ def report(
     quiet: bool,
 ) -> None:
     """Write the files and print the outcome."""
-    from app.experiments.claims import claims
-    from app.experiments.report import as_value, show, write_summary
-    from app.experiments.verdict import verdicts
+    from app.experiments.reports.report import as_value, show, write_summary
+    from app.experiments.verdicts.claims import claims
+    from app.experiments.verdicts.verdict import verdicts
 
     made = verdicts(experiment, done.measured)
     said = claims(made, experiment.said)

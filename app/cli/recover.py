@@ -19,7 +19,7 @@ def recover(
 ) -> None:
     """Make a recording of what a killed run has left in its .part file, or in its folder."""
     if file.is_dir():
-        from app.cli.live_recover import recover as recover_live
+        from app.cli.live.recover import recover as recover_live
 
         recover_live(file, as_json)
         return

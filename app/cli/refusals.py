@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import re
+from bdb import BdbQuit
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, NoReturn
@@ -42,7 +43,7 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
             refuse(f"{named}{error.strerror or error}")
         except MemoryError as error:
             refuse(f"there is not enough memory: {error or 'use fewer agents'}")
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, BdbQuit):  # BdbQuit: pdb was left
             raise typer.Exit(INTERRUPTED) from None
 
     return guarded

@@ -5,18 +5,19 @@ from __future__ import annotations
 import shlex
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from app.cli.given import Asked, given, set_by, with_options
 from app.cli.keeping import run_ticks
 from app.cli.lookout import Lookout
 from app.cli.outcome import as_json, outcome, show, tell_written, telling
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
-from app.cli.request import Request
-from app.cli.settings import at_least, names, numbers
-from app.experiments.kernels import compile_loop
+from app.cli.rule_option import Rules, by_name, first_of
+from app.experiments.workers.kernels import compile_loop
+from app.settings import at_least, names
 from worlds.counting import counted
 from worlds.refusal import Refusal
 from worlds.writing import demand_apart, demand_writable, write_text
@@ -25,36 +26,24 @@ if TYPE_CHECKING:
     from agents import Flock
 
 
+@with_options
 def run(
-    model: Annotated[str | None, typer.Argument(help="A model, see `flockscope list`.")] = None,
-    agents: Annotated[
-        int | None, typer.Option(help="Ordinary agents. \\[default: the model's own, or 100]")
+    model: Annotated[
+        str | None,
+        typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=by_name),
     ] = None,
+    rule: Rules = None,
+    *,
+    asked: Asked,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
     ticks: Annotated[int, typer.Option(help="Ticks to run.")] = 100,
-    seed: Annotated[int | None, typer.Option(help="Seed of the run. \\[default: drawn]")] = None,
-    size: Annotated[
-        str | None, typer.Option(help="Side of the box, or one per axis: 7 or 7,5.")
-    ] = None,
-    dim: Annotated[
-        int | None, typer.Option(help="2 or 3 dimensions. \\[default: the world's own]")
-    ] = None,
-    world: Annotated[
-        str | None,
-        typer.Option(help="A built-in world or a TOML file. \\[default: the model's own]"),
-    ] = None,
-    informed: Annotated[int | None, typer.Option(help="Information agents.")] = None,
-    activation: Annotated[
-        str | None, typer.Option(help="synchronous, random or sequential.")
-    ] = None,
-    noise: Annotated[str | None, typer.Option(help="angular or vectorial.")] = None,
-    spacing: Annotated[
-        float | None,
-        typer.Option(help="Least distance at the start between agents, and to what is solid."),
-    ] = None,
     threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
+    interpret: Annotated[
+        bool,
+        typer.Option("--interpret", help="Run the model as plain Python, with print and pdb."),
+    ] = False,
     spec: Annotated[Path | None, typer.Option(help="TOML file that describes the run.")] = None,
     state: Annotated[
         Path | None, typer.Option(help="Saved state or recording to go on from.")
@@ -100,32 +89,19 @@ def run(
     from agents.observables.catalogue import OBSERVABLES
     from agents.record import Recorder
     from agents.series import Follower
-    from agents.whereabouts import warning
 
-    made_of: dict[str, Any] = {
-        "model": model,
-        "agents": agents,
-        "seed": seed,
-        "size": None if size is None else sides(size),
-        "dim": dim,
-        "world": world,
-        "informed": informed,
-        "activation": activation,
-        "noise": noise,
-        "spacing": spacing,
-    }
-    asked = None if observe is None else known_observables(observe, over)
-    given = settings or []
+    wanted = None if observe is None else known_observables(observe, over)
+    model = model if spec or state else first_of(model, rule)
     if state:
-        flock = loaded(state, spec, made_of, given, threads)
+        flock = loaded(state, spec, {"model": model, **asked}, settings or [], threads, interpret)
     else:
-        flock = built(spec, made_of, given, threads, quiet)
-    if warning(flock) and not quiet:
-        tell(f"flockscope: {warning(flock)}")
+        flock = built(spec, model, asked, settings or [], threads, interpret, quiet)
+    if flock.warning and not quiet:
+        tell(f"flockscope: {flock.warning}")
     compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
-    observed = told(flock, over) if asked is None else asked
+    observed = told(flock, over) if wanted is None else wanted
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     lookout = Lookout(flock)
     first, begun = flock.tick, time.perf_counter()
@@ -176,46 +152,47 @@ def told(flock: Flock, over: int | None) -> list[str]:
 
 
 def built(
-    spec: Path | None, made_of: dict[str, Any], settings: list[str], threads: int, quiet: bool
+    file: Path | None,
+    model: str | None,
+    asked: Asked,
+    settings: list[str],
+    threads: int,
+    interpret: bool,
+    quiet: bool,
 ) -> Flock:
     """The flock of a spec and options. Raises Refusal."""
-    request = Request()
-    if spec:
-        request.read_spec(spec)
-    request.take_options(made_of)
-    request.take_settings(settings)
-    if "model" not in request.values:
-        raise Refusal("which MODEL? `flockscope list models` names them; or give --spec or --state")
-    flock = request.build(threads)
+    from agents import Flock
+
+    spec, origins = given(model, asked, settings, file)
+    with origins.named():
+        flock = Flock(spec, threads=threads, interpret=interpret)
     now = flock.spec.versions
-    other = [f"{k} {v}, here {now[k]}" for k, v in request.versions.items() if now.get(k, v) != v]
+    other = [f"{k} {v}, here {now[k]}" for k, v in spec.versions.items() if now.get(k, v) != v]
     if other and not quiet:
         tell(f"flockscope: the spec was written with {'; '.join(other)}")
     return flock
 
 
 def loaded(
-    state: Path, spec: Path | None, made_of: dict[str, Any], settings: list[str], threads: int
+    state: Path,
+    spec: Path | None,
+    asked: Asked,
+    settings: list[str],
+    threads: int,
+    interpret: bool,
 ) -> Flock:
     """The flock of a saved state, with `--set` changing its parameters. Raises Refusal."""
     from agents import Flock
 
-    for name, value in {**made_of, "spec": spec}.items():
+    for name, value in {**asked, "spec": spec}.items():
         if value is not None:
             option = "MODEL" if name == "model" else f"--{name}"
             raise Refusal(f"{option} {value} cannot be given with --state, which says it already")
-    request = Request()
-    request.take_settings(settings)
-    flock = Flock.load(state, threads=threads)
-    request.check_parameters(flock.model.parameters)
-    flock.set(**request.parameters)
+    parameters, origins = set_by(settings)
+    flock = Flock.load(state, threads=threads, interpret=interpret)
+    with origins.named():
+        flock.set(**parameters)
     return flock
-
-
-def sides(text: str) -> float | tuple[float, ...]:
-    """One side for all axes, or one per axis. Raises Refusal."""
-    made = numbers("--size", text)
-    return made[0] if len(made) == 1 else tuple(made)
 
 
 def demand_outputs(

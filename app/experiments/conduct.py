@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from agents.whereabouts import warning
-from app.experiments.costs import Costs, guess
-from app.experiments.experiment import Cell, Experiment
-from app.experiments.kernels import compile_loop
+from app.experiments.experiment import Case, Experiment
 from app.experiments.kinds.settings import Number
-from app.experiments.pool import run_all
 from app.experiments.store import Key, Store, key_of
 from app.experiments.trial import Result, Trial, fingerprint, flock_of
+from app.experiments.workers.costs import Costs, guess
+from app.experiments.workers.kernels import compile_loop
+from app.experiments.workers.pool import run_all
 from worlds.counting import counted
 from worlds.refusal import Refusal
 
@@ -23,9 +22,9 @@ At = Callable[[float, float, str], object]
 
 @dataclass(frozen=True)
 class Measured:
-    """A cell with what its runs have given, each in the order of the seeds."""
+    """A case with what its runs have given, each in the order of the seeds."""
 
-    cell: Cell
+    case: Case
     values: dict[str, list[Number | None]]
     """By measure; None for a run that has none."""
 
@@ -50,63 +49,63 @@ class Plan:
         self.experiment = experiment
         self.store = store
         self.seeds = range(seed, seed + runs)
-        cells = experiment.cells
-        self.prints = [checked_fingerprint(cell, experiment) for cell in cells]
+        cases = experiment.cases
+        self.prints = [checked_fingerprint(case, experiment) for case in cases]
         self.paths = experiment.paths
-        self.number = {id(cells[path[0]]): n for n, path in enumerate(self.paths)}
+        self.number = {id(cases[path[0]]): n for n, path in enumerate(self.paths)}
         self.missing = [
             [seed for seed in self.seeds if not self.has(path, seed)] for path in self.paths
         ]
-        guesses = [sum(self.guess(cells[k]) for k in path) for path in self.paths]
+        guesses = [sum(self.guess(cases[k]) for k in path) for path in self.paths]
         self.costs = Costs(guesses, self.left)
 
     def has(self, path: list[int], seed: int) -> bool:
-        """Whether the store has a run in all of its cells."""
+        """Whether the store has a run in all of its cases."""
         return all(self.key(k, seed) in self.store.results for k in path)
 
-    def guess(self, cell: Cell) -> float:
-        """Seconds that a run of a cell may take."""
+    def guess(self, case: Case) -> float:
+        """Seconds that a run of a case may take."""
         from agents.catalogue import model
 
         settings = self.experiment.settings
-        published = cell.published(settings.measures[0].name)
-        dt = flock_of(cell, settings, 0).dt
+        published = case.published(settings.measures[0].name)
+        dt = flock_of(case, 0).dt
         ticks = settings.ticks(published.mean if published else None, dt)
-        return guess(ticks, cell.agents, len(model(cell.model).columns))
+        return guess(ticks, case.agents, len(model(case.spec.model).columns))
 
     @property
     def left(self) -> list[int]:
         """Runs that each path lacks."""
         return [len(seeds) for seeds in self.missing]
 
-    def key(self, cell: int, seed: int) -> Key:
-        """The key of a run of a cell (by its number)."""
-        return key_of(self.experiment.cells[cell], seed, self.prints[cell])
+    def key(self, case: int, seed: int) -> Key:
+        """The key of a run of a case (by its number)."""
+        return key_of(self.experiment.cases[case], seed, self.prints[case])
 
     @property
     def trials(self) -> list[Trial]:
         """The runs that the store lacks, the longest first."""
         order = sorted(range(len(self.paths)), key=lambda n: -self.costs.guesses[n])
-        cells = self.experiment.cells
-        along = [tuple(cells[k] for k in path) for path in self.paths]
+        cases = self.experiment.cases
+        along = [tuple(cases[k] for k in path) for path in self.paths]
         return [Trial(along[n], seed) for n in order for seed in self.missing[n]]
 
     def keep(self, trial: Trial, results: list[Result]) -> None:
         """Keep a run's results in the store and in the costs."""
-        n = self.number[id(trial.cells[0])]
+        n = self.number[id(trial.cases[0])]
         for k, result in zip(self.paths[n], results, strict=True):
             self.store.add(self.key(k, trial.seed), result)
         self.costs.add(n, sum(result.seconds for result in results))
 
     @property
     def measured(self) -> list[Measured]:
-        """All cells with their runs."""
-        return [self.measured_of(k) for k in range(len(self.experiment.cells))]
+        """All cases with their runs."""
+        return [self.measured_of(k) for k in range(len(self.experiment.cases))]
 
     @property
     def astray(self) -> list[str]:
         """The runs in which an agent was seen where it cannot be, in words."""
-        keys = [self.key(k, seed) for k in range(len(self.experiment.cells)) for seed in self.seeds]
+        keys = [self.key(k, seed) for k in range(len(self.experiment.cases)) for seed in self.seeds]
         found = {key: self.store.results[key].astray for key in keys}
         return [
             f"{key.model}, N = {key.agents}, {key.parameters}, seed {key.seed}: {words}"
@@ -114,36 +113,38 @@ class Plan:
             if words
         ]
 
-    def measured_of(self, cell: int) -> Measured:
-        """A cell (by its number) with its runs."""
-        results = [self.store.results[self.key(cell, seed)].measures for seed in self.seeds]
+    def measured_of(self, case: int) -> Measured:
+        """A case (by its number) with its runs."""
+        results = [self.store.results[self.key(case, seed)].measures for seed in self.seeds]
         names = [one.name for one in self.experiment.settings.measures]
         values = {name: [one[name] for one in results] for name in names}
-        return Measured(self.experiment.cells[cell], values)
+        return Measured(self.experiment.cases[case], values)
 
 
-def checked_fingerprint(cell: Cell, experiment: Experiment) -> str:
-    """The cell's fingerprint. Raises Refusal naming the experiment if it cannot be built."""
+def checked_fingerprint(case: Case, experiment: Experiment) -> str:
+    """The case's fingerprint. Raises Refusal naming the experiment if it cannot be built."""
     try:
-        return fingerprint(cell, experiment.settings)
+        return fingerprint(case, experiment.settings)
     except Refusal as refusal:
         raise Refusal(
-            f"{refusal} ({experiment.name}, {cell.model} with N = {cell.agents})"
+            f"{refusal} ({experiment.name}, {case.spec.model} with N = {case.agents})"
         ) from None
 
 
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
     """Compile the loop of every model before the threads start: numba compiles one at a time."""
-    for cell in {(cell.model, cell.activation): cell for cell in experiment.cells}.values():
-        flock = flock_of(cell, experiment.settings, 0)
+    for case in {
+        (case.spec.model, str(case.spec.chosen)): case for case in experiment.cases
+    }.values():
+        flock = flock_of(case, 0)
         compile_loop(flock, tell)
         experiment.settings.compile(flock)
 
 
 def warn(experiment: Experiment, tell: Tell) -> None:
     """Tell of each model of an experiment whose agents go through what is solid."""
-    flocks = [flock_of(cell, experiment.settings, 0) for cell in experiment.cells]
-    for words in dict.fromkeys(warning(flock) for flock in flocks if flock.passing):
+    flocks = [flock_of(case, 0) for case in experiment.cases]
+    for words in dict.fromkeys(flock.warning for flock in flocks if flock.passing):
         tell(f"flockscope: {words}")
 
 
@@ -157,7 +158,7 @@ def conduct(
     tell: Tell | None,
     at: At,
 ) -> Done:
-    """Carry out an experiment with the seeds `seed` to `seed + runs - 1` in each cell.
+    """Carry out an experiment with the seeds `seed` to `seed + runs - 1` in each case.
 
     `at` hears of the share that is done, the seconds left and the runs done. Raises Refusal;
     after KeyboardInterrupt the finished runs are in the store.

@@ -3,36 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import ValidationError
 
+from agents.catalogue import model
+from agents.spec import Spec
+from app.beside import EXPERIMENTS
 from app.experiments.file import File, Found, Published, Row, Said, Sweep
-from app.experiments.folder import experiments_folder
 from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
-from app.experiments.strict import Value
+from app.strict import Value
+from worlds.reading import toml
 from worlds.refusal import Refusal, needed, unknown
-from worlds.toml import toml
 
 Way = Literal["", "there", "back"]
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One set of runs that differ by their seed only."""
+class Case:
+    """Runs that differ by their seed only, and where in the paper they are from."""
 
-    model: str
+    spec: Spec
+    """The run, but for its seed and for what its row overrides of the world."""
     agents: int
     """N as the paper counts it."""
-    size: float | None
-    """Side of the box; None for the world's own."""
-    parameters: dict[str, Value] = field(hash=False)
-    row: Row | None = field(default=None, hash=False)
-    sweep: Sweep | None = field(default=None, hash=False)
+    row: Row | None = None
+    sweep: Sweep | None = None
     way: Way = ""
     """Which way a run that goes there and back is going here."""
     tick: int | None = None
@@ -43,23 +43,18 @@ class Cell:
     @property
     def label(self) -> str:
         """Its name in a table."""
-        return (self.row.label if self.row else "") or self.model
+        return (self.row.label if self.row else "") or self.spec.model
 
     @property
     def value(self) -> Value | None:
         """The value of the swept parameter."""
-        return self.parameters[self.sweep.parameter] if self.sweep else None
+        return self.spec.parameters[self.sweep.parameter] if self.sweep else None
 
     @property
     def at(self) -> Value | None:
         """The value of the second parameter of a sweep that has two."""
         two = self.sweep is not None and self.sweep.against
-        return self.parameters[two] if two else None
-
-    @property
-    def activation(self) -> str:
-        """How its agents act: at once or in turn."""
-        return self.row.activation if self.row else "synchronous"
+        return self.spec.parameters[two] if two else None
 
     def published(self, measure: str) -> Published | None:
         """What the paper prints of a measure."""
@@ -68,7 +63,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Experiment:
-    """A table or a figure as cells to run."""
+    """A table or a figure as cases to run."""
 
     name: str
     title: str
@@ -81,20 +76,20 @@ class Experiment:
     not_reproduced: dict[str, str]
     not_compared: dict[str, str]
     notes: dict[str, str]
-    cells: list[Cell]
+    cases: list[Case]
     said: list[Said]
     """What the paper claims."""
 
     @property
     def paths(self) -> list[list[int]]:
-        """The cells, by number, that each run goes through.
+        """The cases, by number, that each run goes through.
 
         One, or those of a sweep there and back, or a row's at all of its ticks.
         """
         found: list[list[int]] = []
-        for k, cell in enumerate(self.cells):
-            last = self.cells[found[-1][-1]] if found else None
-            if last is not None and goes_on(last, cell):
+        for k, case in enumerate(self.cases):
+            last = self.cases[found[-1][-1]] if found else None
+            if last is not None and goes_on(last, case):
                 found[-1].append(k)
             else:
                 found.append([k])
@@ -105,42 +100,42 @@ class Experiment:
 
         Raises Refusal for unknown ones.
         """
-        named = {name for cell in self.cells for name in (cell.model, cell.label)}
+        named = {name for case in self.cases for name in (case.spec.model, case.label)}
         for kind, asked, known in (
             ("model", models, named),
-            ("agents", agents, {cell.agents for cell in self.cells}),
+            ("agents", agents, {case.agents for case in self.cases}),
         ):
             for one in asked:
                 if one not in known:
                     names = [str(name) for name in sorted(known)]
                     raise unknown(kind, str(one), names, self.name)
         kept = [
-            cell
-            for cell in self.cells
-            if (not models or cell.model in models or cell.label in models)
-            and (not agents or cell.agents in agents)
+            case
+            for case in self.cases
+            if (not models or case.spec.model in models or case.label in models)
+            and (not agents or case.agents in agents)
         ]
-        return replace(self, cells=kept)
+        return replace(self, cases=kept)
 
 
-def goes_on(last: Cell, cell: Cell) -> bool:
-    """Whether a cell is the next of the same run."""
-    if cell.tick is not None:
-        return last.row is cell.row and last.tick is not None and last.tick < cell.tick
-    same = last.sweep is cell.sweep and (last.agents, last.at) == (cell.agents, cell.at)
-    return cell.way != "" and same and (last.way, cell.way) != ("back", "there")
+def goes_on(last: Case, case: Case) -> bool:
+    """Whether a case is the next of the same run."""
+    if case.tick is not None:
+        return last.row is case.row and last.tick is not None and last.tick < case.tick
+    same = last.sweep is case.sweep and (last.agents, last.at) == (case.agents, case.at)
+    return case.way != "" and same and (last.way, case.way) != ("back", "there")
 
 
 def experiment_names() -> list[str]:
     """Names of all experiments."""
-    return sorted(path.stem for path in experiments_folder().glob("*.toml"))
+    return sorted(path.stem for path in EXPERIMENTS.glob("*.toml"))
 
 
 def read_experiment(name: str) -> Experiment:
     """The experiment of that name. Raises Refusal."""
     if name not in experiment_names():
         raise unknown("paper", name, experiment_names())
-    return read_file(experiments_folder() / f"{name}.toml")
+    return read_file(EXPERIMENTS / f"{name}.toml")
 
 
 def read_file(path: Path) -> Experiment:
@@ -165,6 +160,10 @@ def read_file(path: Path) -> Experiment:
         raise Refusal(f"{'.'.join(keys)}: {needed(first)} ({where})") from None
     check_sizes(file, path)
     check_measures(file, path)
+    try:
+        cases = cases_of(file)
+    except Refusal as refusal:
+        raise Refusal(f"{refusal} ({path})") from None
     main = file.settings.measures[0].name
     return Experiment(
         path.stem,
@@ -177,7 +176,7 @@ def read_file(path: Path) -> Experiment:
         file.not_reproduced,
         file.not_compared,
         file.notes,
-        cells_of(file),
+        cases,
         list(file.claims),
     )
 
@@ -207,16 +206,13 @@ def check_measures(file: File, path: Path) -> None:
                 raise unknown(claim.measure, claim.word, words, str(path))
 
 
-def cells_of(file: File) -> list[Cell]:
+def cases_of(file: File) -> list[Case]:
     """The rows and the sweeps' points, in the order of the file."""
-    shared = file.settings.parameters
     stops = file.settings.stops or [None]
-    cells = [
-        Cell(
-            row.model,
+    cases = [
+        Case(
+            spec_of(file, row, row.agents, row.parameters, row.size),
             row.agents,
-            row.size or file.sizes.get(str(row.agents)),
-            shared | row.parameters,
             row,
             tick=tick,
             last=tick == stops[-1],
@@ -226,11 +222,31 @@ def cells_of(file: File) -> list[Cell]:
     ]
     for sweep in file.sweeps:
         for n in sweep.agents:
-            size = file.sizes.get(str(n))
             for fixed, value, way in points_of(sweep):
-                given = shared | fixed | {sweep.parameter: value}
-                cells.append(Cell(sweep.model, n, size, given, sweep=sweep, way=way))
-    return cells
+                spec = spec_of(file, sweep, n, fixed | {sweep.parameter: value})
+                cases.append(Case(spec, n, sweep=sweep, way=way))
+    return cases
+
+
+def spec_of(
+    file: File,
+    of: Row | Sweep,
+    agents: int,
+    parameters: dict[str, Value],
+    size: float | None = None,
+) -> Spec:
+    """The run of a row or a sweep, but for its seed. Raises Refusal."""
+    settings = file.settings
+    informed = model(of.model).informed if of.informed is None else of.informed
+    return Spec(
+        of.model,
+        agents=agents - informed if settings.n_counts_informed else agents,
+        size=size or file.sizes.get(str(agents)),
+        dim=settings.dim,
+        world=settings.world,
+        parameters=settings.parameters | parameters,
+        **of.chosen,
+    )
 
 
 def points_of(sweep: Sweep) -> list[tuple[dict[str, Value], Value, Way]]:

@@ -6,9 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from app.experiments.errand import PLAIN, Errand
+from agents.spec import Options
 from app.experiments.kinds import Settings
-from app.experiments.strict import Strict, Value
+from app.experiments.overrides import PLAIN, Overrides
+from app.strict import Strict, Value
 
 Picture = Literal[
     "models",
@@ -52,8 +53,8 @@ class Published(Strict):
         return sum(self.values) / len(self.values) if self.values else self.mean
 
 
-class Row(Strict):
-    """One row of a table, with the published numbers by measure."""
+class Row(Strict, Options):
+    """One row of a table, and its options, with the published numbers by measure."""
 
     model: str
     agents: int = Field(ge=1)
@@ -64,10 +65,8 @@ class Row(Strict):
     """Whether the world keeps its obstacles."""
     size: float | None = Field(None, gt=0.0)
     """Side of its box; None: that of its number of agents in `sizes`, or the world's own."""
-    mission: Errand = PLAIN
+    mission: Overrides = PLAIN
     """What is other in it than in the world's mission."""
-    activation: Literal["synchronous", "random", "sequential"] = "synchronous"
-    """Whether all agents act at once, or in turn in a random order or in that of the rows."""
     published: dict[str, Published] = Field(default_factory=dict)
     remark: str = ""
     """What else is known of it."""
@@ -79,8 +78,8 @@ class Row(Strict):
         return self
 
 
-class Sweep(Strict):
-    """One parameter over several values, for several sizes of flock."""
+class Sweep(Strict, Options):
+    """One parameter over several values, for several sizes of flock, and its options."""
 
     model: str
     agents: list[int] = Field(min_length=1)

@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
-from app.experiments.experiment import Cell
+from app.experiments.experiment import Case
 from app.experiments.kinds.settings import Measure
 from app.experiments.trial import Result
 from worlds.refusal import Refusal
@@ -29,10 +29,10 @@ class Key(NamedTuple):
     fingerprint: str
 
 
-def key_of(cell: Cell, seed: int, fingerprint: str) -> Key:
-    """The key of a cell's run."""
-    parameters = json.dumps(cell.parameters, sort_keys=True, separators=(",", ":"))
-    return Key(cell.model, cell.agents, parameters, seed, fingerprint)
+def key_of(case: Case, seed: int, fingerprint: str) -> Key:
+    """The key of a case's run."""
+    parameters = json.dumps(case.spec.parameters, sort_keys=True, separators=(",", ":"))
+    return Key(case.spec.model, case.agents, parameters, seed, fingerprint)
 
 
 class Store:

@@ -9,35 +9,34 @@ import threading
 import time
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from agents import Flock
-from agents.catalogue import model
 from agents.engine.cache import fingerprint as feed
 from agents.spec import versions
-from app.experiments.errand import PLAIN, Errand, sent_on
-from app.experiments.experiment import Cell
+from app.experiments.experiment import Case
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
-from worlds.world import World, world
+from app.experiments.overrides import PLAIN, Overrides, with_goal_speed
+from worlds.layout import world
+from worlds.world import World
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What makes a run: its cells and its seed.
+    """What makes a run: its cases and its seed.
 
-    There are several cells where the run goes through several values of a parameter, in that order.
+    There are several cases where the run goes through several values of a parameter, in that order.
     """
 
-    cells: tuple[Cell, ...]
+    cases: tuple[Case, ...]
     seed: int
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a run has given in one of its cells."""
+    """What a run has given in one of its cases."""
 
     measures: dict[str, Number | None]
     """By name; None where the run has none, such as k_con of a run that was given up."""
@@ -50,43 +49,30 @@ class Stopped(Exception):
     """The run was asked to stop."""
 
 
-def flock_of(cell: Cell, settings: Settings, seed: int) -> Flock:
-    """The flock of a cell at tick 0. Raises Refusal."""
-    parameters: dict[str, Any] = dict(cell.parameters)
-    informed = model(cell.model).informed if settings.n_counts_informed else 0
-    agents = cell.agents - informed
-    bare = cell.row is not None and not cell.row.obstacles
-    errand = cell.row.mission if cell.row else PLAIN
-    world: World | str = settings.world
-    if cell.size is None:
-        world = world_of(settings.world, settings.dim, bare, errand)
-    return Flock(
-        cell.model,
-        agents=agents,
-        size=cell.size,
-        dim=settings.dim,
-        world=world,
-        start=errand.ranks.start(agents + informed, seed) if errand.ranks else None,
-        activation=cell.activation,
-        rng=seed,
-        **parameters,
-    )
+def flock_of(case: Case, seed: int) -> Flock:
+    """The flock of a case at tick 0. Raises Refusal."""
+    spec, row = case.spec.but(seed=seed), case.row
+    overrides = row.mission if row else PLAIN
+    if spec.size is None:
+        bare = row is not None and not row.obstacles
+        spec = spec.but(world=world_of(spec.world, spec.dim, bare, overrides))
+    return Flock(spec, start=overrides.ranks.start(case.agents, seed) if overrides.ranks else None)
 
 
 @cache
-def world_of(name: str, dim: int | None, bare: bool, errand: Errand) -> World:
+def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> World:
     """The world of a layout in the layout's own size; `bare` without its obstacles.
 
-    Raises Refusal if the errand changes a part of the mission that the world does not have.
+    Raises Refusal if the overrides change a part of the mission that the world does not have.
     """
-    found = sent_on(world(name, dim), errand)
+    found = with_goal_speed(world(name, dim), overrides)
     return replace(found, obstacles=(), random=None) if bare else found
 
 
 def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[Result]:
-    """Run a flock to the end of each of its cells. Raises Stopped."""
+    """Run a flock to the end of each of its cases. Raises Stopped."""
     begun = time.perf_counter()
-    flock = flock_of(trial.cells[0], settings, trial.seed)
+    flock = flock_of(trial.cases[0], trial.seed)
     astray: list[str] = []
 
     def look() -> None:
@@ -100,8 +86,8 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[R
             raise Stopped
 
     results = []
-    for cell in trial.cells:
-        flock.set(**cell.parameters)
+    for case in trial.cases:
+        flock.set(**case.spec.parameters)
         measures = settings.run(flock, go_on)
         ended = time.perf_counter()
         look()
@@ -110,22 +96,21 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[R
     return results
 
 
-def fingerprint(cell: Cell, settings: Settings) -> str:
-    """A hash of what a cell's numbers depend on beside model, agents, parameters and seed.
+def fingerprint(case: Case, settings: Settings) -> str:
+    """A hash of what a case's numbers depend on beside model, agents, parameters and seed.
 
     The world and the criterion, the way that a run has come, the versions, the compiled loop with
     all that it reaches, what measures it, and how a flock starts.
     """
-    flock = flock_of(cell, settings, 0)
-    shared = settings.model_dump(exclude={"parameters", "words"}) | {"size": cell.size}
-    if cell.sweep and cell.way:
-        shared |= {"way": cell.way, "values": cell.sweep.values}
-    if cell.tick is not None:
-        shared |= {"tick": cell.tick}
-    if cell.row and cell.row.mission != PLAIN:
-        shared |= {"mission": cell.row.mission.model_dump()}
-    if cell.activation != "synchronous":
-        shared |= {"activation": cell.activation}
+    flock = flock_of(case, 0)
+    shared = settings.model_dump(exclude={"parameters", "words"}) | {"size": case.spec.size}
+    if case.sweep and case.way:
+        shared |= {"way": case.way, "values": case.sweep.values}
+    if case.tick is not None:
+        shared |= {"tick": case.tick}
+    if case.row and case.row.mission != PLAIN:
+        shared |= {"mission": case.row.mission.model_dump()}
+    shared |= case.spec.chosen
     digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())
     digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
     digest.update(inspect.getsource(type(settings)).encode())
@@ -133,7 +118,7 @@ def fingerprint(cell: Cell, settings: Settings) -> str:
     seen: set[int] = set()
     for kernel in settings.measured_by:
         feed(kernel, digest, seen)
-    for array in flock.engine.ground:
+    for array in flock.engine.surroundings:
         digest.update(np.asarray(array).tobytes())
     digest.update(flock.position.tobytes())
     digest.update(flock.heading.tobytes())

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from agents.flight.trim import Trim, trim
+from app.flight.report import as_value
 from app.flight.request import SPEED, Request
-from app.flight.said import as_value
 from worlds.refusal import Refusal
 
 

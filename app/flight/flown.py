@@ -12,8 +12,8 @@ import numpy as np
 from agents.flight.motion import MOVING, THETA, Q, U, W, fly
 from agents.flight.power import History, history
 from agents.flight.trim import Trim, trim
-from app.cli.settings import assignment
 from app.flight.request import Request, within
+from app.settings import assignment
 from worlds.counting import counted
 from worlds.refusal import Refusal, unknown
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from app.cli.settings import assignment
+from app.settings import assignment
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -43,9 +43,9 @@ def asked_speed(option: str, speed: float) -> float:
 
 def request(frequency: float, twist: float, settings: list[str] | None) -> Request:
     """The aircraft with its settings, and how its wings beat (Hz, deg). Raises Refusal."""
-    from agents.declare import checked
     from agents.flight.aircraft import Aircraft, demand_possible
     from agents.flight.trim import FREQUENCIES, TWISTS
+    from agents.models.declare import checked
 
     within("--frequency", frequency, *FREQUENCIES, "Hz")
     within("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")

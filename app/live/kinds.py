@@ -1,7 +1,7 @@
-"""The texts that name a source or a link: their kinds, and what they are called where one chooses.
+"""The texts of sources and links: their kinds, and the names under which they are chosen.
 
-A text is `kind:place?option=value`. One that begins with `simulated` names the room in software,
-whose source and link go together; `app.live.emulated_ends` opens it.
+A text is `kind:place?option=value`. One that begins with `simulated` means emulated cars, whose
+source and link go together; `app.live.emulation.ends` opens it.
 """
 
 from __future__ import annotations
@@ -9,17 +9,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from app.live.links.place import read_place
+from app.live.place import read_place
 from worlds.refusal import Refusal
 
 SIMULATED = "simulated"
-"""The text of the source of a room in software, and the kind of the link to its cars."""
+"""The text of the source of emulated cars, and the kind of the link to them."""
 DRY = "dry"
-"""The kind of the link that leads nowhere, and its text."""
-CALLED = {SIMULATED: "emulated cars", DRY: "dry run"}
-"""What is always there to choose: a text, and its words."""
+"""The kind of the link that sends nothing, and its text."""
+EMULATED = "emulated cars"
+BUILT_IN_NAMES = {SIMULATED: EMULATED, DRY: "dry run"}
+"""The names of a source and a link that may always be chosen, by their texts."""
 FILE = ".py"
-"""How the kind of a link ends that is a Python file."""
+"""The ending of the kind of a link that is a Python file."""
 
 
 def kind_of(text: str) -> str:
@@ -31,22 +32,22 @@ def kind_of(text: str) -> str:
     return text.partition("?")[0].partition(":")[0]
 
 
-def words_of(text: str) -> str:
-    """What the source or the link of a laboratory's file is called where one chooses.
+def name_of(text: str) -> str:
+    """The name under which the source or the link of a laboratory's file is chosen.
 
-    >>> words_of("optitrack:192.168.1.5?up=y"), words_of("/home/ann/my_radio.py:/dev/ttyACM0")
+    >>> name_of("optitrack:192.168.1.5?up=y"), name_of("/home/ann/my_radio.py:/dev/ttyACM0")
     ('optitrack:192.168.1.5?up=y', 'my_radio.py:/dev/ttyACM0')
     """
     kind = kind_of(text)
     if kind == SIMULATED:
-        return CALLED[SIMULATED]
+        return BUILT_IN_NAMES[SIMULATED]
     if kind.endswith(FILE):
         return Path(kind).name + text.removeprefix(kind)
-    return CALLED.get(text, text)
+    return BUILT_IN_NAMES.get(text, text)
 
 
 def same(one: str, other: str) -> bool:
-    """Whether people would take two names for one: capitals and spaces do not tell them apart.
+    """Whether two names differ in capitals and spaces only.
 
     >>> same("Second  room", "second room "), same("room 1", "room 2")
     (True, False)
@@ -64,7 +65,7 @@ def demand_name(name: str, others: Iterable[str]) -> None:
 
 
 def port_of(link: str) -> int:
-    """The UDP port that the cars of a room in software hear, `simulated?port=5005`; 0: any.
+    """The UDP port that emulated cars listen to, `simulated?port=5005`; 0: any.
 
     Raises Refusal if the text says anything else.
     """

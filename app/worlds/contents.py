@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from app.worlds.shadow import shadow
-from worlds.boundary import boundary_points
-from worlds.outlines import outlines
+from app.worlds.footprint import footprint
+from worlds.queries.boundary import boundary_points
+from worlds.queries.outlines import outlines
 from worlds.world import World
 
 
@@ -19,7 +19,7 @@ def contents(world: World) -> dict[str, Any]:
 
     `free` is the share of the box that is not solid on the plan, in [0, 1].
     """
-    rings = shapely.get_rings(shapely.get_parts(shadow(world)))
+    rings = shapely.get_rings(shapely.get_parts(footprint(world)))
     return {
         "size": list(world.size),
         "edges": list(world.edges),
@@ -34,7 +34,7 @@ def free_share(world: World) -> float:
     """The share of the box that is not solid on the plan, in [0, 1]."""
     corner = np.array(world.low[:2])
     floor = shapely.box(*corner, *(corner + world.size[:2]))
-    return 1.0 - floor.intersection(shadow(world)).area / math.prod(world.size[:2])
+    return 1.0 - floor.intersection(footprint(world)).area / math.prod(world.size[:2])
 
 
 def points(world: World) -> np.ndarray:

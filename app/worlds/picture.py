@@ -57,9 +57,9 @@ def head(figure: Any, world: World) -> None:
     if len(set(world.edges)) == 1:
         edges = f"{world.edges[0]} edges"
     solid = len(world.obstacles)
-    told = counted(solid, "obstacle") if solid else "no obstacles"
+    holds = counted(solid, "obstacle") if solid else "no obstacles"
     figure.suptitle(
-        f"{world.title or world.name}\n" + f"{size} m, {edges}, {told}",
+        f"{world.title or world.name}\n" + f"{size} m, {edges}, {holds}",
         x=0.012,
         ha="left",
         color=SOLID_EDGE,

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 from app.worlds.colours import FLOOR, PALE, POINTS, SOLID, SOLID_EDGE
-from app.worlds.errand import draw_mission, reaches
-from app.worlds.shadow import shadow
+from app.worlds.footprint import footprint
+from app.worlds.mission import draw_mission, reaches
 from worlds.world import World
 
 PAD = 0.03
@@ -25,7 +25,7 @@ def draw_plan(axes: Any, world: World, points: np.ndarray | None = None) -> list
 
     floor(axes, world)
     signs: list[Any] = []
-    outline = shadow(world)
+    outline = footprint(world)
     if not outline.is_empty:
         fill(axes, outline, SOLID, SOLID_EDGE)
         signs.append(Patch(facecolor=SOLID, edgecolor=SOLID_EDGE, label="obstacle"))
@@ -46,7 +46,7 @@ def view(world: World) -> tuple[np.ndarray, np.ndarray]:
     """The corners of what is shown: the box, the mission, the obstacles, and a little room."""
     corners = [np.array(world.low[:2]), np.array(world.low[:2]) + world.size[:2]]
     corners += reaches(world)
-    outline = shadow(world)
+    outline = footprint(world)
     if not outline.is_empty:
         corners += [np.array(outline.bounds[:2]), np.array(outline.bounds[2:])]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)

@@ -7,7 +7,7 @@ from typing import Any
 import shapely
 
 from app.worlds.colours import HEIGHTS, SOLID_EDGE
-from app.worlds.errand import draw_mission
+from app.worlds.mission import draw_mission
 from app.worlds.plan import edge_signs, edges, fill, floor, view
 from app.worlds.rulers import ruled
 from worlds.world import World

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.server import close_server, open_server
+from app.viewer.web.server import close_server, open_server
 
 
 @pytest.fixture

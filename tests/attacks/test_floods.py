@@ -6,10 +6,10 @@ import msgspec
 import pytest
 from websockets.exceptions import InvalidMessage
 
-from app.viewer.incoming import visitors
-from app.viewer.incoming.kinds import KINDS, LARGEST
-from app.viewer.incoming.messages import ALL, DROPPED, TOO_MUCH
-from app.viewer.incoming.visitors import MOST_OF_ONE, PAGES, PATIENCE, PRICE, Visitors
+from app.viewer.web.incoming import visitors
+from app.viewer.web.incoming.kinds import KINDS, LARGEST
+from app.viewer.web.incoming.messages import ALL, DROPPED, TOO_MUCH
+from app.viewer.web.incoming.visitors import MOST_OF_ONE, PAGES, PATIENCE, PRICE, Visitors
 from tests.attacks.raw import PROTOCOL, Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until

@@ -7,8 +7,8 @@ import threading
 
 import pytest
 
-from app.viewer.incoming.handed_over import HandedOver
-from app.viewer.server import close_server, open_server
+from app.viewer.web.incoming.handed_over import HandedOver
+from app.viewer.web.server import close_server, open_server
 from tests.viewer.waiting import until
 
 

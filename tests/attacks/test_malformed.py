@@ -7,10 +7,10 @@ import random
 import msgspec
 import pytest
 
-from app.viewer.incoming.kinds import KINDS, Unusable, demand_shape, kind_of, shape
-from app.viewer.incoming.log import MOST, PERIOD, Log
-from app.viewer.incoming.messages import Messages
-from app.viewer.incoming.rate_limit import RateLimit
+from app.viewer.web.incoming.kinds import KINDS, Unusable, demand_shape, kind_of, shape
+from app.viewer.web.incoming.log import MOST, PERIOD, Log
+from app.viewer.web.incoming.messages import Messages
+from app.viewer.web.incoming.rate_limit import RateLimit
 from tests.attacks.raw import CONTINUED, TEXT, Raw, frame, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until

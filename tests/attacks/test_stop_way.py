@@ -13,12 +13,12 @@ from http.client import HTTPConnection
 
 import pytest
 
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.loop_process import Asked, InOrder
-from app.viewer.incoming.door import UNDECIDED
-from app.viewer.incoming.visitors import MOST_OF_ONE
-from app.viewer.server import stops
+from app.live.control.arm import OperatorRequest
+from app.live.operating.loop_process import InOrder, NumberedRequest
+from app.live.operating.operator import Operator
+from app.viewer.web.incoming.door import UNDECIDED
+from app.viewer.web.incoming.visitors import MOST_OF_ONE
+from app.viewer.web.server import stops
 from tests.attacks.raw import Raw, alone, quietly, said
 from tests.viewer.waiting import until
 
@@ -160,8 +160,8 @@ class Line:
     """A loop or a pipe that notes what it is told."""
 
     def __init__(self):
-        self.asked: list[Request] = []
-        self.late: list[Request] = []
+        self.asked: list[OperatorRequest] = []
+        self.late: list[OperatorRequest] = []
 
     def ask(self, request):
         self.asked.append(request)
@@ -173,25 +173,31 @@ class Line:
         self.asked.append(asked)
 
 
-STOP, RESET, ARM = Request("emergency", "a"), Request("reset", "b"), Request("arm", "b")
+STOP, RESET, ARM = (
+    OperatorRequest("emergency", "a"),
+    OperatorRequest("reset", "b"),
+    OperatorRequest("arm", "b"),
+)
 
 
 def test_what_was_asked_before_a_stop_does_not_undo_it_though_it_comes_after_it():
     loop = Line()
     order = InOrder(loop)
-    order.ask(Asked(3, STOP))
-    for asked in (Asked(1, RESET), Asked(2, ARM), Asked(4, RESET)):
+    order.ask(NumberedRequest(3, STOP))
+    for asked in (NumberedRequest(1, RESET), NumberedRequest(2, ARM), NumberedRequest(4, RESET)):
         order.ask(asked)
     assert loop.asked == [STOP, RESET]
     assert loop.late == [RESET, ARM]
 
 
 @pytest.fixture
-def desk(monkeypatch):
-    """A desk without a process: what it sends by its two ways."""
-    monkeypatch.setattr("app.live.desk.multiprocessing.get_context", lambda _: FakeSpawn())
-    monkeypatch.setattr(Desk, "begin", lambda _: None)
-    made = Desk(Empty(), None)
+def operator(monkeypatch):
+    """An operator without a process: what it sends by its two ways."""
+    monkeypatch.setattr(
+        "app.live.operating.operator.multiprocessing.get_context", lambda _: FakeSpawn()
+    )
+    monkeypatch.setattr(Operator, "begin", lambda _: None)
+    made = Operator(Empty(), None)
     yield made
     made.line.asked.clear()
     made.close()
@@ -231,24 +237,24 @@ class FakeSpawn:
         kill = terminate
 
 
-def test_a_stop_waits_for_nothing_at_the_desk(desk):
-    with desk.lock:  # as while a look is taken in, or a request waits for room in the pipe
-        thread = threading.Thread(target=desk.ask, args=(STOP,))
+def test_a_stop_waits_for_nothing_at_the_operator(operator):
+    with operator.lock:  # as while a status is taken in, or a request waits for space in the pipe
+        thread = threading.Thread(target=operator.ask, args=(STOP,))
         thread.start()
         thread.join(LATE)
         assert not thread.is_alive()
-        assert [one.request for one in desk.stops.asked] == [STOP]
+        assert [one.request for one in operator.stops.asked] == [STOP]
 
 
-def test_of_many_stops_one_is_sent_and_each_after_a_reset_anew(desk, monkeypatch):
-    monkeypatch.setattr("app.live.desk.AGAIN", math.inf)
+def test_of_many_stops_one_is_sent_and_each_after_a_reset_anew(operator, monkeypatch):
+    monkeypatch.setattr("app.live.operating.operator.AGAIN", math.inf)
     for _ in range(1000):
-        desk.ask(STOP)
-    assert len(desk.stops.asked) == 1
-    desk.ask(RESET)
+        operator.ask(STOP)
+    assert len(operator.stops.asked) == 1
+    operator.ask(RESET)
     for _ in range(1000):
-        desk.ask(STOP)
-    assert [one.number for one in (*desk.stops.asked, *desk.line.asked)] == [1, 3, 2]
+        operator.ask(STOP)
+    assert [one.number for one in (*operator.stops.asked, *operator.line.asked)] == [1, 3, 2]
 
 
 def test_a_browser_on_the_page_has_the_other_way_too(server, stopped):

@@ -13,9 +13,9 @@ from contextlib import contextmanager
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.laboratory import Laboratory
-from app.viewer.panels.setup import NOBODY
-from app.viewer.start import Start, titled
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.setup import NOBODY
+from app.viewer.run.home import at_home, titled
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
@@ -34,7 +34,7 @@ ARGUMENTS = [
 ]
 POLICY = "Content Security Policy"
 """Stands in what a browser says of all that a policy forbids but `eval`, which is an error."""
-START = Start(agents=60, seed=3, parameters={"eta": 0.3})
+START = at_home(agents=60, seed=3, parameters={"eta": 0.3})
 
 
 def absent(what: str) -> None:
@@ -96,7 +96,7 @@ def refill(fields) -> None:
     fields.dim.value = f"{START.dim}-D"
     fields.beside.value = NOBODY
     fields.agents.value = START.agents
-    fields.informed.value = MODELS[START.model].informed
+    fields.plain["informed"].value = MODELS[START.model].informed
     fields.size.value = 0.0
 
 

@@ -26,7 +26,7 @@ def test_a_flock_that_can_crash_is_watched_and_another_is_not(window, laboratory
     page.get_by_text("only looked at as the run starts").wait_for()
     until(lambda: page.get_by_label("Dimension", exact=True).input_value() == "3-D")
     window.press("Setup")
-    until(lambda: simulation.state.start.model == "thesis" and not simulation.state.busy, 60)
+    until(lambda: simulation.state.spec.model == "thesis" and not simulation.state.busy, 60)
     until(lambda: [chosen(window, n) for n in (1, 2, 3)] == ["groups", "polarisation", "crashes"])
     assert "Crashed 0 of 50" in window.text()
     assert window.card("drag saved") == "–"

@@ -7,10 +7,10 @@ import tomllib
 import numpy as np
 import pytest
 
-from app.viewer.start import at_home
+from app.viewer.run.home import at_home
 from tests.browser.window import Window
 from tests.viewer.waiting import until
-from worlds.world import world_from_layout
+from worlds.layout import world_from_layout
 
 START = at_home("hwvem-nav", world="obstacles")
 
@@ -24,7 +24,7 @@ class Builder:
 
     @property
     def obstacles(self) -> list:
-        return list(self.simulation.editor.world.obstacles)
+        return list(self.simulation.edits.editor.world.obstacles)
 
     def choose(self, label: str, option: str) -> None:
         """Choose from a list."""
@@ -116,7 +116,7 @@ def test_a_disc_is_placed_dragged_deleted_and_all_of_it_undone(builder):
     moved = np.subtract(builder.obstacles[-1].centre, disc.centre)
     assert moved[0] > 2.0
     assert moved[1] > 1.0
-    assert len(builder.simulation.editor.past) == 2
+    assert len(builder.simulation.edits.editor.past) == 2
 
     builder.window.press("Delete")
     until(lambda: builder.obstacles == before)
@@ -161,7 +161,7 @@ def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_pat
     builder.click(44.0, 20.0)
     until(lambda: builder.obstacles[-1].shape == "box")
     other.page.get_by_text("13 obstacles · 1 change").wait_for()
-    world = builder.simulation.editor.world
+    world = builder.simulation.edits.editor.world
     with builder.page.expect_download() as download:
         builder.window.press("Save layout (TOML)")
     file = tmp_path / "mine.toml"

@@ -12,11 +12,11 @@ from contextlib import contextmanager
 import pytest
 from viser._messages import RunJavascriptMessage
 
-from app.live.example import example
+from app.live.operating.choices import laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.live.room import Room
+from app.viewer.live.session import Session
 from tests.browser.attacker import SCRIPT, Attacker
-from tests.viewer.stub_desk import Desks, driver
+from tests.viewer.stub_operator import Operators, driver
 from tests.viewer.waiting import until
 
 SLOW = 60_000
@@ -34,13 +34,13 @@ def attacker():
 
 @pytest.fixture(scope="module")
 def live():
-    """The page of a room, with a desk that answers at once."""
+    """The page of a room, with an operator that answers at once."""
 
-    def opening(lab, source, recording):
-        return Room(lab, source, recording, desk=Desks(), driver=driver)
+    def make_session(choices, recording):
+        return Session(choices, recording, operator=Operators(), driver=driver)
 
-    page = LivePage(example(), port=0, opening=opening)
-    until(lambda: page.room.look is not None)
+    page = LivePage(laboratory(), port=0, make_session=make_session)
+    until(lambda: page.session.status is not None)
     yield page
     page.close()
 
@@ -69,7 +69,7 @@ def watch(page, opened) -> None:
 @contextmanager
 def nothing_happens(target, attacker, window):
     """Within it nobody asks the foreign server for more than its page, nothing runs or is armed."""
-    runs = getattr(target, "room", None) is None
+    runs = getattr(target, "session", None) is None
     before = attacker.counts.copy()
     yield
     frames = [frame for page in window.context.pages for frame in page.frames]
@@ -80,8 +80,8 @@ def nothing_happens(target, attacker, window):
     if runs:
         assert not target.simulation.state.running
     else:
-        assert target.room.look.arm == "safe"
-        assert not [event for event in target.room.events if event.kind in ("arm", "code")]
+        assert target.session.status.arm == "safe"
+        assert not [event for event in target.session.events if event.kind in ("arm", "code")]
 
 
 def names(attacker: Attacker) -> list[str]:

@@ -63,7 +63,7 @@ def test_setup_takes_the_new_number_of_agents(window, laboratory):
     window.press("Setup")
     until(lambda: window.card("agents") == "151", 20)
     until(lambda: "Press Setup to use it" not in window.text())
-    assert laboratory.simulation.state.start.seed == 4
+    assert laboratory.simulation.state.spec.seed == 4
     box.fill("60")
     window.tab("Rule")
 
@@ -73,7 +73,7 @@ def test_another_model_brings_its_own_sliders(window, laboratory):
     window.page.get_by_label("Model", exact=True).click()
     window.page.get_by_role("option", name="Vicsek model", exact=True).click()
     window.press("Setup")
-    until(lambda: laboratory.simulation.state.start.model == "vem", 20)
+    until(lambda: laboratory.simulation.state.spec.model == "vem", 20)
     until(lambda: set(laboratory.parameters.controls) == {"r", "eta", "v0"})
     window.tab("Rule")
     window.page.get_by_text("η (rad)").wait_for()

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
-from app.live.example import FILE
-from app.live.lab import lab_from_toml
+from app.live.laboratory.example import FILE
+from app.live.laboratory.lab import lab_from_toml
+from app.live.operating.choices import Choices
 from app.viewer.live.page import LivePage
 from tests.browser.conftest import obeyed
 from tests.viewer.waiting import until
@@ -37,7 +38,7 @@ def room_page(chromium):
     """A room with emulated cars and one simulated one."""
     assert chromium.is_connected()
     lab = lab_from_toml(patient(), "the test")
-    page = LivePage(lab, port=0, source=EMULATED)
+    page = LivePage(Choices.of(lab).choosing(source=EMULATED), port=0)
     yield page
     page.close()
 
@@ -46,7 +47,7 @@ class Operator:
     """A person at a browser."""
 
     def __init__(self, chromium, room_page):
-        self.code = room_page.room.code.digits
+        self.code = room_page.session.code.digits
         self.page = chromium.new_page(viewport={"width": 900, "height": 600})
         self.page.goto(room_page.address)
         self.page.locator(".fs-banner").wait_for(timeout=1000 * OPENS)
@@ -99,11 +100,11 @@ def browser(chromium, room_page):
 @pytest.fixture
 def operator(browser, room_page):
     """Somebody at that browser, with the room safe and ready to be armed."""
-    room = room_page.room
-    until(lambda: room.look is not None or room.state.status == "failed", OPENS)
-    assert room.state.status == "open", room.state.trouble
+    room = room_page.session
+    until(lambda: room.status is not None or room.state.phase == "failed", OPENS)
+    assert room.state.phase == "open", room.state.trouble
     room.emergency("test")
-    until(lambda: room.look.arm == "emergency", SOON)
+    until(lambda: room.status.arm == "emergency", SOON)
     room.ask("reset", "test")
     browser.sees("safe")
     until(lambda: not room_page.state.arm.disabled, OPENS)
@@ -111,14 +112,14 @@ def operator(browser, room_page):
 
 
 def places(room) -> np.ndarray:
-    return np.array([(car.pose.x, car.pose.y) for car in room.look.cars])
+    return np.array([(car.pose.x, car.pose.y) for car in room.status.cars])
 
 
 def test_cars_are_armed_run_and_are_stopped_by_a_key_in_every_browser(
     chromium, operator, room_page
 ):
     first, second = operator, Operator(chromium, room_page)
-    room = room_page.room
+    room = room_page.session
     before = places(room)
     until(lambda: {"red", "blue", "sim 1"} <= set(first.table()), SOON)
     first.arm()
@@ -135,7 +136,7 @@ def test_cars_are_armed_run_and_are_stopped_by_a_key_in_every_browser(
 
     first.press("Reset the emergency stop")
     second.sees("safe")
-    assert room.look.arm == "safe"
+    assert room.status.arm == "safe"
     second.page.close()
 
 
@@ -147,7 +148,7 @@ def test_the_keys_stop_even_while_a_number_is_being_typed(operator, room_page, k
     box.click()
     first.page.keyboard.press(key)
     first.sees("emergency")
-    assert room_page.room.state.values["C"] == 0.7
+    assert room_page.session.state.values["C"] == 0.7
 
 
 @pytest.fixture
@@ -173,14 +174,14 @@ def standing(room_page, browser):
 def test_key_and_button_stop_the_cars_while_visers_thread_stands_still(
     operator, room_page, standing, way
 ):
-    first, room = operator, room_page.room
+    first, room = operator, room_page.session
     first.arm()
     standing()
     if way == "key":
         first.page.keyboard.press("Space")
     else:
         first.press("EMERGENCY STOP")
-    until(lambda: room.look.arm == "emergency", SOON)
+    until(lambda: room.status.arm == "emergency", SOON)
     causes = [one.cause for one in room.events if one.kind == "emergency"]
     assert causes[-1] == "browser at 127.0.0.1"
 
@@ -193,8 +194,8 @@ def test_the_key_does_not_press_the_button_that_was_pressed_last(operator, room_
     first.sees("emergency")
     first.page.wait_for_timeout(500)
     assert first.page.locator(".fs-question").count() == 0
-    assert room_page.room.look.arm == "emergency"
-    assert not [one for one in room_page.room.events[-3:] if one.asked == "arm"]
+    assert room_page.session.status.arm == "emergency"
+    assert not [one for one in room_page.session.events[-3:] if one.asked == "arm"]
 
 
 def test_the_stop_stays_in_view_however_far_one_scrolls(operator):

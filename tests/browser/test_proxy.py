@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.origin import allowed
-from app.viewer.server import close_server, open_server
-from app.viewer.serving.front import Front
+from app.viewer.web.origin import allowed
+from app.viewer.web.server import close_server, open_server
+from app.viewer.web.serving.front import Front
 from tests.browser.proxy import PREFIX, Proxy
 
 SLOW = 60_000

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from app.viewer.laboratory import Laboratory
+from app.viewer.lab.laboratory import Laboratory
 from tests.viewer.waiting import until
 
 

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from app.cli.main import app
 
-PROGRAM = [sys.executable, "-c", "from app.cli.main import main; main()"]
+PROGRAM = [sys.executable, "-m", "flockscope"]
 
 
 def call(*args):

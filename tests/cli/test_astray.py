@@ -8,7 +8,7 @@ import pytest
 from experiments.small import small
 
 from agents import Flock
-from agents.whereabouts import Stray
+from agents.state.whereabouts import Stray
 from app.experiments.conduct import conduct
 from cli.calling import call, refusal
 from worlds.obstacles import Box

@@ -8,12 +8,12 @@ from importlib.metadata import version
 import pytest
 
 from agents.catalogue import MODELS
-from agents.declare import declared
+from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from app.cli import lab as lab_module
 from app.cli import main as main_module
 from cli.calling import PROGRAM, call
-from worlds.world import layout_names
+from worlds.layout import layout_names
 
 
 def test_version():

@@ -6,11 +6,11 @@ import re
 import pytest
 
 from agents.catalogue import MODELS
-from agents.declare import declared
+from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from app.experiments.experiment import experiment_names
 from cli.calling import call, refusal
-from worlds.world import layout_names
+from worlds.layout import layout_names
 
 
 def shown(*args):

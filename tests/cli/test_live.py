@@ -17,13 +17,13 @@ from pathlib import Path
 import pytest
 from live.natnet_emulator import Body, NatNetEmulator, free_port
 
-from app.cli.live_file import laboratory
-from app.live.example import FILE, example
-from app.live.lab import lab_from_toml
+from app.live.laboratory.example import FILE, example
+from app.live.laboratory.lab import lab_from_toml
 from app.live.links.links import open_link
-from app.live.record import TABLES, Recording
-from app.live.replay import read
-from app.live.squashing_driver import FlockDriver
+from app.live.operating.choices import laboratory
+from app.live.operating.flock_driver import FlockDriver
+from app.live.recording.record import TABLES, Recording
+from app.live.recording.replay import read
 from cli.calling import PROGRAM, call, refusal, start
 from worlds.refusal import Refusal
 
@@ -321,16 +321,16 @@ def test_a_link_of_ones_own_lies_beside_the_laboratorys_file(room, tmp_path):
     (tmp_path / "mine.py").write_text("def open_link(place):\n    raise ValueError('here')\n")
     path = room()
     path.write_text(path.read_text().replace('link = "dry"', 'link = "mine.py:"'))
-    assert laboratory(path).link == f"{tmp_path.resolve() / 'mine.py'}:"
+    assert laboratory(path).lab.link == f"{tmp_path.resolve() / 'mine.py'}:"
     with pytest.raises(ValueError, match="here"):
-        open_link(laboratory(path).link)
+        open_link(laboratory(path).lab.link)
 
 
 def test_the_links_that_may_be_chosen_lie_there_too(room, tmp_path):
     (tmp_path / "mine.py").write_text("raise ValueError('it must not be run')\n")
     path = with_choices(room(), **{"serial:/dev/no-such-port": "mine.py:a"})
-    assert laboratory(path).links == {"radio": f"{tmp_path.resolve() / 'mine.py'}:a"}
-    assert laboratory(path, link="radio").link == f"{tmp_path.resolve() / 'mine.py'}:a"
+    assert laboratory(path).lab.links == {"radio": f"{tmp_path.resolve() / 'mine.py'}:a"}
+    assert laboratory(path, link="radio").lab.link == f"{tmp_path.resolve() / 'mine.py'}:a"
     (tmp_path / "mine.py").unlink()
     with pytest.raises(Refusal, match=r"there is no file .*mine\.py \(link 'mine\.py:a'\)"):
         laboratory(path)

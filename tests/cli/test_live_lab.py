@@ -6,31 +6,31 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.cli.live_console import Console
-from app.cli.live_lab import lab
+from app.cli.live.console import SessionConsole
+from app.cli.live.lab import lab
 from app.cli.stopping import Stopping
-from app.live.events import Event
+from app.live.control.events import Event
 from worlds.refusal import Refusal
 
 
-class Asked:
-    """A room that only takes down what is asked of it."""
+class StubSession:
+    """A session that only takes down what is asked of it."""
 
     def __init__(self, *events, trouble=""):
-        status = "failed" if trouble else "open"
-        self.state = SimpleNamespace(status=status, trouble=trouble)
+        phase = "failed" if trouble else "open"
+        self.state = SimpleNamespace(phase=phase, trouble=trouble)
         self.events = list(events)
         self.asked = []
 
-    def ask(self, wish, cause):
-        self.asked.append((wish, cause))
+    def ask(self, action, cause):
+        self.asked.append((action, cause))
 
     def emergency(self, cause):
         self.asked.append(("emergency", cause))
 
 
 @pytest.mark.parametrize(
-    ("pressed", "wishes"),
+    ("pressed", "actions"),
     [
         ("a", ["arm"]),
         ("d", ["disarm"]),
@@ -42,15 +42,17 @@ class Asked:
         ("", []),
     ],
 )
-def test_any_key_that_means_nothing_else_is_the_emergency_stop(pressed, wishes):
-    room = Asked()
-    Console(room, Stopping(), said=False).obey(pressed)
-    assert room.asked == [(wish, "terminal") for wish in wishes]
+def test_any_key_that_means_nothing_else_is_the_emergency_stop(pressed, actions):
+    session = StubSession()
+    SessionConsole(session, Stopping(), verbose=False).obey(pressed)
+    assert session.asked == [(action, "terminal") for action in actions]
 
 
 def test_it_prints_each_event_once_and_why_a_room_is_not_open(capsys):
-    room = Asked(Event(1, 1.0, "arm", "armed", cause="browser 2"), trouble="no frame within 5 s")
-    console = Console(room, Stopping(), said=True)
+    session = StubSession(
+        Event(1, 1.0, "arm", "armed", cause="browser 2"), trouble="no frame within 5 s"
+    )
+    console = SessionConsole(session, Stopping(), verbose=True)
     console.see()
     console.see()
     told = capsys.readouterr()
@@ -59,7 +61,7 @@ def test_it_prints_each_event_once_and_why_a_room_is_not_open(capsys):
 
 
 def test_quiet_it_prints_no_event(capsys):
-    Console(Asked(Event(1, 1.0, "arm", "armed")), Stopping(), said=False).see()
+    SessionConsole(StubSession(Event(1, 1.0, "arm", "armed")), Stopping(), verbose=False).see()
     assert capsys.readouterr().out == ""
 
 

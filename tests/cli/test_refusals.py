@@ -61,7 +61,7 @@ def test_a_run_is_refused_in_one_line(args, words):
     ("text", "words"),
     [
         ('model = "hwven"', ["'hwven'", "'hwvem'", "line 1"]),
-        ('model = "vem"\nagents = "many"', ["agents = 'many'", ">= 1", "line 2"]),
+        ('model = "vem"\nagents = "many"', ["agents = 'many'", "a whole number >= 0", "line 2"]),
         ('model = "vem"\nagnts = 3', ["unknown key 'agnts'", "'agents'", "line 2"]),
         ("model = 3", ["model = 3 is not a name", "line 1"]),
         ('model = "vem"\nworld = "wrp"', ["'wrp'", "'wrap'", "line 2"]),
@@ -252,7 +252,7 @@ def test_a_file_that_is_nested_too_deep_is_refused(tmp_path, text, words):
 def test_a_seed_or_a_spec_too_large_is_refused_from_python():
     with pytest.raises(Refusal, match=r"seed = 16069\d+\.\.\.\d+ is not allowed: the largest is"):
         Flock("vem", rng=2**200)
-    with pytest.raises(Refusal, match=r"seed = .* is not allowed: a number <= 9223372036854775807"):
+    with pytest.raises(Refusal, match=r"seed = 9\d+ is not allowed: the largest is 9\d+ \(here\)"):
         Spec.from_values({"model": "vem", "agents": 3, "informed": 0, "seed": 2**63,
                           "world": "wrap", "size": (1.0, 1.0)}, "here")  # fmt: skip
     assert Flock("vem", agents=2, rng=2**63 - 1).spec.seed == 2**63 - 1

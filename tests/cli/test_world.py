@@ -8,8 +8,7 @@ import pytest
 from PIL import Image
 
 from cli.calling import call, refusal
-from worlds.layout import layout_names
-from worlds.world import world
+from worlds.layout import layout_names, world
 
 DOCS = Path(__file__).parents[2] / "docs"
 HALL = {

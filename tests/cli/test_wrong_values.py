@@ -71,12 +71,12 @@ def place(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for thing in (
         "app.cli.run.compile_loop", "app.cli.paper.carried_out", "app.cli.lab.serve",
-        "app.cli.live_lab.serve", "app.cli.live_run.conduct", "app.cli.live_check.look_at_devices",
-        "app.live.squashing_driver.FlockDriver",
+        "app.cli.live.lab.serve", "app.cli.live.run.conduct", "app.cli.live.check.look_at_devices",
+        "app.live.operating.flock_driver.FlockDriver",
         "app.cli.formation.trimmed", "app.flight.flown.flown",
         "app.flight.curve.swept", "agents.flight.trim.trim", "app.worlds.picture.draw_world",
         "app.formation.files.table", "agents.observables.formation.vee_saved",
-        "app.cli.live_emulate.emulate",
+        "app.cli.live.emulate.emulate",
     ):  # fmt: skip
         monkeypatch.setattr(thing, stop)
     return tmp_path

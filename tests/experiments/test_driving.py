@@ -8,13 +8,13 @@ import pytest
 from scipy.optimize import brentq
 
 from agents import Flock
-from app.experiments.errand import PLAIN, Errand, Ranks, sent_on
 from app.experiments.experiment import read_file
 from app.experiments.kinds.driving import Drive, Driving, gaps, lags, lap_of, nearest
 from app.experiments.kinds.squash import Squash
+from app.experiments.overrides import PLAIN, Overrides, Ranks, with_goal_speed
 from app.experiments.trial import fingerprint, flock_of
+from worlds.layout import world
 from worlds.refusal import Refusal
-from worlds.world import world
 
 TEXT = """
 kind = "driving"
@@ -149,7 +149,10 @@ def test_one_car_that_turns_on_the_spot_lags_as_its_speed_has_it(speed):
         return 2.0 * (d / (d + 0.214) - 0.7) - speed * math.cos(lag)
 
     flock = Flock(
-        "squashing", agents=1, rng=1, world=sent_on(world("cars-circle"), Errand(speed=speed))
+        "squashing",
+        agents=1,
+        rng=1,
+        world=with_goal_speed(world("cars-circle"), Overrides(speed=speed)),
     )
     found = Driving(world="cars-circle", limit=130.0).run(flock, lambda: None)
     assert found["locked"] == 100
@@ -173,13 +176,13 @@ def test_ranks_are_places_in_order():
         ranks.start(4, 1)
 
 
-def test_a_row_may_have_its_own_errand(tmp_path):
+def test_a_row_may_override_its_mission(tmp_path):
     experiment = small(tmp_path)
-    first, plain = experiment.cells
-    flock = flock_of(first, experiment.settings, 1)
+    first, plain = experiment.cases
+    flock = flock_of(first, 1)
     assert flock.position.tolist() == [[1.6, -0.6], [1.1, -0.6]]
     assert flock.world.mission.goal.speed == 1.2
-    assert flock_of(plain, experiment.settings, 1).world == world("cars-circle")
+    assert flock_of(plain, 1).world == world("cars-circle")
     prints = {fingerprint(first, experiment.settings), fingerprint(plain, experiment.settings)}
     quick = replace(first, row=first.row.model_copy(update={"mission": PLAIN}))
     assert fingerprint(quick, experiment.settings) in prints
@@ -209,4 +212,4 @@ def test_a_drive_needs_an_injected_car_that_goes_round_within_it():
     with pytest.raises(Refusal, match="'open' has no injected car"):
         settings.run(alone, lambda: None)
     with pytest.raises(Refusal, match="'open' has no goal"):
-        sent_on(world("open", 2, 5.0), Errand(speed=1.0))
+        with_goal_speed(world("open", 2, 5.0), Overrides(speed=1.0))

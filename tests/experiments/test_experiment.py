@@ -2,8 +2,8 @@
 
 import pytest
 
+from app.beside import EXPERIMENTS
 from app.experiments.experiment import experiment_names, read_experiment
-from app.experiments.folder import experiments_folder
 from app.experiments.lines import line_of, place
 from experiments.small import TEXT, small
 from worlds.refusal import Refusal
@@ -11,39 +11,39 @@ from worlds.refusal import Refusal
 
 def test_the_papers_files_are_found():
     assert {"liu2021-table1", "liu2021-fig5", "liu2021-fig6"} <= set(experiment_names())
-    assert (experiments_folder() / "liu2021-table1.toml").is_file()
+    assert (EXPERIMENTS / "liu2021-table1.toml").is_file()
 
 
 def test_table_1_has_18_rows_as_printed():
     table = read_experiment("liu2021-table1")
-    printed = {(cell.model, cell.agents): cell.published("k_con").mean for cell in table.cells}
+    printed = {(case.spec.model, case.agents): case.published("k_con").mean for case in table.cases}
     assert len(printed) == 18
     assert printed["vem-a", 500] == 4097.30
     assert printed["hwvem", 100] == 12.23
-    marked = {(c.model, c.agents) for c in table.cells if c.published("k_con").not_reproduced}
+    marked = {(c.spec.model, c.agents) for c in table.cases if c.published("k_con").not_reproduced}
     assert marked == {("ivem", 500), ("ivem-a", 500)}
-    for cell in table.cells:
-        assert (cell.agents + 1) / cell.size**2 == pytest.approx(4.102, rel=1e-3)
+    for case in table.cases:
+        assert (case.agents + 1) / case.spec.size**2 == pytest.approx(4.102, rel=1e-3)
 
 
 def test_a_sweep_is_a_cell_for_each_value_and_size():
     figure = read_experiment("liu2021-fig6")
-    assert [(cell.agents, cell.value) for cell in figure.cells] == [
+    assert [(case.agents, case.value) for case in figure.cases] == [
         (n, on) for n in (100, 200, 500) for on in (True, False)
     ]
-    assert all(cell.parameters["p2"] == 5.0 for cell in figure.cells)
+    assert all(case.spec.parameters["p2"] == 5.0 for case in figure.cases)
 
 
 def test_rows_inherit_the_settings(tmp_path):
-    cells = small(tmp_path).cells
-    assert cells[0].parameters == {"eta": 0.0}
-    assert cells[1].parameters == {"eta": 0.0, "p2": 7.0}
+    cases = small(tmp_path).cases
+    assert cases[0].spec.parameters == {"eta": 0.0}
+    assert cases[1].spec.parameters == {"eta": 0.0, "p2": 7.0}
 
 
 def test_narrowing(tmp_path):
     whole = small(tmp_path)
-    assert [cell.model for cell in whole.narrowed(["vem"], []).cells] == ["vem"]
-    assert [cell.agents for cell in whole.narrowed([], [20]).cells] == [20]
+    assert [case.spec.model for case in whole.narrowed(["vem"], []).cases] == ["vem"]
+    assert [case.agents for case in whole.narrowed([], [20]).cases] == [20]
     with pytest.raises(Refusal, match="unknown agents '13'"):
         whole.narrowed([], [13])
 

@@ -10,16 +10,16 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
 from app.experiments.file import Every
 from app.experiments.kinds.gathering import Gathering, groups_of
-from app.experiments.pictures.room import edges_of, faces_of
-from app.experiments.report import show
-from app.experiments.statistics import summary, welch
+from app.experiments.pictures.gatherings.box import edges_of, faces_of
+from app.experiments.reports.report import show
 from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdict import of, verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.statistics import summary, welch
+from app.experiments.verdicts.verdict import of, verdicts
 from worlds.refusal import Refusal
 
 TEXT = """
@@ -68,7 +68,7 @@ def done(tmp_path_factory):
 
 def test_a_row_is_a_run_with_several_looks(done):
     experiment, made, folder = done
-    assert [(cell.label, cell.tick, cell.last) for cell in experiment.cells] == [
+    assert [(case.label, case.tick, case.last) for case in experiment.cases] == [
         (label, tick, tick == 60) for label in ("literal", "solid") for tick in (1, 20, 60)
     ]
     assert experiment.paths == [[0, 1, 2], [3, 4, 5]]
@@ -78,11 +78,11 @@ def test_a_row_is_a_run_with_several_looks(done):
 
 
 def test_its_numbers_are_those_of_the_flock(done):
-    experiment, made, _ = done
+    _, made, _ = done
     for one in made.measured:
         for k, seed in enumerate((1, 2, 3)):
-            flock = flock_of(one.cell, experiment.settings, seed)
-            flock.run(one.cell.tick)
+            flock = flock_of(one.case, seed)
+            flock.run(one.case.tick)
             when = flock.crashes.tick
             counts = {"at_0": when == 0, "early": (when > 0) & (when <= 15), "late": when > 15}
             for name, there in counts.items():
@@ -163,10 +163,10 @@ def share(done, values, said):
     experiment = done[0]
     names = [one.name for one in Gathering.measures]
     measured = [
-        Measured(cell, dict.fromkeys(names, values if cell.tick == 60 else [7, 7, 7, 7]))
-        for cell in experiment.cells[:3]
+        Measured(case, dict.fromkeys(names, values if case.tick == 60 else [7, 7, 7, 7]))
+        for case in experiment.cases[:3]
     ]
-    part = replace(experiment, cells=experiment.cells[:3])
+    part = replace(experiment, cases=experiment.cases[:3])
     [claim] = claims(verdicts(part, measured), [said])
     return claim
 
@@ -200,9 +200,9 @@ def test_the_boxes_of_a_picture():
 def test_what_the_thesis_prints():
     printed = {
         name: {
-            cell.label: cell.published("at_0").values
-            for cell in read_experiment(name).cells
-            if cell.published("at_0")
+            case.label: case.published("at_0").values
+            for case in read_experiment(name).cases
+            if case.published("at_0")
         }
         for name in ("thesis-table5.1", "thesis-table5.2")
     }
@@ -217,19 +217,18 @@ def test_a_row_may_have_its_own_box_and_activation(tmp_path):
     """Agents that act in turn are another run, and are kept as one."""
     text = TEXT.replace('label = "solid"', 'label = "solid"\nsize = 30.0\nactivation = "random"')
     experiment = small(tmp_path, text)
-    first, last = experiment.cells[0], experiment.cells[-1]
-    flocks = [flock_of(cell, experiment.settings, 1) for cell in (first, last)]
+    first, last = experiment.cases[0], experiment.cases[-1]
+    flocks = [flock_of(case, 1) for case in (first, last)]
     assert [flock.world.size for flock in flocks] == [(24.0,) * 3, (30.0,) * 3]
-    assert [flock.activation for flock in flocks] == ["synchronous", "random"]
-    turns = replace(first, row=last.row)
-    assert turns.size == first.size
+    assert [flock.spec.activation for flock in flocks] == ["synchronous", "random"]
+    turns = replace(first, spec=first.spec.but(activation="random"))
     assert fingerprint(turns, experiment.settings) != fingerprint(first, experiment.settings)
 
 
 def test_words_that_are_only_shown_make_no_other_run(tmp_path):
     spoken = small(tmp_path, TEXT.replace("late = 15", 'late = 15\nwords = { 20 = "few" }'))
     silent = small(tmp_path)
-    prints = [fingerprint(one.cells[0], one.settings) for one in (spoken, silent)]
+    prints = [fingerprint(one.cases[0], one.settings) for one in (spoken, silent)]
     assert prints[0] == prints[1]
-    later = fingerprint(silent.cells[1], silent.settings)
+    later = fingerprint(silent.cases[1], silent.settings)
     assert later != prints[1], "each look has its own line in the store"

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from agents.mission import fly
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
 from app.experiments.file import Every, Faster, Order
 from app.experiments.kinds import KINDS, Mission
 from app.experiments.pictures.draw import draw
-from app.experiments.report import as_value
-from app.experiments.tables import table_of
+from app.experiments.reports.report import as_value
+from app.experiments.reports.tables import table_of
 from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdict import of, verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import of, verdicts
 from worlds.refusal import Refusal
 
 TEXT = """
@@ -73,20 +73,20 @@ def done(tmp_path_factory):
 
 
 def test_its_numbers_are_those_of_the_flights(done):
-    experiment, made, _ = done
+    _, made, _ = done
     for one in made.measured:
         for k, seed in enumerate((1, 2)):
-            course = fly(flock_of(one.cell, experiment.settings, seed), 150)
-            assert one.values["success"][k] == 100.0 * course.success
-            assert one.values["d_least"][k] == min(course.least_pair, course.least_obstacle)
-            assert one.values["ticks"][k] == course.ticks == 150
+            record = fly(flock_of(one.case, seed), 150)
+            assert one.values["success"][k] == 100.0 * record.success
+            assert one.values["d_least"][k] == min(record.least_pair, record.least_obstacle)
+            assert one.values["ticks"][k] == record.ticks == 150
             assert one.values["arrived"][k] == 0
             assert one.values["settled"][k] is one.values["through"][k] is None
 
 
 def test_n_counts_the_information_agent(done):
-    experiment, made, _ = done
-    flock = flock_of(made.measured[0].cell, experiment.settings, 1)
+    _, made, _ = done
+    flock = flock_of(made.measured[0].case, 1)
     assert (len(flock.ids), int(flock.informed.sum())) == (4, 1)
     assert flock.world.size == (62.0, 18.0), "the layout's own box"
 
@@ -112,7 +112,7 @@ def test_a_store_of_another_kind_is_refused(tmp_path, done):
 def test_a_verdict_for_each_row_and_measure(done):
     experiment, made, _ = done
     found = verdicts(experiment, made.measured)
-    assert [(one.cell.label, one.measure.name) for one in found] == [
+    assert [(one.case.label, one.measure.name) for one in found] == [
         (label, measure) for label in "AH" for measure in ("success", "d_obs", "d_ind")
     ]
     assert found[0].z is not None
@@ -123,16 +123,16 @@ def test_a_verdict_for_each_row_and_measure(done):
 
 
 def test_rows_may_be_chosen_by_label(done):
-    assert [cell.model for cell in done[0].narrowed(["H"], []).cells] == ["hwvem-nav"]
+    assert [case.spec.model for case in done[0].narrowed(["H"], []).cases] == ["hwvem-nav"]
 
 
 def test_a_world_without_its_obstacles_is_another_run(tmp_path):
     bare = small(tmp_path, TEXT.replace('label = "H"', 'label = "H"\nobstacles = false'))
-    cell, whole = bare.cells[1], small(tmp_path).cells[1]
-    assert flock_of(cell, bare.settings, 1).world.obstacles == ()
-    start = [flock_of(one, bare.settings, 1).position.tobytes() for one in (cell, whole)]
+    case, whole = bare.cases[1], small(tmp_path).cases[1]
+    assert flock_of(case, 1).world.obstacles == ()
+    start = [flock_of(one, 1).position.tobytes() for one in (case, whole)]
     assert start[0] == start[1]
-    assert fingerprint(cell, bare.settings) != fingerprint(whole, bare.settings)
+    assert fingerprint(case, bare.settings) != fingerprint(whole, bare.settings)
 
 
 @pytest.mark.parametrize(
@@ -153,8 +153,8 @@ def judged(experiment, values, said):
     """Whether what is said holds of the made-up values of a measure, one list per row."""
     measure = said.measure
     measured = [
-        Measured(cell, {m.name: v if m.name == measure else [1.0] for m in Mission.measures})
-        for cell, v in zip(experiment.cells, values, strict=True)
+        Measured(case, {m.name: v if m.name == measure else [1.0] for m in Mission.measures})
+        for case, v in zip(experiment.cases, values, strict=True)
     ]
     one = replace(experiment, measures=[Mission.measure(measure)])
     return [claim.word for claim in claims(verdicts(one, measured), [said])]
@@ -246,8 +246,8 @@ def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
     experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
     rng = np.random.default_rng(4)
     measured = [
-        Measured(cell, {one.name: list(rng.uniform(20, 80, 5)) for one in whole.settings.measures})
-        for cell in experiment.cells
+        Measured(case, {one.name: list(rng.uniform(20, 80, 5)) for one in whole.settings.measures})
+        for case in experiment.cases
     ]
     made = verdicts(experiment, measured)
     files = draw(experiment, made, tmp_path, seed=2)
@@ -257,13 +257,13 @@ def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
 
 def test_table_2_has_15_rows_as_printed():
     table = read_experiment("liu2021-table2")
-    printed = {(cell.label, cell.agents): cell.published("success").mean for cell in table.cells}
+    printed = {(case.label, case.agents): case.published("success").mean for case in table.cases}
     assert len(printed) == 15
     assert printed["HWVEM-II", 50] == 88.38
     assert printed["IVEM-A", 20] == 44.65
     made = verdicts(
         table,
-        [Measured(c, {m.name: [50.0, 60.0] for m in Mission.measures}) for c in table.cells],
+        [Measured(c, {m.name: [50.0, 60.0] for m in Mission.measures}) for c in table.cases],
     )
     assert {one.word for one in of(made, "d_obs")} == {"not reproduced"}
     assert {one.word for one in of(made, "d_ind")} == {""}
@@ -271,6 +271,6 @@ def test_table_2_has_15_rows_as_printed():
 
 def test_paired_runs_start_alike():
     duel = read_experiment("wu2023-fig5")
-    flocks = [flock_of(cell, duel.settings, 7) for cell in duel.cells]
+    flocks = [flock_of(case, 7) for case in duel.cases]
     assert flocks[0].position.tobytes() == flocks[1].position.tobytes()
     assert flocks[0].speed.tobytes() == flocks[1].speed.tobytes()

@@ -9,14 +9,14 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import read_experiment, read_file
 from app.experiments.file import Found, Lags
 from app.experiments.kinds.phases import PHASES, Phases, bring_in_sight, detects
-from app.experiments.report import as_value, show
-from app.experiments.tables import table_of
-from app.experiments.verdict import verdicts
+from app.experiments.reports.report import as_value, show
+from app.experiments.reports.tables import table_of
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
 
 TEXT = """
@@ -81,15 +81,15 @@ def done(tmp_path_factory):
 
 
 def test_two_parameters_are_combined_and_a_way_goes_there_and_back(done):
-    cells = done[0].cells
-    assert [(cell.at, cell.value) for cell in cells[:6]] == [
+    cases = done[0].cases
+    assert [(case.at, case.value) for case in cases[:6]] == [
         (dr_a, dr_o) for dr_a in (5.0, 9.0) for dr_o in (0.0, 2.0, 6.0)
     ]
-    assert [(cell.way, cell.value) for cell in cells[6:]] == [
+    assert [(case.way, case.value) for case in cases[6:]] == [
         *(("there", dr_o) for dr_o in (0.0, 2.0, 6.0)),
         *(("back", dr_o) for dr_o in (6.0, 2.0, 0.0)),
     ]
-    assert {cell.parameters["dr_a"] for cell in cells[6:]} == {9.0}
+    assert {case.spec.parameters["dr_a"] for case in cases[6:]} == {9.0}
     assert done[0].paths == [*([k] for k in range(6)), [6, 7, 8, 9, 10, 11]]
 
 
@@ -100,7 +100,7 @@ def test_a_way_is_one_run(done):
     for k, seed in enumerate((1, 2)):
         flock = Flock("couzin", agents=12, size=4.0, dim=3, world="open", rng=seed, dr_a=9.0)
         for one in steps:
-            flock.set(dr_o=one.cell.value)
+            flock.set(dr_o=one.case.value)
             assert one.values["p"][k] == experiment.settings.run(flock, lambda: None)["p"]
         assert flock.tick == 30 + 20 + 5 * (10 + 20)
 
@@ -199,16 +199,16 @@ def test_a_start_without_company_is_refused():
 
 
 def made_up(values):
-    """Verdicts of the whole map of the paper with made-up values, by cell."""
+    """Verdicts of the whole map of the paper with made-up values, by case."""
     experiment = read_experiment("couzin2002-phases")
     return experiment, verdicts(
-        experiment, [Measured(cell, values(cell)) for cell in experiment.cells]
+        experiment, [Measured(case, values(case)) for case in experiment.cases]
     )
 
 
-def memory(cell):
+def memory(case):
     """A flock that stays parallel on the way back from dr_o = 4 down to 2."""
-    torus = cell.value <= 3.5 and not (cell.way == "back" and cell.value >= 2.0)
+    torus = case.value <= 3.5 and not (case.way == "back" and case.value >= 2.0)
     p, phase = (0.1, "torus") if torus else (0.9, "highly parallel")
     known = {"p": [p, p + 0.02], "m": [0.7, 0.7], "largest": [100.0] * 2, "mixing": [1.0] * 2}
     return known | {"phase": [PHASES.index(phase)] * 2}
@@ -245,18 +245,18 @@ def test_the_table_is_within_80_columns_and_shows_every_cell():
     show(Console(file=paper, width=80), experiment, made, [])
     text = paper.getvalue()
     assert "…" not in text
-    assert text.count("torus") == 56 + 8 + 4 + 2, "in the cells, in the title and in a note"
+    assert text.count("torus") == 56 + 8 + 4 + 2, "in the cases, in the title and in a note"
     assert text.count("0.11") == 56 + 8 + 4
 
 
 def test_a_table_of_a_map_alone_or_of_a_way_alone(done):
     experiment, made, _ = done
-    for cells in (slice(0, 6), slice(6, 12)):
-        part = replace(experiment, cells=experiment.cells[cells])
-        found = verdicts(part, made.measured[cells])
+    for cases in (slice(0, 6), slice(6, 12)):
+        part = replace(experiment, cases=experiment.cases[cases])
+        found = verdicts(part, made.measured[cases])
         console = Console(file=io.StringIO(), width=80)
         console.print(table_of(found))
-        assert ("columns: dr_o" in console.file.getvalue()) == (cells.start == 0)
+        assert ("columns: dr_o" in console.file.getvalue()) == (cases.start == 0)
 
 
 def test_the_value_for_json_names_place_way_and_phase(done):

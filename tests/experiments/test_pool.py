@@ -6,8 +6,8 @@ import time
 import pytest
 
 from app.experiments.conduct import compile_models
-from app.experiments.pool import run_all
 from app.experiments.trial import Stopped, Trial, run_trial
+from app.experiments.workers.pool import run_all
 from experiments.small import TEXT, small
 
 
@@ -20,7 +20,7 @@ def endless(tmp_path):
 def test_every_trial_is_kept_once(tmp_path):
     experiment = small(tmp_path)
     compile_models(experiment, None)
-    trials = [Trial((cell,), seed) for cell in experiment.cells for seed in range(5)]
+    trials = [Trial((case,), seed) for case in experiment.cases for seed in range(5)]
     kept = []
     run_all(trials, experiment.settings, 3, lambda trial, _: kept.append(trial))
     assert sorted(map(id, kept)) == sorted(map(id, trials))
@@ -33,14 +33,14 @@ def test_a_run_stops_when_it_is_asked_to(tmp_path):
     threading.Timer(0.3, stop.set).start()
     begun = time.monotonic()
     with pytest.raises(Stopped):
-        run_trial(Trial((experiment.cells[0],), 1), experiment.settings, stop)
+        run_trial(Trial((experiment.cases[0],), 1), experiment.settings, stop)
     assert time.monotonic() - begun < 5.0
 
 
 @pytest.mark.parametrize("kind", [KeyboardInterrupt, OSError])
 def test_what_stops_the_caller_stops_the_runs(tmp_path, kind):
     quick, never = small(tmp_path), endless(tmp_path)
-    trials = [Trial((quick.cells[0],), 1), *(Trial((never.cells[0],), seed) for seed in range(50))]
+    trials = [Trial((quick.cases[0],), 1), *(Trial((never.cases[0],), seed) for seed in range(50))]
     settings = never.settings
     compile_models(never, None)
 
@@ -56,6 +56,6 @@ def test_what_stops_the_caller_stops_the_runs(tmp_path, kind):
 def test_a_run_that_is_given_up_has_no_time(tmp_path):
     text = TEXT.replace("eta = 0.0", "eta = 6.0").replace("limit = 400", "limit = 50")
     experiment = small(tmp_path, text)
-    trial = Trial((experiment.cells[0],), 1)
+    trial = Trial((experiment.cases[0],), 1)
     [result] = run_trial(trial, experiment.settings, threading.Event())
     assert result.measures == {"k_con": None}

@@ -6,12 +6,12 @@ import io
 import pytest
 from rich.console import Console
 
-from app.experiments.claims import claims
 from app.experiments.conduct import Measured
 from app.experiments.experiment import read_experiment
 from app.experiments.pictures.draw import draw
-from app.experiments.report import as_value, show, write_summary
-from app.experiments.verdict import verdicts
+from app.experiments.reports.report import as_value, show, write_summary
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
 
 NAMES = ("liu2021-table1", "liu2021-fig5", "liu2021-fig6")
@@ -21,8 +21,8 @@ def made_up(name):
     """An experiment with made-up times; one run is given up."""
     experiment = read_experiment(name)
     measured = [
-        Measured(cell, {"k_con": [None, *(int(50 + 7 * k + cell.agents % 9) for k in range(9))]})
-        for cell in experiment.cells
+        Measured(case, {"k_con": [None, *(int(50 + 7 * k + case.agents % 9) for k in range(9))]})
+        for case in experiment.cases
     ]
     return experiment, verdicts(experiment, measured)
 
@@ -35,7 +35,7 @@ def test_the_table_shows_every_row_within_80_columns(name):
     text = paper.getvalue()
     assert "…" not in text
     for one in made:
-        assert one.cell.model in text
+        assert one.case.spec.model in text
         assert f"{one.summary.mean:.2f}" in text
     assert "(1) of 10 runs each" in " ".join(text.split())
     if name == "liu2021-table1":
@@ -48,7 +48,7 @@ def test_the_table_shows_every_row_within_80_columns(name):
 def test_the_value_for_json_has_every_row(name):
     experiment, made = made_up(name)
     value = as_value(experiment, made, claims(made))
-    assert len(value["rows"]) == len(experiment.cells)
+    assert len(value["rows"]) == len(experiment.cases)
     assert all(row["absent"] == 1 and row["runs"] == 9 for row in value["rows"])
     assert "z = " in value["notes"]["z"]
     assert value["settings"]["world"] == "wrap-plain"
@@ -78,6 +78,6 @@ def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
 
 def test_a_picture_without_any_run_that_converged_is_drawn(tmp_path):
     experiment = read_experiment("liu2021-table1")
-    measured = [Measured(cell, {"k_con": [None, None]}) for cell in experiment.cells]
+    measured = [Measured(case, {"k_con": [None, None]}) for case in experiment.cases]
     nothing = verdicts(experiment, measured)
     assert draw(experiment, nothing, tmp_path)["png"].exists()

@@ -6,13 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.experiments.claims import claims
+from agents.spec import Spec
 from app.experiments.conduct import Measured
-from app.experiments.experiment import Cell
+from app.experiments.experiment import Case
 from app.experiments.file import Row, Sweep
-from app.experiments.statistics import difference, interval_of_mean, summary, z_score
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.statistics import difference, interval_of_mean, summary, z_score
+from app.experiments.verdicts.verdict import verdicts
 from experiments.small import small
+
+VEM = Spec("vem", agents=5, size=1.0)
 
 
 def test_summary_of_known_numbers():
@@ -67,20 +70,20 @@ def test_the_interval_of_equal_values_is_their_value():
     assert all(math.isnan(end) for end in interval_of_mean(np.array([3.0])))
 
 
-def cell(mean, why=""):
+def case(mean, why=""):
     row = Row(model="vem", agents=5, published={"k_con": {"mean": mean, "not_reproduced": why}})
-    return Cell("vem", 5, 1.0, {}, row)
+    return Case(VEM, 5, row)
 
 
-def judged(tmp_path, cells, times):
-    """The verdicts on the cells of an experiment."""
-    measured = [Measured(c, {"k_con": t}) for c, t in zip(cells, times, strict=True)]
+def judged(tmp_path, cases, times):
+    """The verdicts on the cases of an experiment."""
+    measured = [Measured(c, {"k_con": t}) for c, t in zip(cases, times, strict=True)]
     return verdicts(small(tmp_path), measured)
 
 
 def test_verdicts_in_a_word(tmp_path):
-    cells = [cell(50.0), cell(60.0), cell(60.0, "why"), Cell("vem", 5, 1.0, {})]
-    words = [one.word for one in judged(tmp_path, cells, [[40, 60] * 50] * 4)]
+    cases = [case(50.0), case(60.0), case(60.0, "why"), Case(VEM, 5)]
+    words = [one.word for one in judged(tmp_path, cases, [[40, 60] * 50] * 4)]
     assert words == ["agrees", "differs", "not reproduced", ""]
 
 
@@ -90,7 +93,7 @@ def test_verdicts_in_a_word(tmp_path):
 )
 def test_a_measure_may_be_set_aside_for_all_rows(tmp_path, table, word, z):
     experiment = replace(small(tmp_path), **{table: {"k_con": "why"}})
-    [one] = verdicts(experiment, [Measured(cell(60.0), {"k_con": [40, 60] * 50})])
+    [one] = verdicts(experiment, [Measured(case(60.0), {"k_con": [40, 60] * 50})])
     assert (one.word, one.why, one.z is not None) == (word, "why", z)
 
 
@@ -98,11 +101,11 @@ def test_claims_of_a_sweep(tmp_path):
     sweep = Sweep(
         model="vem", agents=[5], parameter="p", values=[1.0, 2.0, 3.0], trend="falls", flat_from=2.0
     )
-    cells = [Cell("vem", 5, 1.0, {"p": value}, sweep=sweep) for value in sweep.values]
+    cases = [Case(VEM.but(parameters={"p": value}), 5, sweep=sweep) for value in sweep.values]
 
     def holds(*means):
         times = [[mean + n for n in (-1, 0, 1) * 5] for mean in means]
-        return [one.holds for one in claims(judged(tmp_path, cells, times))]
+        return [one.holds for one in claims(judged(tmp_path, cases, times))]
 
     assert holds(100, 50, 49) == [True, True]
     assert holds(100, 50, 20) == [True, False]

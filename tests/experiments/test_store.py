@@ -4,8 +4,9 @@ import csv
 
 import pytest
 
+from agents.spec import Spec
 from app.experiments.conduct import conduct
-from app.experiments.experiment import Cell
+from app.experiments.experiment import Case
 from app.experiments.kinds import Convergence
 from app.experiments.store import Store, key_of
 from app.experiments.trial import Result, fingerprint
@@ -14,7 +15,7 @@ from worlds.refusal import Refusal
 
 MEASURES = Convergence.measures
 COLUMNS = ("model", "agents", "parameters", "seed", "fingerprint", "k_con", "seconds", "astray")
-CELL = Cell("vem", 12, 1.7, {"eta": 0.0, "r": 1.0})
+CASE = Case(Spec("vem", agents=12, size=1.7, parameters={"eta": 0.0, "r": 1.0}), 12)
 
 
 def carry_out(experiment, folder, runs=4, seed=1, workers=2):
@@ -24,7 +25,7 @@ def carry_out(experiment, folder, runs=4, seed=1, workers=2):
 
 
 def times(done):
-    """k_con of each cell's runs."""
+    """k_con of each case's runs."""
     return [one.values["k_con"] for one in done.measured]
 
 
@@ -36,13 +37,13 @@ def lines_of(folder):
 def test_what_is_added_is_read_back(tmp_path):
     path = tmp_path / "deep" / "runs.csv"
     with Store(path, MEASURES) as store:
-        store.add(key_of(CELL, 3, "abc"), Result({"k_con": 17}, 0.25))
+        store.add(key_of(CASE, 3, "abc"), Result({"k_con": 17}, 0.25))
         assert path.read_text().endswith("abc,17,0.250000,\n"), "each line is written at once"
-        store.add(key_of(CELL, 4, "abc"), Result({"k_con": None}, 0.5))
+        store.add(key_of(CASE, 4, "abc"), Result({"k_con": None}, 0.5))
     with Store(path, MEASURES) as store:
         assert store.results == {
-            key_of(CELL, 3, "abc"): Result({"k_con": 17}, 0.25),
-            key_of(CELL, 4, "abc"): Result({"k_con": None}, 0.5),
+            key_of(CASE, 3, "abc"): Result({"k_con": 17}, 0.25),
+            key_of(CASE, 4, "abc"): Result({"k_con": None}, 0.5),
         }
 
 
@@ -50,13 +51,13 @@ def test_what_is_added_is_read_back(tmp_path):
 def test_a_torn_last_line_is_cut_off(tmp_path, torn):
     path = tmp_path / "runs.csv"
     with Store(path, MEASURES) as store:
-        store.add(key_of(CELL, 3, "abc"), Result({"k_con": 17}, 0.25))
+        store.add(key_of(CASE, 3, "abc"), Result({"k_con": 17}, 0.25))
     whole = path.read_bytes()
     path.write_bytes(whole + torn.encode())
     with Store(path, MEASURES) as store:
-        assert list(store.results) == [key_of(CELL, 3, "abc")]
+        assert list(store.results) == [key_of(CASE, 3, "abc")]
         assert path.read_bytes() == whole
-        store.add(key_of(CELL, 4, "abc"), Result({"k_con": 18}, 0.25))
+        store.add(key_of(CASE, 4, "abc"), Result({"k_con": 18}, 0.25))
     with Store(path, MEASURES) as store:
         assert len(store.results) == 2
 
@@ -123,7 +124,7 @@ def test_the_number_of_workers_changes_no_number(tmp_path):
 )
 def test_other_settings_are_other_runs(tmp_path, before, after):
     experiment, other = small(tmp_path), small(tmp_path, TEXT.replace(before, after))
-    prints = [fingerprint(one.cells[0], one.settings) for one in (experiment, experiment, other)]
+    prints = [fingerprint(one.cases[0], one.settings) for one in (experiment, experiment, other)]
     assert prints[0] == prints[1] != prints[2]
 
 
@@ -139,6 +140,6 @@ def test_a_store_of_before_strays_were_looked_for_is_taken_on(tmp_path):
     with Store(path, MEASURES) as store:
         [(key, result)] = store.results.items()
         assert (key.seed, result) == (3, Result({"k_con": 17}, 0.25))
-        store.add(key_of(CELL, 4, "abc"), Result({"k_con": 18}, 0.25, "agent 3 where it cannot be"))
+        store.add(key_of(CASE, 4, "abc"), Result({"k_con": 18}, 0.25, "agent 3 where it cannot be"))
     with Store(path, MEASURES) as store:
         assert [one.astray for one in store.results.values()] == ["", "agent 3 where it cannot be"]

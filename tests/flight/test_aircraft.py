@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from agents.declare import checked, declared
 from agents.flight.aircraft import Aircraft, demand_possible
+from agents.models.declare import checked, declared
 from worlds.refusal import Refusal
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from cli.calling import call
 
-from agents.declare import declared
 from agents.flight.aircraft import Aircraft
+from agents.models.declare import declared
 
 PAGE = (Path(__file__).parents[2] / "docs" / "flight.md").read_text(encoding="utf-8")
 

@@ -7,13 +7,13 @@ import math
 import random
 import time
 
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.driven import open_driven
-from app.live.emulated_cars import EmulatedCars, Terminal
-from app.live.emulated_plant import EmulatedPlant
-from app.live.firmware import Firmware
-from app.live.lab import lab_from_toml
+from app.live.control.arm import OperatorRequest
+from app.live.emulation.cars import EmulatedCars, Terminal
+from app.live.emulation.plant import EmulatedPlant
+from app.live.laboratory.lab import lab_from_toml
+from app.live.links.firmware import Firmware
+from app.live.operating.driven import open_driven
+from app.live.operating.operator import Operator
 from live.natnet_emulator import Body, NatNetEmulator
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
@@ -90,11 +90,11 @@ class FullRoom:
         return self
 
     def operate(self, lab):
-        """Open the desk."""
-        self.desk = Desk(lab, open_driven, self.recording)
+        """Open the operator."""
+        self.operator = Operator(lab, open_driven, self.recording)
 
     def __exit__(self, *_):
-        self.desk.close()
+        self.operator.close()
         self.cars.close()
         self.server.close()
 
@@ -108,20 +108,20 @@ class FullRoom:
             found[f"{name} car"] = Body(point, (0.0, math.sin(half), 0.0, math.cos(half)))
         return found
 
-    def look(self):
+    def status(self):
         """The newest look at the loop."""
-        return self.desk.look()
+        return self.operator.status()
 
     def kinds(self, since=0):
         """The kinds of the events after the first so many."""
-        self.look()
-        return [event.kind for event in self.desk.events[since:]]
+        self.status()
+        return [event.kind for event in self.operator.events[since:]]
 
     def until(self, what, within=PATIENCE):
         """Seconds until something is so; fails if it takes too long."""
         began = time.monotonic()
         while not what():
-            events = [event.words for event in self.desk.events[-5:]]
+            events = [event.words for event in self.operator.events[-5:]]
             assert time.monotonic() - began < within, f"did not come about; {events}"
             time.sleep(0.005)
         return time.monotonic() - began
@@ -132,11 +132,11 @@ class FullRoom:
 
         def drives():
             nonlocal asked
-            look = self.look()
-            may = look is not None and look.arm == "safe" and not look.reasons
+            status = self.status()
+            may = status is not None and status.arm == "safe" and not status.reasons
             if may and time.monotonic() - asked > 0.5:
                 asked = time.monotonic()
-                self.desk.ask(Request("arm", "test"))
+                self.operator.ask(OperatorRequest("arm", "test"))
             speeds = [abs(car.speed) for car in self.plant.cars.values()]
             return min(speeds) > 0.5
 
@@ -157,6 +157,6 @@ class FullRoom:
 
     def lag(self, name):
         """Degrees by which a car is behind the injected one."""
-        target, pose = self.look().injected, self.plant.poses()[name]
+        target, pose = self.status().injected, self.plant.poses()[name]
         lag = math.atan2(target.y, target.x) - math.atan2(pose.y, pose.x)
         return math.degrees(math.remainder(lag, 2.0 * math.pi))

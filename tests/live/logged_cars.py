@@ -1,4 +1,4 @@
-"""Cars that keep a log of their own, driven in circles from a desk in another process.
+"""Cars that keep a log of their own, driven in circles from an operator in another process.
 
 The cars are emulated firmware on a datagram port; where they are is sent, without noise, to
 another port that the loop reads.
@@ -17,10 +17,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from app.live.emulated_cars import Datagrams, EmulatedCars
-from app.live.emulated_plant import EmulatedPlant
-from app.live.firmware import Firmware
-from app.live.lab import lab_from_toml
+from app.live.emulation.cars import Datagrams, EmulatedCars
+from app.live.emulation.plant import EmulatedPlant
+from app.live.laboratory.lab import lab_from_toml
+from app.live.links.firmware import Firmware
 from app.live.links.link import RUN
 
 ROOT = Path(__file__).parents[2]
@@ -82,37 +82,37 @@ class LoggedFirmware(Firmware):
         return super().drive(now)
 
 
-DESK = """
+PROGRAM = """
 import sys, time
 sys.path[:0] = {path!r}
 from pathlib import Path
 from live import told_poses as ends
-from app.live.arm import Request
-from app.live.desk import Desk
-from app.live.lab import read_lab
+from app.live.control.arm import OperatorRequest
+from app.live.operating.operator import Operator
+from app.live.laboratory.lab import read_lab
 
 if __name__ == "__main__":
-    desk = Desk(read_lab({file!r}), ends.{opener}, Path({folder!r}))
-    print(desk.process.pid, flush=True)
+    operator = Operator(read_lab({file!r}), ends.{opener}, Path({folder!r}))
+    print(operator.process.pid, flush=True)
     asked, drove = 0.0, None
-    while not desk.trouble:
-        look, now = desk.look(), time.monotonic()
-        if look is not None and look.mode == {run}:
+    while not operator.trouble:
+        status, now = operator.status(), time.monotonic()
+        if status is not None and status.mode == {run}:
             drove = drove or now
         settled = {once} and drove is not None and now - drove > 1.5
-        if look is not None and look.arm == "safe" and not look.reasons and not settled:
+        if status is not None and status.arm == "safe" and not status.reasons and not settled:
             if now - asked > 0.5:
-                desk.ask(Request("arm", "test"))
+                operator.ask(OperatorRequest("arm", "test"))
                 asked = now
         time.sleep(0.02)
-    print(desk.trouble, flush=True)
+    print(operator.trouble, flush=True)
 """
 """Arms, again if a busy machine had the cars held at once; with `once`, who is held later stays so.
 """
 
 
 class LoggedRoom:
-    """Used with `with`; `process` is the desk's, `loop` the id of the loop's. The cars drive.
+    """Used with `with`; `process` is the operator's, `loop` the id of the loop's. The cars drive.
 
     `opener` is one of `live.told_poses`.
     """
@@ -160,14 +160,14 @@ class LoggedRoom:
                     out.sendto(told, ("127.0.0.1", self.port))
 
     def operate(self, text):
-        """Open a desk in a process of its own."""
+        """Open an operator in a process of its own."""
         file = self.folder / "lab.toml"
         file.write_text(text, encoding="utf-8")
-        script = self.folder / "desk.py"
+        script = self.folder / "drives.py"
         path = [str(ROOT), str(ROOT / "tests")]
         folder = str(self.recording)
         script.write_text(
-            DESK.format(
+            PROGRAM.format(
                 path=path,
                 file=str(file),
                 folder=folder,
@@ -222,7 +222,7 @@ class LoggedRoom:
         return self.plant.least
 
     def close(self):
-        """End the desk's process, whatever state it is in."""
+        """End the operator's process, whatever state it is in."""
         if not hasattr(self, "process"):
             return
         with suppress(ProcessLookupError):

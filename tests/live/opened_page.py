@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from app.live.lab import Lab
+from app.live.laboratory.lab import Lab
+from app.live.operating.choices import Choices
 from app.viewer.live.page import LivePage
 from tests.live.waiting import until
 
@@ -16,10 +17,12 @@ BEGINS = 240.0
 @contextmanager
 def opened(lab: Lab) -> Iterator[LivePage]:
     """The page of this laboratory with emulated cars, ready to be armed; closed when left."""
-    page = LivePage(lab, port=0, source="emulated cars")
+    page = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     try:
-        until(lambda: page.room.look is not None and page.room.state.status == "open", BEGINS)
-        until(lambda: not page.room.look.reasons, BEGINS)
+        until(
+            lambda: page.session.status is not None and page.session.state.phase == "open", BEGINS
+        )
+        until(lambda: not page.session.status.reasons, BEGINS)
         yield page
     finally:
         page.close()

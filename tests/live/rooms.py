@@ -6,14 +6,14 @@ import math
 import time
 from dataclasses import dataclass, field
 
-from app.live.arm import Request
-from app.live.control import Control, Step
-from app.live.ends import Ends, open_ends
-from app.live.firmware import WATCHDOG
-from app.live.lab import Lab, lab_from_toml
+from app.live.control.arm import OperatorRequest
+from app.live.control.control import Control, Step
+from app.live.control.pose import MocapFrame, Pose, seen
+from app.live.laboratory.lab import Lab, lab_from_toml
+from app.live.links.firmware import WATCHDOG
 from app.live.links.link import RUN
 from app.live.links.links import open_link
-from app.live.pose import Frame, Pose, seen
+from app.live.operating.ends import Ends, open_ends
 
 LAB = """title = "a room"
 source = "mock:"
@@ -80,14 +80,14 @@ class Room:
         self.told = None
         self.cut_at: float | None = None
 
-    def frame(self) -> Frame:
+    def frame(self) -> MocapFrame:
         """What tracking says; a frozen stream goes on with noise around where it froze."""
         self.number += 1
         if not self.frozen:
             self.shown = {name: tuple(at) for name, at in self.at.items()}
         body = {name: car.body or name for name, car in self.lab.cars.items()}
         wave = self.noise * math.sin(12.9898 * self.number)
-        return Frame(
+        return MocapFrame(
             self.number,
             self.now - 0.005,
             tuple(
@@ -97,7 +97,7 @@ class Room:
             ),
         )
 
-    def tick(self, *requests: Request) -> Step:
+    def tick(self, *requests: OperatorRequest) -> Step:
         """One tick; then the cars move as they were told."""
         self.now += TICK
         self.control.see(self.now, requests, self.frame())
@@ -123,7 +123,7 @@ class Room:
     def arm(self) -> Step:
         """See the cars, then arm."""
         self.tick()
-        return self.tick(Request("arm", "test"))
+        return self.tick(OperatorRequest("arm", "test"))
 
     def ticks(self, seconds: float) -> Step:
         """Tick for a while; at least once."""
@@ -150,7 +150,7 @@ class Waiting:
 
     def since(self, number):
         cars = (seen("red", Pose(0.0, 0.0, 0.0)), seen("blue body", Pose(0.0, 1.0, 0.0)))
-        return [Frame(number + 1, time.monotonic(), cars)]
+        return [MocapFrame(number + 1, time.monotonic(), cars)]
 
 
 def crawling(lab: Lab) -> Ends:

@@ -38,7 +38,7 @@ class ServedRoom(FullRoom):
                 stderr=said,
                 text=True,
             )
-        self.desk = self
+        self.operator = self
         self.port = self.told_port()
         self.browser = StandIn(self.port)
 

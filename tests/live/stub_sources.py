@@ -6,7 +6,7 @@ import signal
 import time
 from dataclasses import dataclass
 
-from app.live.pose import Frame, Pose, seen, unseen
+from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from worlds.refusal import Refusal
 
 
@@ -52,7 +52,7 @@ class Stub:
                 return
             car2 = seen("car2", Pose(0.0, 1.0, 0.5)) if number < 2 else unseen("car2")
             car1 = seen("car1", Pose(float(number), 0.0, 0.0))
-            yield Frame(number, time.monotonic(), (car1, car2), 0.01 * number)
+            yield MocapFrame(number, time.monotonic(), (car1, car2), 0.01 * number)
 
 
 class StubSimulator:

@@ -10,13 +10,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from app.live.arm import Request
-from app.live.replay import read, replay
-from app.live.squashing_driver import FlockDriver
+from app.live.control.arm import OperatorRequest
+from app.live.operating.flock_driver import FlockDriver
+from app.live.recording.replay import read, replay
 from live.rooms import Room, Steady, lab
 from live.test_companions import beside
+from live.test_flock_driver import SQUASHING
 from live.test_live_record import ARM, record
-from live.test_squashing_driver import SQUASHING
 from worlds.refusal import Refusal
 
 
@@ -29,7 +29,7 @@ class Accompanying(Room):
     def ask(self, words):
         """What comes of asking for so many simulated cars."""
         before = len(self.events)
-        self.tick(Request("accompany", "browser 1", words))
+        self.tick(OperatorRequest("accompany", "browser 1", words))
         return [(event.kind, event.words, event.note) for event in self.events[before:]]
 
 
@@ -52,39 +52,39 @@ def test_asking_for_them_is_an_event():
 
 def test_a_driver_without_them_refuses():
     one = Room(Steady())
-    one.tick(Request("accompany", "browser 1", "1"))
+    one.tick(OperatorRequest("accompany", "browser 1", "1"))
     assert [(event.kind, event.words) for event in one.events] == [
         ("refused", "this driver has no simulated cars beside the real ones")
     ]
     assert one.step.companions == ()
 
 
-@pytest.mark.parametrize("wish", ["emergency", "disarm"])
-def test_a_stop_stands_them_still(wish):
+@pytest.mark.parametrize("action", ["emergency", "disarm"])
+def test_a_stop_stands_them_still(action):
     one = Accompanying(beside(ALONE, cars=2))
     one.arm()
     begins = one.control.companions
     one.ticks(0.2)
     assert one.control.companions != begins
-    one.tick(Request(wish, "test"))
+    one.tick(OperatorRequest(action, "test"))
     stands = one.control.companions
     one.ticks(0.5)
     assert one.control.companions == stands
 
 
-def wishes(seed, ticks):
+def actions(seed, ticks):
     """Requests at random ticks, some of which are refused."""
     rng = np.random.default_rng(seed)
     found = {5: ARM}
     for tick in rng.choice(np.arange(6, ticks), 25, replace=False):
         found[int(tick)] = [
             ARM,
-            Request("accompany", "browser 1", str(rng.integers(-1, 11))),
-            Request("accompany", "browser 2", str(rng.integers(0, 9))),
-            Request("accompany", "browser 2", "many"),
-            Request("tune", "browser 1", json.dumps({"beta": rng.uniform(0.5, 2.0)})),
-            Request("emergency", "browser 1"),
-            Request("reset", "browser 2"),
+            OperatorRequest("accompany", "browser 1", str(rng.integers(-1, 11))),
+            OperatorRequest("accompany", "browser 2", str(rng.integers(0, 9))),
+            OperatorRequest("accompany", "browser 2", "many"),
+            OperatorRequest("tune", "browser 1", json.dumps({"beta": rng.uniform(0.5, 2.0)})),
+            OperatorRequest("emergency", "browser 1"),
+            OperatorRequest("reset", "browser 2"),
         ][rng.integers(7)]
     return found
 
@@ -93,7 +93,7 @@ def wishes(seed, ticks):
 @pytest.mark.parametrize("rule", ["squashing", "squashing-best"])
 def test_a_replay_is_the_same_to_the_bit(tmp_path, rule, seed):
     text = beside(SQUASHING.replace('"squashing"', f'"{rule}"'), cars=seed % 3, seed=seed)
-    record(tmp_path / "run", 500, seed, wishes(seed, 500), text, FlockDriver)
+    record(tmp_path / "run", 500, seed, actions(seed, 500), text, FlockDriver)
     replayed = replay(tmp_path / "run", FlockDriver)
     assert replayed.differs == ""
     assert replayed.ticks == 500

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.arm import Arm, Request
+from app.live.control.arm import Arm, OperatorRequest
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import Room, lab
 from worlds.refusal import Refusal
 
-ARM = Request("arm", "test")
+ARM = OperatorRequest("arm", "test")
 
 
 def test_nothing_runs_before_it_is_armed():
@@ -35,15 +35,15 @@ def test_the_emergency_stop_latches_and_is_armed_again_by_hand():
     room = Room()
     room.arm()
     room.ticks(0.2)
-    assert room.tick(Request("emergency", "browser 2")).verdict.mode == EMERGENCY
+    assert room.tick(OperatorRequest("emergency", "browser 2")).verdict.mode == EMERGENCY
     assert room.ticks(5.0).verdict.mode == EMERGENCY
     room.tick(ARM)
     assert room.events[-1].words == (
         "cannot be armed: the emergency stop is latched, reset it first"
     )
     assert room.step.verdict.mode == EMERGENCY
-    assert room.tick(Request("disarm", "test")).verdict.mode == EMERGENCY
-    assert room.tick(Request("reset", "test")).verdict.mode == STOP
+    assert room.tick(OperatorRequest("disarm", "test")).verdict.mode == EMERGENCY
+    assert room.tick(OperatorRequest("reset", "test")).verdict.mode == STOP
     assert room.tick(ARM).verdict.mode == RUN
     causes = [event.cause for event in room.events if event.kind == "emergency"]
     assert causes == ["browser 2"]
@@ -51,16 +51,16 @@ def test_the_emergency_stop_latches_and_is_armed_again_by_hand():
 
 def test_the_emergency_stop_works_unarmed_and_without_tracking():
     safety = lab().safety()
-    safety.ask(0.0, Request("emergency", "test"))
+    safety.ask(0.0, OperatorRequest("emergency", "test"))
     safety.see(0.0, None)
     assert safety.judge(0.0, {}).mode == EMERGENCY
 
 
-@pytest.mark.parametrize("wish", ["disarm", "hold"])
-def test_disarming_stops_at_once(wish):
+@pytest.mark.parametrize("action", ["disarm", "hold"])
+def test_disarming_stops_at_once(action):
     room = Room()
     room.arm()
-    assert room.tick(Request(wish, "test")).verdict.mode == STOP
+    assert room.tick(OperatorRequest(action, "test")).verdict.mode == STOP
     assert room.ticks(1.0).verdict.mode == STOP
 
 
@@ -75,19 +75,19 @@ STATES = {
 
 
 @given(st.lists(st.sampled_from(["arm", "disarm", "hold", "emergency", "reset", "tune"])))
-def test_the_arming_is_its_table(wishes):
+def test_the_arming_is_its_table(actions):
     arm = Arm()
-    for wish in wishes:
+    for action in actions:
         before = arm.state
-        if (before, wish) == ("emergency", "arm"):
+        if (before, action) == ("emergency", "arm"):
             with pytest.raises(Refusal):
-                arm.take(Request(wish, "test"))
+                arm.take(OperatorRequest(action, "test"))
         else:
-            changed = arm.take(Request(wish, "test"))
+            changed = arm.take(OperatorRequest(action, "test"))
             assert changed == (arm.state != before)
-        assert arm.state == STATES.get((before, wish), before)
+        assert arm.state == STATES.get((before, action), before)
 
 
 def test_a_request_that_there_is_none_of_is_refused():
     with pytest.raises(Refusal, match="unknown request 'armed': did you mean 'arm'"):
-        Request("armed", "test")
+        OperatorRequest("armed", "test")

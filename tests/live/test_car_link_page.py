@@ -18,7 +18,7 @@ from types import ModuleType, SimpleNamespace
 
 import pytest
 
-from app.live.firmware import Firmware
+from app.live.links.firmware import Firmware
 from app.live.links.frame import encode, size
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.links import open_link

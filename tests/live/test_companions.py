@@ -12,17 +12,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.bodies.chassis import separation
+from agents.bodies.cars.chassis import separation
+from agents.catalogue import cars_by
 from agents.flock import Flock
-from app.live.arm import Request
-from app.live.companions import APART
-from app.live.control import Control
-from app.live.driver import Accompanied
+from app.live.control.arm import OperatorRequest
+from app.live.control.control import Control
+from app.live.control.driver import Accompanied
+from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
-from app.live.pose import Frame, Pose, seen, unseen
-from app.live.squashing_driver import FlockDriver, model_for, room
+from app.live.operating.companions import APART
+from app.live.operating.flock_driver import FlockDriver, world_of
 from live.rooms import lab
-from live.test_squashing_driver import PERFECT, SQUASHING, naive, text_of
+from live.test_flock_driver import PERFECT, SQUASHING, naive, text_of
 from worlds.refusal import Refusal
 
 ROOT = Path(__file__).parents[2]
@@ -122,8 +123,8 @@ def test_they_drive_as_in_a_simulation_to_the_bit_and_hear_the_real_ones():
     driver = begun(beside(text_of(2), cars=2, seed=3))
     poses = [*PLACES[:2], *at(driver)]
     flock = Flock(
-        model_for(one.rule).name,
-        world=room(one),
+        cars_by(one.rule).name,
+        world=world_of(one),
         start={
             "position": [(pose.x, pose.y) for pose in poses],
             "heading": [(math.cos(pose.yaw), math.sin(pose.yaw)) for pose in poses],
@@ -141,7 +142,7 @@ def test_they_drive_as_in_a_simulation_to_the_bit_and_hear_the_real_ones():
         driver.drive(0.01 * k, sightings(driver, real), target, True)
         flock.position[:2] = wandering[:, :2]
         flock.heading[:2] = [(math.cos(pose.yaw), math.sin(pose.yaw)) for pose in real]
-        flock.engine.ground.route[0, :2] = target.x, target.y
+        flock.engine.surroundings.route[0, :2] = target.x, target.y
         flock.advance(1)
         assert np.array_equal(driver.position[2:], flock.position[2:])
         assert np.array_equal(driver.heading[2:], flock.heading[2:])
@@ -287,8 +288,8 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
     events, modes = [], []
     for number in range(25):
         now += 0.01
-        asked = [Request("arm", "test")] if number == 5 else []
-        control.see(now, asked, Frame(number, now, bodies))
+        asked = [OperatorRequest("arm", "test")] if number == 5 else []
+        control.see(now, asked, MocapFrame(number, now, bodies))
         step = control.act(now, target)
         events += step.events
         modes.append(step.verdict.mode)

@@ -11,13 +11,13 @@ import pytest
 from cli.calling import call
 
 from agents.motion import Motion
-from app.live.example import example
-from app.live.squashing_driver import FlockDriver
-from app.viewer.live.room_state import RoomState
-from app.viewer.live.standing import standing
+from app.live.laboratory.example import example
+from app.live.operating.flock_driver import COMPILING, FlockDriver
+from app.viewer.live.banner import banner_of
+from app.viewer.live.session_state import SessionState
 
 ROOT = Path(__file__).parents[2]
-WORDS = "compiling squashing-cars for this machine: about a minute, and only this first time ..."
+WORDS = COMPILING.format("squashing-cars")
 
 
 def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
@@ -32,8 +32,8 @@ def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
 
 SAYS = """
 import sys
-from app.live.example import example
-from app.live.squashing_driver import FlockDriver
+from app.live.laboratory.example import example
+from app.live.operating.flock_driver import COMPILING, FlockDriver
 
 def tell(words):
     print(words)
@@ -67,7 +67,7 @@ def test_the_terminal_says_so_on_stderr(monkeypatch, first):
 
 
 def test_the_page_says_so_while_it_lasts():
-    state = RoomState("emulated cars", "dry run", "squashing")
-    assert standing(state, None).words == "Waiting for the control loop."
-    compiling = RoomState("emulated cars", "dry run", "squashing", compiling=WORDS)
-    assert standing(compiling, None).words == WORDS[:1].upper() + WORDS[1:]
+    state = SessionState("emulated cars", "dry run", "squashing")
+    assert banner_of(state, None).words == "Waiting for the control loop."
+    compiling = SessionState("emulated cars", "dry run", "squashing", compiling=WORDS)
+    assert banner_of(compiling, None).words == WORDS[:1].upper() + WORDS[1:]

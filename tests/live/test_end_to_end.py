@@ -27,10 +27,10 @@ import time
 import numpy as np
 import pytest
 
-from app.live.arm import Request
-from app.live.recovery import recover
-from app.live.replay import replay
-from app.live.squashing_driver import FlockDriver
+from app.live.control.arm import OperatorRequest
+from app.live.operating.flock_driver import FlockDriver
+from app.live.recording.recovery import recover
+from app.live.recording.replay import replay
 from live.full_room import FullRoom
 
 pytest.importorskip("motioncapture")
@@ -57,7 +57,7 @@ def driving(room):
     """The room with its cars on the move, and the number of events so far."""
     room.run()
     room.kinds()
-    return room, len(room.desk.events)
+    return room, len(room.operator.events)
 
 
 def stopped(room):
@@ -69,8 +69,8 @@ def stopped(room):
 
 
 def words(room, since):
-    room.look()
-    return " / ".join(f"{event.kind}: {event.words}" for event in room.desk.events[since:])
+    room.status()
+    return " / ".join(f"{event.kind}: {event.words}" for event in room.operator.events[since:])
 
 
 def logged(room, since, *kinds):
@@ -86,10 +86,10 @@ def test_one_car_follows_at_the_closed_forms_lag():
             room.run()  # a machine that is very busy may have made it stop
             lags.append(room.lag("red"))
             time.sleep(0.02)
-        look = room.look()
+        status = room.status()
     assert np.median(lags[-100:]) == pytest.approx(LAG, abs=6.0)
-    assert look.period.median == pytest.approx(0.01, abs=0.002)
-    assert look.latency.median < 0.02
+    assert status.period.median == pytest.approx(0.01, abs=0.002)
+    assert status.latency.median < 0.02
 
 
 def test_the_stream_of_poses_stops(driving):
@@ -111,7 +111,7 @@ def test_one_car_is_not_tracked(driving):
         logged(room, since, "unseen", "stop")
     finally:
         room.server.find("red car")
-    about = {event.car for event in room.desk.events[since:] if event.kind == "unseen"}
+    about = {event.car for event in room.operator.events[since:] if event.kind == "unseen"}
     assert "red" in about
 
 
@@ -164,24 +164,24 @@ def test_of_two_bytes_one_is_lost_or_changed(driving):
 
 def test_the_emergency_stop(driving):
     room, since = driving
-    room.desk.ask(Request("emergency", "browser 1"))
+    room.operator.ask(OperatorRequest("emergency", "browser 1"))
     stopped(room)
     room.until(lambda: room.states() == {"emergency"})
-    room.desk.ask(Request("arm", "test"))
+    room.operator.ask(OperatorRequest("arm", "test"))
     logged(room, since, "emergency", "stop", "refused")
     assert room.plant.fastest() < 0.05
-    room.desk.ask(Request("reset", "test"))
+    room.operator.ask(OperatorRequest("reset", "test"))
     logged(room, since, "reset")
     room.until(lambda: room.states() == {"stopped"})
 
 
 def test_the_loop_is_killed_and_its_recording_replays_to_the_bit(driving):
     room, _ = driving
-    os.kill(room.desk.process.pid, signal.SIGKILL)
+    os.kill(room.operator.process.pid, signal.SIGKILL)
     stopped(room)
     assert room.states() == {"lost"}
-    room.look()
-    assert room.desk.trouble == (
+    room.status()
+    assert room.operator.trouble == (
         "the control loop is gone: the cars stop themselves; "
         f"flockscope live recover {room.recording}"
     )

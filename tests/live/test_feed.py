@@ -11,7 +11,7 @@ from itertools import islice
 
 import pytest
 
-from app.live.pose import Frame, Pose
+from app.live.control.pose import MocapFrame, Pose
 from app.live.sources import simulated
 from app.live.sources.feed import KEPT, Feed
 from app.live.sources.simulated import Simulated
@@ -199,7 +199,7 @@ def test_a_simulator_comes_through_a_feed_and_keeps_to_the_wall_clock():
         frames = feed.since(-1)
     assert frames[0].number == 0
     for frame in frames:
-        assert isinstance(frame, Frame)
+        assert isinstance(frame, MocapFrame)
         assert frame.sent == frame.number / 100.0
         assert frame.pose("car1") == Pose(frame.sent, 0.0, 0.0)
         assert frame.received - frames[0].received >= frame.sent - 0.005

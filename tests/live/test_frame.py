@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.car_frames import crc16, read_stream, write_frame
 
-from app.live.links.frame import MOST_CARS, Command, Decoder, encode, size
+from app.live.links.frame import MOST_CARS, CommandFrame, Decoder, encode, size
 from worlds.refusal import Refusal
 
 FOUR = {1: (0.5, 1.0), 2: (-1.0, 0.25), 17: (0.0, 0.0), 254: (1.0, -1.0)}
@@ -56,7 +56,7 @@ def test_a_frame_is_as_the_table_says_and_reads_back(frame):
 @pytest.mark.parametrize("mode", [0, 2])
 def test_only_run_sends_throttle(mode):
     (read,) = Decoder().feed(encode(5, mode, {3: (0.0, 1.0), 4: (1.0, -1.0)}))
-    assert read == Command(5, mode, {3: (0.0, 0.0), 4: (1.0, 0.0)})
+    assert read == CommandFrame(5, mode, {3: (0.0, 0.0), 4: (1.0, 0.0)})
 
 
 @pytest.mark.parametrize(
@@ -166,7 +166,7 @@ def test_no_wrong_command_gets_through_a_bad_radio(changed, lost, least, most):
     """20 bytes of which 1 % are spoilt: 0.99^20 = 82 % come through; of 50 %: none."""
     rng = random.Random(5)
     sent = {
-        n: Command(n, 1, {a: (rng.randint(-127, 127) / 127, 1.0) for a in (1, 2, 3, 4)})
+        n: CommandFrame(n, 1, {a: (rng.randint(-127, 127) / 127, 1.0) for a in (1, 2, 3, 4)})
         for n in range(4000)
     }
     stream = b"".join(encode(*command) for command in sent.values())
@@ -176,7 +176,7 @@ def test_no_wrong_command_gets_through_a_bad_radio(changed, lost, least, most):
     assert least <= len(read) / len(sent) <= most
     decoder = Decoder()
     decoder.feed(spoilt(stream, changed, lost, rng))
-    assert decoder.feed(encode(9, 2, {}))[-1] == Command(9, 2, {})
+    assert decoder.feed(encode(9, 2, {}))[-1] == CommandFrame(9, 2, {})
 
 
 def test_noise_says_nothing():

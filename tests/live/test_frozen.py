@@ -6,13 +6,13 @@ import math
 
 import pytest
 
-from app.live.arm import Request
-from app.live.limits import CarLimits
+from app.live.control.arm import OperatorRequest
+from app.live.control.limits import CarLimits
+from app.live.control.travel import DELAY, Travel
 from app.live.links.link import RUN, STOP
-from app.live.travel import DELAY, Travel
 from live.rooms import LAB, Room, Steady, lab
 
-ARM = Request("arm", "test")
+ARM = OperatorRequest("arm", "test")
 
 
 def test_a_stream_that_freezes_at_full_speed_before_the_fence_leaves_room():

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.injected import INJECTED, Injected, Injection
-from app.live.pose import Pose, seen
+from app.live.control.injected import INJECTED, Injected, Injection
+from app.live.control.pose import Pose, seen
 from live.rooms import lab
 from worlds.refusal import Refusal
 

@@ -10,11 +10,11 @@ from contextlib import contextmanager
 import pytest
 from cli.calling import call
 
-from app.live.firmware import WATCHDOG
+from app.live.control.loop import PARTING
+from app.live.links.firmware import WATCHDOG
 from app.live.links.link import RUN, STOP
-from app.live.loop import PARTING
-from app.live.record import EVERY
-from app.live.replay import read, replay
+from app.live.recording.record import EVERY
+from app.live.recording.replay import read, replay
 from live.logged_cars import LoggedRoom
 from live.rooms import ROUND, Steady
 from live.served_room import descendants, is_there
@@ -45,7 +45,7 @@ def again(_lab):
     return Steady(ROUND)
 
 
-def test_the_desk_is_killed_and_the_recording_says_that_the_cars_were_told_to_stop(room):
+def test_the_operator_is_killed_and_the_recording_says_that_the_cars_were_told_to_stop(room):
     with ended(room):
         room.process.kill()
     modes = room.silence()
@@ -61,9 +61,9 @@ def test_the_desk_is_killed_and_the_recording_says_that_the_cars_were_told_to_st
         assert tick.sent["red"] == pytest.approx(heard.commands[1], abs=0.01)
     events = recorded.events()
     assert [event["kind"] for event in events[-3:]] == ["hold", "stop", "end"]
-    assert events[-3]["words"] == "held: the desk is gone"
+    assert events[-3]["words"] == "held: the operator is gone"
     assert events[-1]["words"] == (
-        "the control loop ends (the desk is gone): 5 frames told the cars to stop"
+        "the control loop ends (the operator is gone): 5 frames told the cars to stop"
     )
     assert replay(room.recording, again).differs == ""
     assert room.closest() > APART
@@ -75,7 +75,7 @@ def heard_last(room, ending):
     return found
 
 
-@pytest.mark.parametrize("who", ["the loop", "desk and loop"])
+@pytest.mark.parametrize("who", ["the loop", "operator and loop"])
 def test_the_loop_is_killed_and_recover_says_what_was_sent_last(room, who):
     with ended(room):
         if who == "the loop":

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.area import Area
-from app.live.injected import INJECTED
-from app.live.kinds import words_of
-from app.live.lab import lab_from_toml, read_lab
-from app.live.lab_lines import line_of
+from app.live.control.area import Area
+from app.live.control.injected import INJECTED
+from app.live.kinds import name_of
+from app.live.laboratory.lab import lab_from_toml, read_lab
+from app.live.laboratory.lines import line_of
 from live.rooms import LAB, lab
 from worlds.refusal import Refusal
 
@@ -360,4 +360,4 @@ def test_the_file_on_the_page_says_what_holds_without_it():
 
 def test_the_own_link_of_a_laboratory_is_called_by_its_file_alone():
     own = lab(LAB.replace('"dry"', '"/home/ann/my_radio.py:/dev/ttyACM0"'))
-    assert words_of(own.link) == "my_radio.py:/dev/ttyACM0"
+    assert name_of(own.link) == "my_radio.py:/dev/ttyACM0"

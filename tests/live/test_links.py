@@ -14,15 +14,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents import plug_ins
 from app.live.links import links, wire
 from app.live.links.chain import encode_chain
-from app.live.links.frame import Command, Decoder, encode
+from app.live.links.frame import CommandFrame, Decoder, encode
 from app.live.links.jam import MOST_IN_A_ROW
 from app.live.links.link import EMERGENCY, RUN, STOP, LinkLost, shortage
 from app.live.links.links import open_link
-from app.live.links.place import read_place
+from app.live.place import read_place
 from live.chain_cars import chain_of
+from worlds import plug_ins
 from worlds.refusal import Refusal
 
 FOUR = {1: (0.5, 1.0), 2: (-1.0, 0.25), 3: (0.0, 0.0), 4: (1.0, -1.0)}
@@ -123,7 +123,7 @@ def test_a_dry_run_checks_and_keeps_and_sends_nothing(capsys):
     link = open_link("dry?every=2")
     for seq in range(3):
         link.send(seq, RUN, {1: (0.3, 0.4)})
-    assert link.last == Command(2, RUN, {1: (0.3, 0.4)})
+    assert link.last == CommandFrame(2, RUN, {1: (0.3, 0.4)})
     lines = [f"dry?every=2: {encode(seq, RUN, {1: (0.3, 0.4)}).hex(' ')}" for seq in (0, 2)]
     assert capsys.readouterr().out.splitlines() == lines
     link.close()
@@ -176,7 +176,7 @@ def test_which_links_can_carry_a_hundred_frames_per_second(ends):
     assert shortage(open_link("dry"), 30) == ""
 
 
-class NoRoom:
+class NoFreeSpace:
     """A port whose buffer still holds what was written before."""
 
     out_waiting = 3
@@ -185,7 +185,7 @@ class NoRoom:
 def test_a_frame_is_dropped_while_the_one_before_is_on_its_way(ends, monkeypatch):
     end, port = ends
     link = open_link(f"serial:{port}")
-    monkeypatch.setattr(link.wire, "port", NoRoom())
+    monkeypatch.setattr(link.wire, "port", NoFreeSpace())
     link.send(1, RUN, FOUR)
     monkeypatch.undo()
     link.send(2, RUN, FOUR)
@@ -251,8 +251,9 @@ def test_any_text_is_taken_apart_or_refused(text):
 
 def test_a_link_may_be_a_file_of_ones_own(tmp_path):
     (tmp_path / "mine.py").write_text(
-        "from app.live.links.dry import DryLink\n"
-        "def open_link(place):\n    return DryLink(place.where)\n"
+        "from flockscope.live import CarLink\n"
+        "class Mine(CarLink):\n    def __init__(self, name):\n        self.name = name\n"
+        "def open_link(place):\n    return Mine(place.where)\n"
     )
     assert open_link("mine.py:/dev/thing", tmp_path).name == "/dev/thing"
     with pytest.raises(Refusal, match=r"there is no file .*yours\.py"):

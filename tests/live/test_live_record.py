@@ -15,21 +15,21 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from app.live.arm import Request
-from app.live.control import Control
-from app.live.injected import Injected
+from app.live.control.arm import OperatorRequest
+from app.live.control.control import Control
+from app.live.control.injected import Injected
+from app.live.control.loop import Loop
+from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.links import open_link
-from app.live.loop import Loop
-from app.live.pose import Frame, Pose, Sighting
-from app.live.record import TABLES, Recording
-from app.live.recovery import recover
-from app.live.replay import bits, read, replay
+from app.live.recording.record import TABLES, Recording
+from app.live.recording.recovery import recover
+from app.live.recording.replay import bits, read, replay
 from live.rooms import LAB, Steady, lab
 from worlds.refusal import Refusal
 
 ROOT = Path(__file__).parents[2]
-ARM = Request("arm", "test")
+ARM = OperatorRequest("arm", "test")
 
 
 class Nervous:
@@ -90,7 +90,7 @@ class Wild:
             elif fault == 5:
                 bodies.append(Sighting("a chair", Pose(0.0, 0.0, 0.0), True))
             sent = None if fault == 6 else self.number / 100.0
-            frames.append(Frame(self.number, self.clock() - 0.004, tuple(bodies), sent))
+            frames.append(MocapFrame(self.number, self.clock() - 0.004, tuple(bodies), sent))
         self.drive()
         return frames
 
@@ -160,16 +160,16 @@ def test_a_replay_is_the_same_to_the_bit(tmp_path, seed):
 def test_what_was_asked_is_replayed(tmp_path):
     asked = {
         5: ARM,
-        100: Request("tune", "browser 1", json.dumps({"gain": 0.1 + 0.2})),
-        120: Request("tune", "browser 1", json.dumps({"grain": 1})),
-        130: Request("tune", "browser 1", "no JSON"),
-        131: Request("tune", "browser 1", "[1]"),
-        132: Request("tune", "browser 1", "[" * 100_000),
-        150: Request("emergency", "terminal", "a foot"),
+        100: OperatorRequest("tune", "browser 1", json.dumps({"gain": 0.1 + 0.2})),
+        120: OperatorRequest("tune", "browser 1", json.dumps({"grain": 1})),
+        130: OperatorRequest("tune", "browser 1", "no JSON"),
+        131: OperatorRequest("tune", "browser 1", "[1]"),
+        132: OperatorRequest("tune", "browser 1", "[" * 100_000),
+        150: OperatorRequest("emergency", "terminal", "a foot"),
         170: ARM,
-        180: Request("reset", "terminal"),
+        180: OperatorRequest("reset", "terminal"),
         190: ARM,
-        250: Request("disarm", "terminal"),
+        250: OperatorRequest("disarm", "terminal"),
     }
     loop = record(tmp_path / "run", 300, seed=11, requests=asked)
     assert replay(tmp_path / "run", make).differs == ""

@@ -8,18 +8,18 @@ import time
 
 import pytest
 
-from app.live.arm import Request
-from app.live.control import Control
-from app.live.events import KEPT, Event, Events
-from app.live.injected import Injected
+from app.live.control.arm import OperatorRequest
+from app.live.control.control import Control
+from app.live.control.events import KEPT, Event, Events
+from app.live.control.injected import Injected
+from app.live.control.loop import MOST_REQUESTS, PARTING, STATUS_EVERY, Loop
+from app.live.control.pose import MocapFrame, Pose, seen
+from app.live.control.timing import KEPT as SPANS
+from app.live.control.timing import Durations
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.loop import LOOK_EVERY, MOST_REQUESTS, PARTING, Loop
-from app.live.pose import Frame, Pose, seen
-from app.live.timing import KEPT as SPANS
-from app.live.timing import Spans
 from live.rooms import LAB, Steady, lab
 
-ARM = Request("arm", "test")
+ARM = OperatorRequest("arm", "test")
 
 
 class Clock:
@@ -53,7 +53,7 @@ class Standing:
         self.number += 1
         assert number < self.number
         cars = (seen("red", Pose(0.0, 0.0, 0.0)), seen("blue body", Pose(0.0, 1.0, 0.0)))
-        return [Frame(self.number, self.clock(), cars)]
+        return [MocapFrame(self.number, self.clock(), cars)]
 
 
 class Radio:
@@ -154,7 +154,7 @@ def test_a_tick_that_is_late_by_less_than_a_period_is_made_at_once():
 def test_every_tick_sends_whatever_the_mode():
     loop, _, radio = loop_of()
     radio.then[5] = lambda: loop.ask(ARM)
-    radio.then[10] = lambda: loop.ask(Request("emergency", "test"))
+    radio.then[10] = lambda: loop.ask(OperatorRequest("emergency", "test"))
     run(loop, 20)
     assert radio.modes == [STOP] * 5 + [RUN] * 5 + [EMERGENCY] * 10 + [EMERGENCY] * PARTING
     assert [seq for seq, _, _ in radio.sent] == list(range(1, 20 + PARTING + 1))
@@ -190,7 +190,7 @@ def test_the_end_is_a_stop_when_the_loop_itself_fails(error):
 
 def test_an_emergency_stop_asked_for_in_the_last_tick_is_sent():
     loop, _, radio = loop_of()
-    radio.then[3] = lambda: (loop.ask(Request("emergency", "test")), loop.leave("test"))
+    radio.then[3] = lambda: (loop.ask(OperatorRequest("emergency", "test")), loop.leave("test"))
     loop.run()
     assert radio.modes == [STOP] * 3 + [EMERGENCY] * PARTING
 
@@ -198,7 +198,7 @@ def test_an_emergency_stop_asked_for_in_the_last_tick_is_sent():
 def test_an_emergency_stop_overtakes_every_other_request():
     loop, _, radio = loop_of()
     radio.then[2] = lambda: [loop.ask(ARM) for _ in range(5 * MOST_REQUESTS)]
-    radio.then[3] = lambda: loop.ask(Request("emergency", "browser"))
+    radio.then[3] = lambda: loop.ask(OperatorRequest("emergency", "browser"))
     run(loop, 6)
     assert radio.modes[:6] == [STOP, STOP, RUN, EMERGENCY, EMERGENCY, EMERGENCY]
 
@@ -207,20 +207,20 @@ def test_an_emergency_stop_overtakes_every_other_request():
 def test_what_was_asked_before_an_emergency_stop_does_not_undo_it(before):
     loop, _, _ = loop_of()
     loop.tick()
-    loop.ask(Request("emergency", "browser 1"))
+    loop.ask(OperatorRequest("emergency", "browser 1"))
     loop.tick()
     for _ in range(before):
-        loop.ask(Request("disarm", "browser 2"))
-    loop.ask(Request("reset", "browser 2"))
+        loop.ask(OperatorRequest("disarm", "browser 2"))
+    loop.ask(OperatorRequest("reset", "browser 2"))
     loop.ask(ARM)
-    loop.ask(Request("emergency", "browser 1"))
+    loop.ask(OperatorRequest("emergency", "browser 1"))
     for _ in range(40):
         loop.tick()
     assert loop.control.safety.arm.state == "emergency"
     refused = [one.words for one in loop.events.since(0)[1] if one.kind == "refused"]
-    assert refused == [f"{wish}: overtaken by an emergency stop" for wish in ("reset", "arm")]
-    loop.ask(Request("emergency", "browser 1"))
-    loop.ask(Request("reset", "browser 2"))
+    assert refused == [f"{action}: overtaken by an emergency stop" for action in ("reset", "arm")]
+    loop.ask(OperatorRequest("emergency", "browser 1"))
+    loop.ask(OperatorRequest("reset", "browser 2"))
     loop.tick()
     assert loop.control.safety.arm.state == "safe"
 
@@ -259,7 +259,7 @@ def test_a_link_that_fails_takes_the_arming_away_once_more_if_armed_again():
     assert log.count(("link", "the link works again")) == 1
 
 
-def test_a_desk_that_has_long_been_silent_takes_the_arming_away():
+def test_an_operator_that_has_long_been_silent_takes_the_arming_away():
     loop, clock, _ = loop_of()
     loop.tick()
     loop.ask(ARM)
@@ -274,7 +274,7 @@ def test_a_desk_that_has_long_been_silent_takes_the_arming_away():
     assert loop.events.since(0)[1][-1].words == "the cars stop"
     held = [event for event in loop.events.since(0)[1] if event.kind == "hold"]
     assert [(one.words, one.cause) for one in held] == [
-        ("held: the desk has been silent for 2 s", "desk")
+        ("held: the operator has been silent for 2 s", "operator")
     ]
 
 
@@ -308,7 +308,7 @@ def test_a_look_shows_the_cars():
     loop.feed.cut = True
     for state, later in (("late", 0.05), ("lost", 0.1)):
         clock.now += later
-        for _ in range(LOOK_EVERY):
+        for _ in range(STATUS_EVERY):
             loop.tick()
         assert [car.state for car in loop.latest.cars] == [state, state]
     assert loop.latest.cars[0].age == pytest.approx(0.15)
@@ -331,7 +331,7 @@ def test_events_are_kept_up_to_a_number():
 
 
 def test_a_summary_is_of_the_last_spans():
-    spans = Spans()
+    spans = Durations()
     assert math.isnan(spans.summary().median)
     for k in range(SPANS + 100):
         spans.add(float(k))

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.live.pose import Pose, seen, unseen
+from app.live.control.pose import Pose, seen, unseen
 from app.live.sources import mocap
 from app.live.sources.axes import Axes
 from app.live.sources.feed import Feed

@@ -18,10 +18,9 @@ from viser import _messages as messages
 from viser.infra._messages import wire_field_names
 from websockets.exceptions import ConnectionClosed
 
-from agents.declare import declared
-from app.live.choices import links, rules, sources
-from app.live.example import example
-from app.viewer.server import UNWANTED
+from agents.models.declare import declared
+from app.live.laboratory.example import example
+from app.viewer.web.server import UNWANTED
 from tests.live.opened_page import opened
 from tests.live.stand_in import CAMERA, StandIn
 from tests.live.waiting import until
@@ -100,7 +99,7 @@ def page():
 @pytest.fixture
 def witness(page):
     """A browser that behaves; the cars are safe before and after."""
-    page.room.place(0.0, 0.0)
+    page.session.place(0.0, 0.0)
     with StandIn(page.server.get_port()) as browser:
         until(lambda: browser.found("Trail length"), SOON)
         yield browser
@@ -109,10 +108,10 @@ def witness(page):
 
 def make_safe(page, browser):
     """No emergency stop, not armed."""
-    page.room.ask("disarm", "test")
-    if page.room.look.arm == "emergency" or page.room.latch:
+    page.session.ask("disarm", "test")
+    if page.session.status.arm == "emergency" or page.session.latch:
         browser.press("Reset the emergency stop")
-    until(lambda: page.room.look.arm == "safe" and not page.room.latch, SOON)
+    until(lambda: page.session.status.arm == "safe" and not page.session.latch, SOON)
 
 
 def throw(page, said):
@@ -138,30 +137,30 @@ def throw(page, said):
     until(taken_in, SOON)
     for browser in browsers:
         browser.socket.close()
-    due, look = page.panels_due, page.room.look
-    until(lambda: page.panels_due > due and page.room.look is not look, SOON)
+    due, status = page.panels_due, page.session.status
+    until(lambda: page.panels_due > due and page.session.status is not status, SOON)
 
 
 def everything_is_within_its_limits(page):
-    state, look, lab = page.room.state, page.room.look, page.lab
-    assert state.status == "open"
-    assert state.source in sources(lab)
-    assert state.link in links(lab)
-    assert state.rule in rules(lab)
+    state, status, lab = page.session.state, page.session.status, page.lab
+    assert state.phase == "open"
+    assert state.source in page.session.chosen.sources
+    assert state.link in page.session.chosen.links
+    assert state.rule in page.session.chosen.rules
     for one in declared(state.model.parameters):
         value = state.values[one.name]
         if one.kind == "number":
             assert one.low <= value <= one.high, one.name
         else:
             assert value in (one.choices or (True, False)), one.name
-    for car in look.cars:
+    for car in status.cars:
         steer, throttle = car.sent
         limits = lab.cars[car.name]
         assert abs(steer) <= limits.steer
         assert -limits.reverse <= throttle <= limits.throttle
         assert car.runs or throttle == 0.0
-    assert lab.area.inside(look.injected.x, look.injected.y) >= -1e-9
-    assert 0 <= len(look.companions) <= lab.simulated.most
+    assert lab.area.inside(status.injected.x, status.injected.y) >= -1e-9
+    assert 0 <= len(status.companions) <= lab.simulated.most
     for control in page.server.gui._gui_input_handle_from_uuid.values():
         if isinstance(control, NUMBERS):
             assert control.min <= control.value <= control.max
@@ -176,14 +175,14 @@ def controls(page, *but):
 
 
 def never_armed_since(page, number):
-    return all(event.kind not in ("arm", "run") for event in page.room.events[number:])
+    return all(event.kind not in ("arm", "run") for event in page.session.events[number:])
 
 
 @pytest.mark.usefixtures("witness")
 @PLENTY
 @given(junk=st.lists(JUNK, min_size=1, max_size=4))
 def test_junk_for_every_control_changes_nothing_that_counts(page, junk):
-    events = len(page.room.events)
+    events = len(page.session.events)
     throw(
         page,
         (
@@ -193,7 +192,7 @@ def test_junk_for_every_control_changes_nothing_that_counts(page, junk):
         ),
     )
     everything_is_within_its_limits(page)
-    assert page.room.look.arm == "safe"
+    assert page.session.status.arm == "safe"
     assert never_armed_since(page, events)
 
 
@@ -204,10 +203,10 @@ def test_junk_for_every_control_changes_nothing_that_counts(page, junk):
     raw=st.lists(st.one_of(st.binary(max_size=30), st.text(max_size=30)), max_size=2),
 )
 def test_messages_of_any_kind_arm_nothing_and_the_page_goes_on(page, said, raw):
-    events = len(page.room.events)
+    events = len(page.session.events)
     throw(page, [*said, *raw, {"type": "Nonsense"}, CAMERA])
     everything_is_within_its_limits(page)
-    assert page.room.look.arm == "safe"
+    assert page.session.status.arm == "safe"
     assert never_armed_since(page, events)
 
 
@@ -227,13 +226,13 @@ def test_the_injected_car_is_dragged_no_further_than_the_fence(page, place):
         ],
     )
     everything_is_within_its_limits(page)
-    assert page.room.look.arm == "safe"
+    assert page.session.status.arm == "safe"
 
 
 def test_nobody_else_can_say_yes_to_the_question_of_one_browser(page, witness):
     witness.press("Arm …")
     until(lambda: witness.found("Arm"))
-    events = len(page.room.events)
+    events = len(page.session.events)
     throw(
         page,
         [{"type": "GuiUpdateMessage", "uuid": witness.found("Arm"), "updates": {"value": True}}],
@@ -243,7 +242,7 @@ def test_nobody_else_can_say_yes_to_the_question_of_one_browser(page, witness):
 
 
 def test_no_key_and_no_button_but_the_two_arms(page, witness):
-    events = len(page.room.events)
+    events = len(page.session.events)
     left_out = {"Open", "Open again", "Arm …"}
     for uuid, one in tuple(witness.controls.items()):
         if one["kind"] == "GuiButtonMessage" and one["label"] not in left_out:
@@ -251,17 +250,17 @@ def test_no_key_and_no_button_but_the_two_arms(page, witness):
             witness.say(type="GuiButtonHoldMessage", uuid=uuid, frequency=5.0)
     for uuid in witness.commands.values():
         witness.say(type="CommandTriggerMessage", uuid=uuid)
-    until(lambda: page.room.latch and page.room.look.arm == "emergency", SOON)
+    until(lambda: page.session.latch and page.session.status.arm == "emergency", SOON)
     throw(page, [])
     assert never_armed_since(page, events)
 
 
 @pytest.mark.parametrize("junk", [None, [1.0, 2.0]])
 def test_the_cars_stop_when_the_browser_that_armed_them_is_gone(page, junk):
-    page.room.place(0.0, 0.0)
+    page.session.place(0.0, 0.0)
     with StandIn(page.server.get_port()) as browser:
-        browser.arm(page.room.code.digits)
-        until(lambda: page.room.look.arm == "armed", SOON)
+        browser.arm(page.session.code.digits)
+        until(lambda: page.session.status.arm == "armed", SOON)
         if junk:
             browser.say(
                 type="TransformControlsUpdateMessage",
@@ -271,8 +270,8 @@ def test_the_cars_stop_when_the_browser_that_armed_them_is_gone(page, junk):
                 wxyz=CAMERA["wxyz"],
             )
         until(lambda: page.browsers() == 1, SOON)
-    until(lambda: page.room.look.arm == "safe", SOON)
-    assert any(event.cause == "the last browser is gone" for event in page.room.events[-6:])
+    until(lambda: page.session.status.arm == "safe", SOON)
+    assert any(event.cause == "the last browser is gone" for event in page.session.events[-6:])
 
 
 def test_a_drag_does_reach_the_injected_car(page, witness):
@@ -283,13 +282,13 @@ def test_a_drag_does_reach_the_injected_car(page, witness):
     )
     witness.say(type="TransformControlsDragEndMessage", **pose)
     edge = page.lab.area.high[0] - page.lab.area.fence
-    until(lambda: page.room.look.injected.x == pytest.approx(edge), SOON)
+    until(lambda: page.session.status.injected.x == pytest.approx(edge), SOON)
 
 
 def test_junk_while_the_cars_run_keeps_them_within_their_limits(page, witness):
     seen = []
-    witness.arm(page.room.code.digits)
-    until(lambda: page.room.look.arm == "armed", SOON)
+    witness.arm(page.session.code.digits)
+    until(lambda: page.session.status.arm == "armed", SOON)
     for value in (1e308, -1e308, math.nan, True, "9", None, [1.0], 0):
         said = [
             {"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}}
@@ -297,9 +296,9 @@ def test_junk_while_the_cars_run_keeps_them_within_their_limits(page, witness):
         ]
         throw(page, said)
         everything_is_within_its_limits(page)
-        seen.append(page.room.look.arm)
+        seen.append(page.session.status.arm)
     assert seen[0] == "armed"
     assert set(seen) <= {"armed", "safe"}
-    assert page.room.state.rule == page.lab.rule
+    assert page.session.state.rule == page.lab.rule
     witness.stop()
-    until(lambda: page.room.look.arm == "emergency", SOON)
+    until(lambda: page.session.status.arm == "emergency", SOON)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from app.live.events import Event, Events
-from app.live.lab import lab_from_toml
-from app.live.parts import MB, RESERVE, Kept, parts_of
-from app.live.record import TABLES, Recording
-from app.live.recovery import ending, recover
-from app.live.replay import read, replay
+from app.live.control.events import Event, Events
+from app.live.laboratory.lab import lab_from_toml
+from app.live.laboratory.parts import MB, RESERVE, RecordingLimits, parts_of
+from app.live.recording.record import TABLES, Recording
+from app.live.recording.recovery import ending, recover
+from app.live.recording.replay import read, replay
 from live.rooms import LAB
 from live.test_live_record import make, record
 from worlds.refusal import Refusal
@@ -23,11 +23,11 @@ def small(monkeypatch):
 
     def kept(part, most):
         def begin(self, folder, laboratory, _kept=None):
-            begun(self, folder, laboratory, Kept.model_construct(part=part, most=most))
+            begun(self, folder, laboratory, RecordingLimits.model_construct(part=part, most=most))
 
         begun = Recording.__init__
         monkeypatch.setattr(Recording, "__init__", begin)
-        return Kept.model_construct(part=part, most=most)
+        return RecordingLimits.model_construct(part=part, most=most)
 
     return kept
 
@@ -145,8 +145,8 @@ def test_what_is_kept_is_checked_as_all_else_in_the_file(values, words):
 
 
 def test_the_file_says_how_much_is_kept():
-    assert lab_from_toml(SMALL, "room.toml").recording == Kept(part=1.0, most=4.0)
-    assert lab_from_toml(LAB, "room.toml").recording == Kept(part=200.0, most=20_000.0)
+    assert lab_from_toml(SMALL, "room.toml").recording == RecordingLimits(part=1.0, most=4.0)
+    assert lab_from_toml(LAB, "room.toml").recording == RecordingLimits(part=200.0, most=20_000.0)
 
 
 def test_a_disk_that_takes_nothing_is_given_up(tmp_path):

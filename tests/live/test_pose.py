@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.pose import Frame, Pose, seen, unseen
+from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.sources.axes import NOSES, Axes, turned
 from worlds.refusal import Refusal
 
@@ -19,7 +19,7 @@ ABOUT_X = (HALF, 0.0, 0.0, HALF)
 
 
 def test_a_frame_tells_only_of_what_it_tracks():
-    frame = Frame(1, 10.0, (seen("car1", Pose(1.0, 2.0, 3.0)), unseen("car2")))
+    frame = MocapFrame(1, 10.0, (seen("car1", Pose(1.0, 2.0, 3.0)), unseen("car2")))
     assert frame.pose("car1") == Pose(1.0, 2.0, 3.0)
     assert frame.pose("car2") is None
     assert frame.pose("car3") is None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.live.pose import Pose, seen, unseen
+from app.live.control.pose import Pose, seen, unseen
 from app.live.sources import recorded
 from app.live.sources.axes import Axes
 from app.live.sources.feed import Feed

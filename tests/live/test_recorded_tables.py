@@ -6,7 +6,7 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 
-from app.live.pose import Pose, seen, unseen
+from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import Axes
 from app.live.sources.recorded import Recorded
 from app.live.sources.recording import RecordedFrame

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.arm import Request
-from app.live.limits import CarLimits, Limits
+from app.live.control.arm import OperatorRequest
+from app.live.control.limits import CarLimits, Limits
+from app.live.control.pose import MocapFrame, Pose, Sighting, seen
+from app.live.control.safety import Safety, limited
+from app.live.control.travel import DELAY, LEAST
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.pose import Frame, Pose, Sighting, seen
-from app.live.safety import Safety, limited
-from app.live.travel import DELAY, LEAST
 from live.rooms import TICK, Room, Steady, lab
 from worlds.refusal import Refusal
 
-ARM = Request("arm", "test")
+ARM = OperatorRequest("arm", "test")
 
 
 def one_car(**limits) -> Safety:
@@ -25,8 +25,8 @@ def one_car(**limits) -> Safety:
     return Safety(Limits(**limits), lab().area, {"red": CarLimits()})
 
 
-def frame(number: int, received: float, x: float = 0.0, y: float = 0.0) -> Frame:
-    return Frame(number, received, (seen("red", Pose(x, y, 0.0)),))
+def frame(number: int, received: float, x: float = 0.0, y: float = 0.0) -> MocapFrame:
+    return MocapFrame(number, received, (seen("red", Pose(x, y, 0.0)),))
 
 
 def run(safety: Safety, now: float) -> None:
@@ -112,14 +112,14 @@ def test_a_repeated_frame_does_not_count():
 )
 def test_what_is_no_sighting_does_not_count(sighting):
     safety = one_car()
-    assert safety.see(0.0, Frame(0, 0.0, (sighting,))) == ()
+    assert safety.see(0.0, MocapFrame(0, 0.0, (sighting,))) == ()
     assert math.isinf(safety.seen.age("red", 0.0))
 
 
 def test_a_body_that_is_tracked_twice_is_not_seen():
     safety = one_car()
     twice = (seen("red", Pose(0.0, 0.0, 0.0)), seen("red", Pose(1.0, 0.0, 0.0)))
-    assert safety.see(0.0, Frame(0, 0.0, twice)) == ()
+    assert safety.see(0.0, MocapFrame(0, 0.0, twice)) == ()
 
 
 @pytest.mark.parametrize(("x", "y"), [(2.5, 0.0), (-2.5, 0.0), (0.0, 2.5), (0.0, -2.5)])
@@ -242,7 +242,7 @@ def test_wheels_stay_as_they_are_in_a_stop():
     room = Room(driver=Steady((0.6, 1.0)))
     room.arm()
     room.ticks(0.3)
-    room.tick(Request("disarm", "test"))
+    room.tick(OperatorRequest("disarm", "test"))
     assert room.step.verdict.commands["red"] == (0.6, 0.0)
 
 
@@ -279,19 +279,19 @@ def test_whatever_happens_nothing_exceeds_the_limits(moments, throttle, reverse)
     safety = Safety(Limits(), lab().area, {"red": car})
     now, steered, number = 0.0, 0.0, 0
     emergency = False
-    for step, wishes, where, wanted in moments:
+    for step, actions, where, wanted in moments:
         now += step
         newest = None
         if where is not None:
             number += 1
-            newest = Frame(number, now, (Sighting("red", Pose(*where[:2], 0.0), where[2]),))
+            newest = MocapFrame(number, now, (Sighting("red", Pose(*where[:2], 0.0), where[2]),))
         safety.see(now, newest)
-        for wish in wishes:
+        for action in actions:
             try:
-                safety.ask(now, Request(wish, "test"))
+                safety.ask(now, OperatorRequest(action, "test"))
             except Refusal:
-                assert wish == "arm"
-            emergency = wish == "emergency" or (emergency and wish != "reset")
+                assert action == "arm"
+            emergency = action == "emergency" or (emergency and action != "reset")
         armed = safety.arm.state == "armed"
         verdict = safety.judge(now, {} if wanted is None else {"red": wanted})
         steer, drive = verdict.commands["red"]

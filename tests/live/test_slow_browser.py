@@ -19,7 +19,7 @@ import time
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
-from app.live.example import example
+from app.live.laboratory.example import example
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
 from tests.live.opened_page import BEGINS, opened
 from tests.live.served_room import ServedRoom, descendants, is_there
@@ -51,49 +51,49 @@ def operator(page):
         browser.usual, _ = pace(page)
         yield browser
         browser.stop()
-        until(lambda: page.room.look.arm == "emergency", SOON)
+        until(lambda: page.session.status.arm == "emergency", SOON)
         browser.press("Reset the emergency stop")
-        until(lambda: page.room.look.arm == "safe", SOON)
+        until(lambda: page.session.status.arm == "safe", SOON)
 
 
 def arm(page, browser):
     """Arm, again where a busy machine had the cars held, until they drive."""
 
     def drives():
-        if page.room.look.arm == "safe" and not page.room.look.reasons:
-            browser.arm(page.room.code.digits)
+        if page.session.status.arm == "safe" and not page.session.status.reasons:
+            browser.arm(page.session.code.digits)
             time.sleep(0.2)
-        return page.room.frame.speed.min() > 0.3
+        return page.session.frame.speed.min() > 0.3
 
     until(drives, BEGINS)
 
 
 def pace(page):
     """Ticks per second of the loop's own clock, and of this machine's."""
-    before, began = page.room.look, time.monotonic()
+    before, began = page.session.status, time.monotonic()
     time.sleep(WATCHED)
-    look, took = page.room.look, time.monotonic() - began
-    ticks = look.tick - before.tick
-    return ticks / (look.time - before.time), ticks / took
+    status, took = page.session.status, time.monotonic() - began
+    ticks = status.tick - before.tick
+    return ticks / (status.time - before.time), ticks / took
 
 
 def keeps_its_time(page, usual):
     """The loop ticks as before, which a machine that is busy lets it, and the cars go on."""
-    places = page.room.frame.position
+    places = page.session.frame.position
     ticks, seen = pace(page)
-    look = page.room.look
-    assert look.period.median == pytest.approx(0.01, abs=0.002)
+    status = page.session.status
+    assert status.period.median == pytest.approx(0.01, abs=0.002)
     assert ticks > SLOWER * usual
     assert seen > SLOWER * usual
-    if look.arm == "armed":  # a machine that is very busy may have held them
-        assert abs(page.room.frame.position - places).sum(axis=1).min() > 0.1
+    if status.arm == "armed":  # a machine that is very busy may have held them
+        assert abs(page.session.frame.position - places).sum(axis=1).min() > 0.1
 
 
 def stopped_within(page, browser):
     """Seconds from pressing the emergency stop until the loop has it."""
     began = time.monotonic()
     browser.stop()
-    until(lambda: page.room.look.arm == "emergency", SOON)
+    until(lambda: page.session.status.arm == "emergency", SOON)
     return time.monotonic() - began
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from app.live.pose import Pose, seen, unseen
+from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import NOSES, UNITS, UPS
 from app.live.sources.feed import Feed
 from app.live.sources.mocap import SYSTEMS

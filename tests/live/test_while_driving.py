@@ -17,8 +17,8 @@ import pytest
 from cli.calling import call
 
 from app.live.links.link import STOP
-from app.live.record import TABLES
-from app.live.replay import read, replay
+from app.live.recording.record import TABLES
+from app.live.recording.replay import read, replay
 from live.logged_cars import LoggedRoom
 from live.rooms import ROUND, Steady
 from live.served_room import is_there
@@ -40,7 +40,7 @@ def again(_lab):
 
 
 def replays(room):
-    """The desk is killed, the loop finishes its recording, which comes out the same; its events."""
+    """The operator is killed, the loop finishes its recording, which replays; its events."""
     room.process.kill()
     room.process.wait()
     room.silence()
@@ -64,7 +64,7 @@ def test_the_page_is_stopped_and_goes_on(room):
     numbers = [one.seq for one in room.heard[before:]]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))  # the loop went on
     words = [event["words"] for event in replays(room) if event["kind"] == "hold"]
-    assert words[-1] == "held: the desk has been silent for 2 s"
+    assert words[-1] == "held: the operator has been silent for 2 s"
 
 
 def test_the_loop_is_stopped_and_goes_on(room):
@@ -121,8 +121,8 @@ def test_the_time_of_day_jumps(tmp_path):
 
 
 ALLOWED = {
-    ("app/live/record.py", "time.time"),
-    ("app/viewer/live/room.py", "datetime.now"),
+    ("app/live/recording/record.py", "time.time"),
+    ("app/viewer/live/session.py", "datetime.now"),
     ("app/viewer/live/panels/log.py", "datetime.now"),
     ("app/viewer/live/panels/log.py", "time.time"),
 }

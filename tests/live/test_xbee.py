@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from app.live.firmware import Firmware
 from app.live.links import xbee
+from app.live.links.firmware import Firmware
 from app.live.links.frame import encode, size
 from app.live.links.link import RUN, STOP, LinkLost, shortage
 from app.live.links.links import open_link

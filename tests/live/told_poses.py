@@ -8,10 +8,10 @@ import socket
 import time
 from itertools import count
 
-from app.live.ends import Ends
-from app.live.lab import Lab
+from app.live.control.pose import MocapFrame, Pose, seen
+from app.live.laboratory.lab import Lab
 from app.live.links.links import open_link
-from app.live.pose import Frame, Pose, seen
+from app.live.operating.ends import Ends
 from live.rooms import ROUND, Steady
 
 MOST_BYTES = 100_000
@@ -39,7 +39,7 @@ class Told:
                 return frames
             self.number += 1
             cars = tuple(seen(name, Pose(*at)) for name, at in poses.items())
-            frames.append(Frame(self.number, received, cars))
+            frames.append(MocapFrame(self.number, received, cars))
 
 
 def circling(lab: Lab) -> Ends:

@@ -26,7 +26,7 @@ def close_up(flock, row):
         np.uint64(0),
         n,
     )
-    ground = flock.engine.ground
-    away = np.hypot(ground.point_x - q[0, row], ground.point_y - q[1, row])
-    x, y = ground.point_x[away <= flock.reach], ground.point_y[away <= flock.reach]
+    surroundings = flock.engine.surroundings
+    away = np.hypot(surroundings.point_x - q[0, row], surroundings.point_y - q[1, row])
+    x, y = surroundings.point_x[away <= flock.reach], surroundings.point_y[away <= flock.reach]
     return me, Near(n, *q, *u, told, np.ones(n), len(x), x, y, np.empty(len(x)))

@@ -8,7 +8,7 @@ from pages.blocks import ROOT
 
 CHECKOUT = (
     "README.md", "LICENSE", "pyproject.toml", "uv.lock",
-    "agents", "app", "benchmarks", "docs", "experiments", "static", "tests", "worlds",
+    "agents", "app", "benchmarks", "docs", "experiments", "flockscope", "static", "tests", "worlds",
 )  # fmt: skip
 """What lies in that folder."""
 
@@ -22,3 +22,15 @@ def checkout(tmp_path, monkeypatch):
         (folder / name).symlink_to(ROOT / name)
     monkeypatch.chdir(folder)
     return folder
+
+
+@pytest.fixture(autouse=True)
+def catalogue(monkeypatch):
+    """The models are afterwards those of before: pages bring some of their own."""
+    from agents import catalogue
+
+    models = dict(catalogue.MODELS)
+    monkeypatch.setattr(catalogue, "FILES", {})
+    yield
+    catalogue.MODELS.clear()
+    catalogue.MODELS.update(models)

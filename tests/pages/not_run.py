@@ -11,9 +11,6 @@ ELSEWHERE = {
         "C for a microcontroller: tests/live/test_car_link_page.py compiles and drives it"
     ),
     ("docs/laboratory.md", "proxy_pass"): "a proxy's configuration: needs nginx",
-    ("docs/new-rule.md", "class Fading"): (
-        "a file for agents/rules/: tests/test_new_rule.py puts it into the catalogue"
-    ),
     ("docs/tracking.md", "Feed(open_source"): (
         "a file that its child process imports: tests/live/test_tracking_page.py starts it"
     ),
@@ -24,6 +21,9 @@ ELSEWHERE = {
 """Page, words of the block -> why it is not run here, and the test that does it."""
 
 PRINTED = {
+    ("docs/new-rule.md", "flockscope: rule 'fading'"): (
+        "printed of a typing error: tests/test_new_rule.py makes it"
+    ),
     ("docs/worlds.md", "yard.toml is sound"): "",
     ("docs/worlds.md", "flockscope: plan.dxf, layer 'WALLS'"): (
         "a refusal of a drawing that is not there: tests/worlds tests refusals"

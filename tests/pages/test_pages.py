@@ -15,7 +15,7 @@ import pytest
 import tomlkit
 
 from app.cli.main import COMMANDS
-from app.live.lab import lab_from_toml
+from app.live.laboratory.lab import lab_from_toml
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
 from pages.plan import (
@@ -28,8 +28,8 @@ from pages.plan import (
     otherwise,
 )
 from pages.running import parse, run, visit
+from worlds.layout import world_from_layout
 from worlds.readers import read_geometry
-from worlds.world import world_from_layout
 
 GROUPS = ("world", "flight", "formation", "live")
 """Commands that have commands of their own."""
@@ -75,7 +75,7 @@ def draw_bottleneck(path):
     drawing.saveas(path)
 
 
-def draw_room(path):
+def draw_box(path):
     """A floor with a hole, in one geometry without a name, as JuPedSim's examples are."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("POLYGON ((0 0, 24 0, 24 9, 0 9, 0 0), (4 4, 4 6, 7 6, 7 4, 4 4))\n")
@@ -84,8 +84,8 @@ def draw_room(path):
 READERS_OWN = {
     ("README.md", "lab.toml"): lambda path: path.write_text(file_from("docs/live.md", "lab.toml")),
     ("docs/worlds.md", "plan.dxf"): draw_plan,
-    ("docs/worlds.md", "office.wkt"): draw_room,
-    ("docs/worlds.md", "jupedsim/examples/geometry/BUW.wkt"): draw_room,
+    ("docs/worlds.md", "office.wkt"): draw_box,
+    ("docs/worlds.md", "jupedsim/examples/geometry/BUW.wkt"): draw_box,
     ("docs/worlds.md", "jupedsim/examples/geometry/dxf/ISO-Bottleneck.dxf"): draw_bottleneck,
 }
 """Page, file -> makes what the page takes for the reader's own, or from elsewhere."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.verdict import verdicts
 
 
 def flown(name, folder, runs, agents=(), **settings):
@@ -18,5 +18,5 @@ def flown(name, folder, runs, agents=(), **settings):
 def values(made, measure):
     """The values of a measure by label and size."""
     return {
-        (one.cell.label, one.cell.agents): one.values for one in made if one.measure.name == measure
+        (one.case.label, one.case.agents): one.values for one in made if one.measure.name == measure
     }

@@ -1,4 +1,4 @@
-"""Couzin et al. 2002 in small: a few cells of the map, and the way there and back."""
+"""Couzin et al. 2002 in small: a few cases of the map, and the way there and back."""
 
 from dataclasses import replace
 
@@ -6,8 +6,8 @@ import pytest
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.phase_map import map_of, ways_of
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.phase_map import map_of, ways_of
+from app.experiments.verdicts.verdict import verdicts
 
 RUNS = 3
 PLACES = {
@@ -23,9 +23,9 @@ PLACES = {
 
 
 def carried_out(folder, keep):
-    """The cells that are to be kept, carried out."""
+    """The cases that are to be kept, carried out."""
     whole = read_experiment("couzin2002-phases")
-    experiment = replace(whole, cells=[cell for cell in whole.cells if keep(cell)])
+    experiment = replace(whole, cases=[case for case in whole.cases if keep(case)])
     done = conduct(experiment, folder, runs=RUNS, seed=1, workers=2, tell=None, at=lambda *_: None)
     return verdicts(experiment, done.measured)
 
@@ -35,7 +35,7 @@ def places(tmp_path_factory):
     """The places of the map that are looked at here."""
     made = carried_out(
         tmp_path_factory.mktemp("map"),
-        lambda cell: not cell.way and (cell.value, cell.at) in PLACES,
+        lambda case: not case.way and (case.value, case.at) in PLACES,
     )
     return {(spot.x, spot.y): spot for spot in map_of(made)}
 
@@ -54,7 +54,7 @@ def test_a_torus_mills_and_a_parallel_group_goes_straight(places):
 
 def test_a_group_remembers_what_it_was(tmp_path):
     """Between the widths at which the torus breaks up and at which the parallel group does."""
-    made = carried_out(tmp_path, lambda cell: bool(cell.way))
+    made = carried_out(tmp_path, lambda case: bool(case.way))
     ways = {up.x: (up, down) for up, down in ways_of(made)}
     up, down = ways[2.5]
     assert up.p.most < 0.4 < 0.9 < down.p.least

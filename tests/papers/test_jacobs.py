@@ -6,7 +6,7 @@ is the order of the starts; the paper prints no numbers but the zero of its squa
 
 import pytest
 
-from app.experiments.claims import claims
+from app.experiments.verdicts.claims import claims
 from papers.flying import flown, values
 
 RUNS = 8

@@ -10,7 +10,7 @@ import pytest
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.statistics import difference, summary
+from app.experiments.verdicts.statistics import difference, summary
 
 RUNS = 30
 READING = {"vem": 85.5, "ivem": 55.7, "wvem": 109.2, "hwvem": 12.0, "vem-a": 575.5}
@@ -19,16 +19,16 @@ MINIMUM_IMAGE = 6.5
 
 
 def times(experiment, folder, runs=RUNS):
-    """Summary of the runs of each cell."""
+    """Summary of the runs of each case."""
     done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
-    return [(one.cell, summary(one.values["k_con"])) for one in done.measured]
+    return [(one.case, summary(one.values["k_con"])) for one in done.measured]
 
 
 @pytest.fixture(scope="module")
 def table(tmp_path_factory):
     """Table 1 for N = 100 and the models that are quick, by model."""
     experiment = read_experiment("liu2021-table1").narrowed(list(READING), [100])
-    return {cell.model: s for cell, s in times(experiment, tmp_path_factory.mktemp("table"))}
+    return {case.spec.model: s for case, s in times(experiment, tmp_path_factory.mktemp("table"))}
 
 
 @pytest.mark.parametrize("model", READING)
@@ -39,9 +39,9 @@ def test_means_are_those_of_the_reading(table, model):
 
 
 def test_means_are_those_of_the_paper(table):
-    for cell in read_experiment("liu2021-table1").narrowed(list(READING), [100]).cells:
-        s = table[cell.model]
-        assert abs(s.mean - cell.published("k_con").mean) < 4.0 * s.sd * (1 / RUNS + 1 / 100) ** 0.5
+    for case in read_experiment("liu2021-table1").narrowed(list(READING), [100]).cases:
+        s = table[case.spec.model]
+        assert abs(s.mean - case.published("k_con").mean) < 4.0 * s.sd * (1 / RUNS + 1 / 100) ** 0.5
 
 
 def test_hierarchy_beats_weights_and_weights_beat_none(table):
@@ -51,17 +51,18 @@ def test_hierarchy_beats_weights_and_weights_beat_none(table):
 
 def test_plain_distance_is_what_the_paper_has(tmp_path):
     whole = read_experiment("liu2021-table1").narrowed(["hwvem"], [100])
-    across = replace(whole, settings=whole.settings.model_copy(update={"world": "wrap"}))
+    [case] = whole.cases
+    across = replace(whole, cases=[replace(case, spec=case.spec.but(world="wrap"))])
     [(_, s)] = times(across, tmp_path)
     assert abs(s.mean - MINIMUM_IMAGE) < 4.0 * s.standard_error
-    assert abs(s.mean - whole.cells[0].published("k_con").mean) > 20.0 * s.standard_error
+    assert abs(s.mean - whole.cases[0].published("k_con").mean) > 20.0 * s.standard_error
 
 
 def test_figure_5_trends(tmp_path):
     experiment = read_experiment("liu2021-fig5").narrowed([], [100])
-    ends = [c for c in experiment.cells if c.value in (c.sweep.values[0], c.sweep.values[-1])]
-    found = times(replace(experiment, cells=ends), tmp_path, runs=60)
-    by_value = {(cell.sweep.parameter, cell.value): s for cell, s in found}
+    ends = [c for c in experiment.cases if c.value in (c.sweep.values[0], c.sweep.values[-1])]
+    found = times(replace(experiment, cases=ends), tmp_path, runs=60)
+    by_value = {(case.sweep.parameter, case.value): s for case, s in found}
     rise, _ = difference(by_value["p1", 0.0], by_value["p1", 2.0])
     fall, error = difference(by_value["p2", 1.0], by_value["p2", 100.0])
     assert rise > 0.5

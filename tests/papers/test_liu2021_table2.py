@@ -10,8 +10,8 @@ import pytest
 
 from agents import Flock
 from agents.mission import fly
-from app.experiments.claims import claims
-from app.experiments.verdict import of
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import of
 from papers.flying import flown
 
 RUNS = 24
@@ -40,7 +40,7 @@ def test_success_is_that_of_the_reading(table, label, agents):
     [s] = [
         one.summary
         for one in table[1]
-        if (one.cell.label, one.cell.agents, one.measure.name) == (label, agents, "success")
+        if (one.case.label, one.case.agents, one.measure.name) == (label, agents, "success")
     ]
     assert s.absent == 0
     error = s.sd * math.sqrt(1.0 / RUNS + 1.0 / 100.0)
@@ -49,14 +49,14 @@ def test_success_is_that_of_the_reading(table, label, agents):
 
 def test_what_the_paper_claims_at_n_50(table):
     experiment, made = table
-    found = claims([one for one in made if one.cell.agents == 50], experiment.said)
+    found = claims([one for one in made if one.case.agents == 50], experiment.said)
     assert len(found) == len(experiment.said)
     assert [claim.text for claim in found if not claim.holds] == []
 
 
 def test_without_hierarchy_or_weights_most_uavs_get_lost_at_n_20(table):
-    rows = [one for one in of(table[1], "success") if one.cell.agents == 20]
-    mean = {one.cell.label: one.summary.mean for one in rows}
+    rows = [one for one in of(table[1], "success") if one.case.agents == 20]
+    mean = {one.case.label: one.summary.mean for one in rows}
     assert max(mean["VEM-A"], mean["IVEM-A"]) + 20.0 < mean["WVEM"]
     assert mean["WVEM"] < min(mean["HWVEM-I"], mean["HWVEM-II"])
 

@@ -7,11 +7,11 @@ import math
 
 import pytest
 
-from app.experiments.claims import claims
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.statistics import summary
-from app.experiments.verdict import verdicts
+from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.statistics import summary
+from app.experiments.verdicts.verdict import verdicts
 
 RUNS = 24
 READING = {100: 8.1, 500: 3.8, 1500: 2.0, 3000: 1.3}
@@ -33,7 +33,7 @@ def values(made, label, measure, tick):
     [found] = [
         one.values
         for one in made
-        if (one.cell.label, one.measure.name, one.cell.tick) == (label, measure, tick)
+        if (one.case.label, one.measure.name, one.case.tick) == (label, measure, tick)
     ]
     return found
 
@@ -49,7 +49,7 @@ def test_crashes_at_tick_0_are_as_many_as_the_thesis_counts_and_none_come_later(
     [row] = [
         one
         for one in made
-        if (one.cell.label, one.measure.name, one.cell.last) == ("thesis", "at_0", True)
+        if (one.case.label, one.measure.name, one.case.last) == ("thesis", "at_0", True)
     ]
     assert row.published.average == 6.6
     assert row.word == "agrees"

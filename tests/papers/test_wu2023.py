@@ -5,7 +5,7 @@ Times are those of the reading, an independent implementation in the same scenes
 
 import pytest
 
-from app.experiments.claims import claims
+from app.experiments.verdicts.claims import claims
 from papers.flying import flown, values
 
 PAIRS = 3

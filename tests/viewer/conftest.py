@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from tests.viewer.live_rooms import Rooms
+from tests.viewer.live_sessions import Sessions
 
 
 @pytest.fixture
 def enter():
     """Makes rooms with stub desks."""
-    with Rooms() as rooms:
-        yield rooms
+    with Sessions() as sessions:
+        yield sessions
 
 
 @pytest.fixture
-def desks(enter):
+def operators(enter):
     """The desks of these rooms."""
-    return enter.desks
+    return enter.operators

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from app.viewer.cars import Cars
-from app.viewer.frame import Errand, Frame
-from app.viewer.scene import Look
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.stage import Stage
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.cars import Cars
+from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.look import Look
 from tests.viewer.test_scene_worlds import Stand
 from worlds.mission import Goal, Mission
 from worlds.world import World
@@ -41,7 +41,7 @@ def frame(tick: int = 0, **changes: Any) -> Frame:
         ids=np.arange(1, 4),
         dt=0.01,
         unit="s",
-        errand=Errand(np.array([2.0, 0.0])),
+        progress=Progress(np.array([2.0, 0.0])),
         cars=known(),
     )
     return replace(made, **changes)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from app.viewer.frame import Frame
-from app.viewer.live.live import Live
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.live import Live
 from tests.viewer.fleet import AREA, frame, known
 
 STATES = ("tracked", "late", "lost", "simulated", "simulated")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.viewer.frame import Frame
-from app.viewer.scene import Look
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.stage import Stage
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 from worlds.world import World
 
 SKY = World("sky", (20.0,) * 3, ("wrap",) * 3)

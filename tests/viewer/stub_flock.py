@@ -8,9 +8,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from agents.crashes import Crashes
-from agents.declare import Parameters, checked, parameter
-from app.viewer.start import Start
+from agents.engine.arrays import Arrays
+from agents.models.declare import Parameters, checked, parameter
+from agents.snapshot import Snapshot
+from agents.spec import Spec
+from agents.state.crashes import Crashes
+from app.viewer.run.home import at_home
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -21,12 +24,18 @@ class Knobs(Parameters):
     eta: float = parameter(0.5, "Noise", symbol=r"\eta", source="none", low=0.0, high=6.28)
 
 
+class StubSnapshot(Snapshot):
+    """A stub at a tick, with links, groups and layers of its places."""
+
+    reach = together = dt = 1.0
+
+
 class StubFlock:
     """Agents that fly straight on; at the tick `breaks_at` they raise `error` instead."""
 
     def __init__(
         self,
-        start: Start,
+        start: Spec,
         breaks_at: float = float("inf"),
         error: Exception | None = None,
         cost: float = 0.0,
@@ -42,16 +51,17 @@ class StubFlock:
         self.ids = np.arange(n)
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
-            rule=SimpleNamespace(weigh=None, explain=None, zones=(), view=""),
-            body=SimpleNamespace(unit="ticks", explain=None, measures=()),
+            rule=SimpleNamespace(converges=False, zones=(), view="", hunters=""),
+            body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             columns=(),
+            charts=(),
+            signals=(),
         )
         self.dt = 1.0
         self.seed = start.seed
-        self.spacing = start.spacing
         self.can_crash = False
-        self.passing = ""
-        self.flying = np.ones(n, bool)
+        self.warning = ""
+        self.active = np.ones(n, bool)
         self.crashes = Crashes(*np.empty((3, 0), int), np.empty((0, start.dim)), np.empty(0, int))
         self.reach = 1.0
         self.together = 1.0
@@ -71,13 +81,16 @@ class StubFlock:
     def set(self, **values) -> None:
         self.parameters = checked(Knobs, self.parameters.model_dump() | values)
 
-    @property
-    def aloft(self) -> StubFlock:
-        return self
+    def snapshot(self, copy: bool = True, signals: bool = False) -> StubSnapshot:  # noqa: ARG002
+        n, dim = self.position.shape
+        state = self.position, self.heading, self.speed, self.informed, self.ids
+        rest = np.zeros(n, np.int32), np.empty((0, n)), np.empty((0, 2 + dim))
+        arrays = Arrays(*(array.copy() for array in (*state, *rest)))
+        start = self.model, self.world, self.parameters, self.seed, self.tick, arrays
+        return StubSnapshot(*start, next_id=n)
 
-    @property
-    def reference(self) -> None:
-        return None
+    def warm(self) -> None:
+        pass
 
     def stray(self) -> None:
         return None
@@ -102,6 +115,8 @@ class StubFlock:
             separation=np.ones((1, self.position.shape[1])),
             weights=np.array([1.0]),
             signals={"layer": 2.0},
+            minds=True,
+            places=(),
         )
 
     def save(self, path) -> None:
@@ -110,7 +125,7 @@ class StubFlock:
 
 def timed_stub(dt: float = 0.02, unit: str = "s", strict: bool = False, **more) -> StubFlock:
     """A stub with a title, a time and, if `strict`, a range of its own."""
-    flock = StubFlock(Start(agents=8), **more)
+    flock = StubFlock(at_home(agents=8), **more)
     flock.dt = dt
     flock.model.title, flock.model.body.unit = "Stub", unit
     if strict:

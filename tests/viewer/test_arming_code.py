@@ -6,18 +6,18 @@ import threading
 
 import pytest
 
-from app.cli.live_console import Console
+from app.cli.live.console import SessionConsole
 from app.cli.stopping import Stopping
 from app.viewer.live.arming_code import DIGITS, TRIES, ArmingCode
+from app.viewer.live.banner import banner_of
 from app.viewer.live.panels.log import as_csv
-from app.viewer.live.standing import standing
-from tests.viewer.live_rooms import Rooms, told
+from tests.viewer.live_sessions import Sessions, told
 from tests.viewer.waiting import until
 
 
 @pytest.fixture
-def rooms():
-    with Rooms() as made:
+def sessions():
+    with Sessions() as made:
         yield made
 
 
@@ -26,8 +26,8 @@ def wrong(code: ArmingCode, times: int = 1) -> list[str]:
     return [f"{(int(code.digits) + 1 + k) % 10**DIGITS:06d}" for k in range(times)]
 
 
-def code_events(room):
-    return [(event.words, event.cause) for event in room.events if event.kind == "code"]
+def code_events(session):
+    return [(event.words, event.cause) for event in session.events if event.kind == "code"]
 
 
 def test_codes_are_six_digits_and_made_by_chance():
@@ -59,7 +59,10 @@ def test_many_at_once_have_five_tries_together():
     code, verdicts = ArmingCode(), []
     guesses = wrong(code, 400)
     threads = [
-        threading.Thread(target=lambda part: verdicts.extend(map(code.tried, part)), args=(part,))
+        threading.Thread(
+            target=lambda part: verdicts.extend(map(code.tried, part)),
+            args=(part,),
+        )
         for part in (guesses[k::8] for k in range(8))
     ]
     for thread in threads:
@@ -71,56 +74,64 @@ def test_many_at_once_have_five_tries_together():
     print(f"{len(verdicts)} guesses from 8 threads: {TRIES} were looked at")
 
 
-def test_a_browser_with_the_code_arms_and_both_are_events(rooms):
-    room = rooms()
-    assert room.arm_by_code(room.code.digits, "browser 3") == "right"
-    until(lambda: room.look.arm == "armed")
-    assert code_events(room) == [("the right code", "browser 3")]
-    assert [(one.wish, one.cause) for one in rooms.desks.last.asked] == [("arm", "browser 3")]
+def test_a_browser_with_the_code_arms_and_both_are_events(sessions):
+    session = sessions()
+    assert session.arm_by_code(session.code.digits, "browser 3") == "right"
+    until(lambda: session.status.arm == "armed")
+    assert code_events(session) == [("the right code", "browser 3")]
+    assert [(one.action, one.cause) for one in sessions.operators.last.asked] == [
+        ("arm", "browser 3")
+    ]
 
 
-def test_wrong_codes_arm_nothing_are_told_and_end_arming_from_browsers_alone(rooms):
-    room = rooms()
-    for number, guess in enumerate(wrong(room.code, TRIES)):
-        assert room.arm_by_code(guess, f"browser {number}") == "wrong"
-    assert room.arm_by_code(room.code.digits, "browser 9") == "off"
-    assert [cause for _, cause in code_events(room)] == [f"browser {k}" for k in range(TRIES)]
-    assert code_events(room)[0][0] == "a wrong code: 4 more and no browser arms"
-    assert code_events(room)[-1][0] == "a wrong code: no browser arms until the next start"
-    told(room, "a wrong code to arm (browser 4): no browser arms until the next start")
-    assert rooms.desks.last.asked == []
+def test_wrong_codes_arm_nothing_are_told_and_end_arming_from_browsers_alone(sessions):
+    session = sessions()
+    for number, guess in enumerate(wrong(session.code, TRIES)):
+        assert session.arm_by_code(guess, f"browser {number}") == "wrong"
+    assert session.arm_by_code(session.code.digits, "browser 9") == "off"
+    assert [cause for _, cause in code_events(session)] == [f"browser {k}" for k in range(TRIES)]
+    assert code_events(session)[0][0] == "a wrong code: 4 more and no browser arms"
+    assert code_events(session)[-1][0] == "a wrong code: no browser arms until the next start"
+    told(session, "a wrong code to arm (browser 4): no browser arms until the next start")
+    assert sessions.operators.last.asked == []
 
-    until(lambda: room.look is not None)
-    now = standing(room.state, room.look)
+    until(lambda: session.status is not None)
+    now = banner_of(session.state, session.status)
     assert not now.armable
     assert "terminal" in now.reasons[0]
-    Console(room, Stopping(), said=False).obey("a")
-    until(lambda: room.look.arm == "armed")
-    room.emergency("browser 9")
-    until(lambda: room.look.arm == "emergency")
+    SessionConsole(session, Stopping(), verbose=False).obey("a")
+    until(lambda: session.status.arm == "armed")
+    session.emergency("browser 9")
+    until(lambda: session.status.arm == "emergency")
 
 
-def test_another_opening_of_the_room_gives_no_more_tries(rooms):
-    room = rooms()
-    for guess in wrong(room.code, TRIES):
-        room.arm_by_code(guess, "browser 1")
-    code, run = room.code, room.state.run
-    room.reopen("browser 1")
-    until(lambda: room.state.run > run and room.state.status == "open")
-    assert room.code is code
-    assert not room.state.browsers_arm
-    assert room.arm_by_code(code.digits, "browser 1") == "off"
+def test_another_opening_of_the_room_gives_no_more_tries(sessions):
+    session = sessions()
+    for guess in wrong(session.code, TRIES):
+        session.arm_by_code(guess, "browser 1")
+    code, run = session.code, session.state.run
+    session.reopen("browser 1")
+    until(lambda: session.state.run > run and session.state.phase == "open")
+    assert session.code is code
+    assert not session.state.browsers_arm
+    assert session.arm_by_code(code.digits, "browser 1") == "off"
 
 
-def test_neither_the_code_nor_a_guess_is_written_down(rooms, capsys):
-    room = rooms()
-    console = Console(room, Stopping(), said=True)
-    guesses = wrong(room.code, 3)
-    for guess in (*guesses, room.code.digits):
-        room.arm_by_code(guess, "browser 1")
-    until(lambda: room.look.arm == "armed")
+def test_neither_the_code_nor_a_guess_is_written_down(sessions, capsys):
+    session = sessions()
+    console = SessionConsole(session, Stopping(), verbose=True)
+    guesses = wrong(session.code, 3)
+    for guess in (*guesses, session.code.digits):
+        session.arm_by_code(guess, "browser 1")
+    until(lambda: session.status.arm == "armed")
     console.see()
     printed = capsys.readouterr()
-    written = as_csv(room.events) + printed.out + printed.err + repr(room.state) + repr(room.code)
+    written = (
+        as_csv(session.events)
+        + printed.out
+        + printed.err
+        + repr(session.state)
+        + repr(session.code)
+    )
     assert "the right code" in written
-    assert not [one for one in (*guesses, room.code.digits) if one in written]
+    assert not [one for one in (*guesses, session.code.digits) if one in written]

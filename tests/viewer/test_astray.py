@@ -1,9 +1,9 @@
 """An agent that is where it cannot be is a notice in the laboratory, once."""
 
 from agents import Flock
-from app.viewer.picture import Wanted
-from app.viewer.run import Run
-from app.viewer.words import Astray, in_words
+from app.viewer.run.picture import Wanted
+from app.viewer.run.run import Run
+from app.viewer.run.words import Astray, in_words
 from worlds.obstacles import Box
 from worlds.world import World
 

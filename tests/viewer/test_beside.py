@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,13 +13,14 @@ import tomlkit
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.spec import Spec
 from app.cli.lab import parameters
-from app.viewer.beside import Pair, companion, named, pace_note, ratio, shared_by
-from app.viewer.panels.compared import compared
-from app.viewer.panels.setup import NOBODY, SetupPanel
-from app.viewer.picture import Wanted
-from app.viewer.start import Start, at_home
-from app.viewer.words import Broken
+from app.viewer.lab.panels.compared import compared
+from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
+from app.viewer.run.beside import Pair, companion, named, pace_note, ratio, shared_by
+from app.viewer.run.home import at_home
+from app.viewer.run.picture import Wanted
+from app.viewer.run.words import Broken
 from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -29,9 +29,9 @@ SAME = ("position", "heading", "speed", "informed", "ids")
 
 
 def pair(model: str = "hwvem", beside: str = "vem-a", **given) -> Pair:
-    start = at_home(model, beside=beside, **({"seed": 4, "agents": 12} | given))
-    first = start.build()
-    return Pair(first, companion(start, first), 1, Wanted())
+    own = given.pop("own", {})
+    first = Flock(at_home(model, **({"seed": 4, "agents": 12} | given)))
+    return Pair(first, companion(first, Spec(beside, parameters=own)), 1, Wanted())
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_both_begin_alike_to_the_bit(model, beside, given):
         else:
             assert np.array_equal(getattr(first, name), getattr(second, name)), name
     assert (second.seed, second.tick) == (first.seed, 0)
-    assert (second.activation, second.noise) == (first.activation, first.noise)
+    assert second.spec.chosen == first.spec.chosen | ({} if led else {"informed": 0})
 
 
 def test_the_second_goes_as_it_would_go_alone_and_its_spec_repeats_it():
@@ -160,7 +160,7 @@ def test_what_one_refuses_is_refused_for_both():
         ({"beside": "hwvem"}, "beside = 'hwvem' is the model itself"),
         ({"beside": "hwven-nav"}, "did you mean"),
         ({"beside": "ivem-a", "dim": 3}, "Improved Vicsek model with an information UAV: dim = 3"),
-        ({"beside": "vem", "beside_parameters": {"et": 1.0}}, "Vicsek model: unknown parameter"),
+        ({"beside": "vem", "own": {"et": 1.0}}, "Vicsek model: unknown parameter"),
     ],
 )
 def test_a_second_model_that_cannot_be_is_refused_by_name(given, words):
@@ -246,7 +246,7 @@ def test_beside_are_offered_the_models_that_fit_the_dimension():
 
 
 def test_a_difference_beside_is_one_that_setup_makes():
-    assert Start().differs(replace(Start(), beside="vem")) == ["beside"]
+    assert differs((at_home(), None), (at_home(), Spec("vem"))) == ["beside"]
 
 
 def test_a_table_leaves_open_what_one_of_them_lacks():

@@ -8,9 +8,10 @@ from functools import partial
 import numpy as np
 import pytest
 
+from agents.spec import Spec
 from app.viewer.editing import forms
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start, at_home
+from app.viewer.run.home import at_home
+from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock, timed_stub
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -21,8 +22,8 @@ def simulate():
     """Makes simulations of two flocks and closes them."""
     made = []
 
-    def make(start: Start, **more) -> Simulation:
-        simulation = Simulation(start, running=False, **more)
+    def make(spec: Spec, beside: Spec, **more) -> Simulation:
+        simulation = Simulation(spec, beside, running=False, **more)
         made.append(simulation)
         assert simulation.ready.wait(60)
         return simulation
@@ -34,7 +35,7 @@ def simulate():
 
 
 def test_step_set_reset_and_setup_act_on_both(simulate):
-    simulation = simulate(at_home("hwvem", beside="vem-a", agents=12, seed=4))
+    simulation = simulate(at_home("hwvem", agents=12, seed=4), Spec("vem-a"))
     begun = simulation.frame.position.copy()
     assert np.array_equal(simulation.frame.beside.position, begun)
     simulation.set("eta", 1.5).result(5)
@@ -48,7 +49,7 @@ def test_step_set_reset_and_setup_act_on_both(simulate):
     assert np.array_equal(frame.position, begun)
     assert np.array_equal(frame.beside.position, begun)
     assert [one.values["eta"] for one in simulation.run.both] == [1.5, 1.5]
-    simulation.setup(simulation.state.start.but(beside=None))
+    simulation.setup(simulation.state.spec)
     until(lambda: simulation.frame.run == 3)
     assert simulation.frame.beside is None
     assert simulation.readings_beside is None
@@ -56,7 +57,7 @@ def test_step_set_reset_and_setup_act_on_both(simulate):
 
 
 def test_reset_keeps_what_only_the_second_has(simulate):
-    simulation = simulate(at_home("boundary-points", beside="olfati-saber", agents=6))
+    simulation = simulate(at_home("boundary-points", agents=6), Spec("olfati-saber"))
     simulation.set("d_beta", 2.5, beside=True).result(5)
     assert simulation.state.beside_values["d_beta"] == 2.5
     simulation.reset()
@@ -65,8 +66,8 @@ def test_reset_keeps_what_only_the_second_has(simulate):
 
 
 def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
-    simulation = simulate(at_home("hwvem", beside="vem-a", agents=12))
-    simulation.setup(simulation.state.start.but(beside="ivem", dim=3))
+    simulation = simulate(at_home("hwvem", agents=12), Spec("vem-a"))
+    simulation.setup(simulation.state.spec.but(dim=3), Spec("ivem"))
     notice = simulation.notices.get(timeout=10)
     assert notice.startswith("Improved Vicsek model: dim = 3")
     simulation.step().result(60)
@@ -75,14 +76,14 @@ def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
 
 
 def test_an_edit_of_the_world_is_one_of_both(simulate):
-    simulation = simulate(at_home("hwvem-nav", beside="vem-a-nav", world="obstacles", agents=9))
-    simulation.edit(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
+    simulation = simulate(at_home("hwvem-nav", world="obstacles", agents=9), Spec("vem-a-nav"))
+    simulation.edits.change(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
     first, second = (one.flock for one in simulation.run.both)
-    assert first.world is second.world is simulation.editor.world
+    assert first.world is second.world is simulation.edits.editor.world
     assert len(first.world.obstacles) == 13
     spot = first.position[3].copy()
     change: Callable = lambda editor: editor.add(forms.disc(tuple(spot), 0.4))  # noqa: E731
-    simulation.edit(change).result(60)
+    simulation.edits.change(change).result(60)
     assert np.array_equal(first.position, second.position)
     assert np.linalg.norm(first.position[3] - spot) > 0.4
     simulation.reset()
@@ -90,7 +91,7 @@ def test_an_edit_of_the_world_is_one_of_both(simulate):
     assert len(simulation.frame.beside.world.obstacles) == 14
 
 
-def broken_beside(_start: Start, _first, error: Exception) -> StubFlock:
+def broken_beside(_first, _beside: Spec, error: Exception) -> StubFlock:
     return timed_stub(breaks_at=5, error=error)
 
 
@@ -103,7 +104,8 @@ def broken_beside(_start: Start, _first, error: Exception) -> StubFlock:
 )
 def test_a_broken_second_flock_is_named_and_stops_both(simulate, error, words, told, capfd):
     simulation = simulate(
-        Start(agents=8, beside="vem"),
+        at_home(agents=8),
+        Spec("vem"),
         speed=200.0,
         build=lambda _start: timed_stub(),
         build_beside=partial(broken_beside, error=error),

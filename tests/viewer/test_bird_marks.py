@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.crashes import Crashes
-from app.viewer.scene import Look
-from app.viewer.scene.bird import TIP
-from app.viewer.scene.birds import SCALE
-from app.viewer.scene.crashes import FADES, MOST, CrashMarks
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.wake import Wake
+from agents.state.crashes import Crashes
+from app.viewer.scene.draw.bird import TIP
+from app.viewer.scene.marks.flock.birds import SCALE
+from app.viewer.scene.marks.flock.crashes import FADES, MOST, CrashMarks
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.paths.wake import Wake
+from app.viewer.scene.shown.look import Look
 from tests.viewer.sky import Clock, frame, heading, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 
@@ -35,7 +35,7 @@ def test_the_wake_is_where_the_tips_have_been():
     across = np.unique(np.round(lines[:, :, 1] - made.at[0, 1], 5))
     assert across == pytest.approx([-aside, aside], abs=1e-4)
     assert np.unique(np.round(lines[:, :, 2], 5)) == pytest.approx([made.at[0, 2]], abs=1e-4)
-    down = replace(one, tick=12, flying=np.array([False]))
+    down = replace(one, tick=12, active=np.array([False]))
     made = shown(down, look)
     flight.follow(made)
     draw(wake, made)

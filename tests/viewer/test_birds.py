@@ -8,15 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
-from app.viewer.drawing import AGENT_BYTES, BIRD_BYTES, load
-from app.viewer.picture import Camera
-from app.viewer.scene import Look, palette
-from app.viewer.scene.attitude import attitude, nose, rolled
-from app.viewer.scene.bird import SHOULDER, TIP, beaten, body, wings
-from app.viewer.scene.birds import SCALE, leftwards, upwards
-from app.viewer.scene.flight import FLAT, FOLDED, Flight
+from app.viewer.run.picture import Camera
+from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.attitude import attitude, nose, rolled
+from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
+from app.viewer.scene.draw.picture import BIRDS_UP_TO, KEPT, POINTS_BEYOND
+from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
+from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards
+from app.viewer.scene.marks.flock.flight import FLAT, FOLDED, Flight
 from app.viewer.scene.parts import Parts
-from app.viewer.scene.picture import BIRDS_UP_TO, KEPT, POINTS_BEYOND
+from app.viewer.scene.shown.look import Look
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand
@@ -68,7 +69,7 @@ def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
     ahead = [heading(0.5, 0.7)] * 3
     flight.follow(shown(frame(ahead)))
     clock.now += STEP
-    one = frame(ahead, 1, flying=np.array([True, False, False]), speed=np.array([3.0, 4.0, 0.0]))
+    one = frame(ahead, 1, active=np.array([True, False, False]), speed=np.array([3.0, 4.0, 0.0]))
     made = shown(one)
     poses = flight.follow(made)
     assert nose(poses.wxyz[0])[2] == pytest.approx(np.sin(0.7), abs=1e-5)
@@ -158,7 +159,7 @@ def test_birds_are_no_longer_than_the_distance_they_keep_nor_half_their_length()
 
 def test_a_frame_holds_who_flies_what_is_saved_and_the_distance_kept():
     flock = Flock("thesis", agents=12, rng=1)
-    flock.arrays.fate[3] = (0.0, 1.0, *flock.position[3])
+    flock.arrays.crash_record[3] = (0.0, 1.0, *flock.position[3])
     flock.speed[3] = 1e3
     taken = Camera(flock, 1).take()
     assert np.flatnonzero(taken.down).tolist() == [3]
@@ -167,4 +168,4 @@ def test_a_frame_holds_who_flies_what_is_saved_and_the_distance_kept():
     assert np.isnan(taken.saved).all()
     assert taken.kept == flock.parameters.d_r
     plain = Camera(Flock("vem", agents=3, dim=3, rng=1), 1).take()
-    assert (plain.flying, plain.crashes, plain.saved, plain.kept) == (None, None, None, np.inf)
+    assert (plain.active, plain.crashes, plain.saved, plain.kept) == (None, None, None, np.inf)

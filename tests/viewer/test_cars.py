@@ -11,22 +11,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
-from app.viewer.cars import LENGTH, WIDTH, cars
-from app.viewer.frame import Errand
-from app.viewer.picture import Camera
-from app.viewer.scene import Look, palette, tone
-from app.viewer.scene.agents import Agents
-from app.viewer.scene.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
-from app.viewer.scene.colouring import legend
-from app.viewer.scene.crashes import RADIUS_CAR
-from app.viewer.scene.fence import INSIDE, Fence, fence
-from app.viewer.scene.fleet import wheels
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.injected import InjectedCar, along_route
-from app.viewer.scene.labels import name
-from app.viewer.scene.mission import MissionMarks
-from app.viewer.scene.picture import LEAST_CAR
-from app.viewer.scene.stuck import RADIUS, StuckMarks
+from agents.models.declare import Vehicle
+from app.viewer.run.picture import Camera
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.draw.picture import LEAST_CAR
+from app.viewer.scene.marks.flock.agents import Agents
+from app.viewer.scene.marks.flock.crashes import RADIUS_CAR
+from app.viewer.scene.marks.flock.fleet import wheels
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.labels import name
+from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
+from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
+from app.viewer.scene.marks.world.injected import InjectedCar, along_route
+from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.shown.cars import cars
+from app.viewer.scene.shown.frame import Progress
+from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -127,7 +129,7 @@ def test_the_injected_car_looks_along_its_route_and_then_where_it_goes():
     car = InjectedCar(scene, "/goal")
 
     def looks(tick: int, *at: float, run: int = 1) -> np.ndarray:
-        one = shown(frame(tick, run=run, errand=Errand(np.array(at))))
+        one = shown(frame(tick, run=run, progress=Progress(np.array(at))))
         for handle, prop, value in car.draw(one, np.array(at)):
             setattr(handle, prop, value)
         hulls = node(scene, "/car/hulls")
@@ -183,7 +185,7 @@ def test_what_is_stuck_has_a_ring():
     assert np.linalg.norm(away, axis=-1) == pytest.approx(RADIUS * 0.22 * 1.25)
     draw(marks, shown(frame()))
     assert not lines.visible
-    assert 0.5 * math.hypot(1.0, WIDTH / LENGTH) < RADIUS_CAR
+    assert 0.5 * math.hypot(1.0, Vehicle().width / Vehicle().length) < RADIUS_CAR
 
 
 @pytest.mark.parametrize("model", ["squashing", "squashing-cars"])

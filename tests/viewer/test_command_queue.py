@@ -6,9 +6,9 @@ import threading
 
 import pytest
 
-from app.viewer.command_queue import MOST, MOST_TICKS, CommandQueue
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.run.command_queue import MOST, MOST_TICKS, CommandQueue
+from app.viewer.run.home import at_home
+from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -17,7 +17,7 @@ from worlds.refusal import Refusal
 @pytest.fixture
 def held():
     """A simulation whose thread stands in a command until the event is set."""
-    simulation = Simulation(Start(), running=False, build=StubFlock)
+    simulation = Simulation(at_home(), running=False, build=StubFlock)
     assert simulation.ready.wait(60)
     go_on, stands = threading.Event(), threading.Event()
 
@@ -91,7 +91,7 @@ def test_resets_and_set_ups_that_wait_are_one(held):
     simulation, go_on = held
     for k in range(100):
         simulation.reset()
-        simulation.setup(Start(agents=2 + k))
+        simulation.setup(at_home(agents=2 + k))
     assert len(simulation.commands.waiting) == 1
     go_on.set()
     until(lambda: simulation.state.agents == 101, 60)
@@ -107,9 +107,9 @@ def test_more_than_can_wait_is_refused_and_what_can_be_merged_is_not(held):
         refused[0].result()
     assert "too much at once" in simulation.notices.get(timeout=5)
     paused = simulation.pause()
-    kept = [simulation.setup(Start(agents=2 + k)) for k in range(9)]
+    kept = [simulation.setup(at_home(agents=2 + k)) for k in range(9)]
     kept += [simulation.set("eta", 0.1 * k) for k in range(9)]
-    kept += [simulation.setup(Start(agents=50)), simulation.set("eta", 1.0), simulation.step()]
+    kept += [simulation.setup(at_home(agents=50)), simulation.set("eta", 1.0), simulation.step()]
     assert len(simulation.commands.waiting) == MOST + 4
     assert not any(answer.done() for answer in kept)
     go_on.set()
@@ -121,12 +121,12 @@ def test_a_drag_is_told_though_too_much_waits(held):
     simulation, go_on = held
     for _ in range(MOST):
         simulation.tell(lambda: None)
-    simulation.drag("disc", lambda editor: editor)
-    assert list(simulation.drags) == ["disc"]
+    simulation.edits.drag("disc", lambda editor: editor)
+    assert list(simulation.edits.drags) == ["disc"]
     go_on.set()
     until(lambda: not simulation.commands.waiting, 60)
     moved = threading.Event()
-    simulation.drag("disc", lambda editor: (moved.set(), editor)[1])
+    simulation.edits.drag("disc", lambda editor: (moved.set(), editor)[1])
     assert moved.wait(60)
 
 

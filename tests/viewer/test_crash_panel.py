@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from agents.crashes import Crashes
-from app.viewer.panels.crashes import LATEST, counted, listed
+from agents.state.crashes import Crashes
+from app.viewer.lab.panels.crashes import LATEST, counted, listed
 
 
 def crashes_at(*ticks: int) -> Crashes:

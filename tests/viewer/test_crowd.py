@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.crowd import expected_pairs, refuse_too_dense, refuse_too_many_links
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.measuring.crowd import expected_pairs, refuse_too_dense, refuse_too_many_links
+from app.viewer.run.home import at_home
+from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -27,22 +27,22 @@ def test_everybody_sees_everybody_in_a_tiny_world():
 
 
 def test_a_flock_that_would_stall_the_laboratory_is_refused():
-    refuse_too_dense(StubFlock(Start(agents=19_000, size=1.0)))
+    refuse_too_dense(StubFlock(at_home(agents=19_000, size=1.0)))
     with pytest.raises(Refusal, match="pairs of neighbours"):
-        refuse_too_dense(StubFlock(Start(agents=21_000, size=1.0)))
+        refuse_too_dense(StubFlock(at_home(agents=21_000, size=1.0)))
 
 
 def test_links_that_would_fill_the_memory_are_not_listed():
-    refuse_too_many_links(StubFlock(Start(agents=4000, size=1.0)))
-    refuse_too_many_links(StubFlock(Start(agents=20_000, size=70.0)))
+    refuse_too_many_links(StubFlock(at_home(agents=4000, size=1.0)))
+    refuse_too_many_links(StubFlock(at_home(agents=20_000, size=70.0)))
     with pytest.raises(Refusal, match="too many neighbours"):
-        refuse_too_many_links(StubFlock(Start(agents=20_000, size=1.0)))
+        refuse_too_many_links(StubFlock(at_home(agents=20_000, size=1.0)))
 
 
 def test_a_setup_that_is_too_dense_leaves_the_old_flock():
-    simulation = Simulation(Start(agents=5), running=False, build=StubFlock)
+    simulation = Simulation(at_home(agents=5), running=False, build=StubFlock)
     assert simulation.ready.wait(5)
-    simulation.setup(Start(agents=21_000, size=1.0))
+    simulation.setup(at_home(agents=21_000, size=1.0))
     assert "pairs of neighbours" in simulation.notices.get(timeout=20)
     until(lambda: not simulation.state.busy)
     assert simulation.state.agents == 5

@@ -11,21 +11,22 @@ from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from app.viewer.course import POINTS, Course
-from app.viewer.curves import choices, points, steps, together, usual, worded
-from app.viewer.measured import offered
-from app.viewer.readings import Readings
+from agents.observables.catalogue import usual_charts
+from app.viewer.measuring.curves import choices, points, steps, together, worded
+from app.viewer.measuring.measured import offered
+from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.time_series import POINTS, TimeSeries
 
 
-def course_of(ticks, value=float) -> Course:
-    course = Course()
+def series_of(ticks, value=float) -> TimeSeries:
+    series = TimeSeries()
     for tick in ticks:
-        course.add(tick, value(tick))
-    return course
+        series.add(tick, value(tick))
+    return series
 
 
-def test_a_course_keeps_its_ends_and_never_has_too_many_points():
-    ticks, values = course_of(range(100_000), lambda tick: tick / 10).arrays()
+def test_a_series_keeps_its_ends_and_never_has_too_many_points():
+    ticks, values = series_of(range(100_000), lambda tick: tick / 10).arrays()
     assert POINTS / 4 < len(ticks) <= POINTS
     assert ticks[0] == 0
     assert ticks[-1] > 99_000
@@ -33,33 +34,33 @@ def test_a_course_keeps_its_ends_and_never_has_too_many_points():
     np.testing.assert_array_equal(values, ticks / 10)
 
 
-def test_a_course_with_long_strides_is_not_thinned_to_nothing():
-    assert len(course_of(range(0, 10**7, 9973)).arrays()[0]) > POINTS / 4
+def test_a_series_with_long_strides_is_not_thinned_to_nothing():
+    assert len(series_of(range(0, 10**7, 9973)).arrays()[0]) > POINTS / 4
 
 
-def test_the_end_of_a_course_has_every_point():
-    course = course_of(range(5000))
-    ticks, values = course.arrays(last=200)
+def test_the_end_of_a_series_has_every_point():
+    series = series_of(range(5000))
+    ticks, values = series.arrays(last=200)
     assert ticks.tolist() == values.tolist() == list(range(4799, 5000))
-    ticks, values = course.arrays(last=3000)
-    assert ticks[0] == pytest.approx(1999, abs=course.apart)
+    ticks, values = series.arrays(last=3000)
+    assert ticks[0] == pytest.approx(1999, abs=series.apart)
     assert ticks[-POINTS:].tolist() == list(range(5000 - POINTS, 5000))
     assert np.all(np.diff(ticks) > 0)
     np.testing.assert_array_equal(values, ticks)
 
 
 def test_a_second_reading_at_one_tick_replaces_the_first():
-    course = Course()
-    course.add(0, 1.0)
-    course.add(0, 2.0)
-    assert [column.tolist() for column in course.arrays()] == [[0.0], [2.0]]
-    assert [column.tolist() for column in course.arrays(last=5)] == [[0.0], [2.0]]
+    series = TimeSeries()
+    series.add(0, 1.0)
+    series.add(0, 2.0)
+    assert [column.tolist() for column in series.arrays()] == [[0.0], [2.0]]
+    assert [column.tolist() for column in series.arrays(last=5)] == [[0.0], [2.0]]
 
 
 def test_what_is_no_number_is_left_out():
-    course = course_of(range(4), lambda tick: [1.0, math.nan, math.inf, 3.0][tick])
-    assert [column.tolist() for column in course.arrays()] == [[0.0, 3.0], [1.0, 3.0]]
-    assert [len(column) for column in Course().arrays(last=3)] == [0, 0]
+    series = series_of(range(4), lambda tick: [1.0, math.nan, math.inf, 3.0][tick])
+    assert [column.tolist() for column in series.arrays()] == [[0.0, 3.0], [1.0, 3.0]]
+    assert [len(column) for column in TimeSeries().arrays(last=3)] == [0, 0]
 
 
 @given(st.lists(st.integers(0, 60), max_size=20), st.integers(0, 40), st.floats(1.0, 200.0))
@@ -79,19 +80,19 @@ def test_steps_count_what_has_been(ticks, later, last):
 
 
 def test_curves_share_the_ticks_of_all_and_the_time_of_the_first():
-    first = course_of((0, 10, 20, 30)).arrays()
-    second = course_of((0, 2, 5), lambda tick: 100.0 * tick).arrays()
-    at, own, other, none = together([first, second, Course().arrays()], [1.0, 5.0, 1.0])
+    first = series_of((0, 10, 20, 30)).arrays()
+    second = series_of((0, 2, 5), lambda tick: 100.0 * tick).arrays()
+    at, own, other, none = together([first, second, TimeSeries().arrays()], [1.0, 5.0, 1.0])
     assert at.tolist() == own.tolist() == [0, 10, 20, 25, 30]
     assert other.tolist() == [0.0, 200.0, pytest.approx(200 + 1000 / 5 * 2 / 2 * 1.0), 500.0, 500.0]
     assert np.isnan(none).all()
-    assert np.isnan(np.concatenate(together([Course().arrays()], [1.0])[1:])).all()
+    assert np.isnan(np.concatenate(together([TimeSeries().arrays()], [1.0])[1:])).all()
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_brings_plots_that_can_be_chosen(name):
     flock = Flock(name, agents=4, rng=1)
-    usual_ones = usual(flock.model, offered(flock))
+    usual_ones = usual_charts(flock.model, offered(flock))
     assert len(usual_ones) == 3
     assert set(usual_ones) <= set(choices(offered(flock)).values())
     assert all(choices(offered(flock))[worded(names)] == names for names in usual_ones)
@@ -100,7 +101,7 @@ def test_every_model_brings_plots_that_can_be_chosen(name):
 def test_a_model_brings_what_matters_for_it():
     def brought(name: str) -> tuple:
         flock = Flock(name, agents=4, rng=1)
-        return usual(flock.model, offered(flock))
+        return usual_charts(flock.model, offered(flock))
 
     assert brought("couzin")[0] == ("polarisation", "angular-momentum")
     assert brought("safe") == (("groups",), ("polarisation",), ("crashes",))
@@ -112,7 +113,7 @@ def test_a_model_brings_what_matters_for_it():
 def test_crashes_are_plotted_to_the_tick():
     flock = Flock("safe", agents=30, rng=3)
     readings = Readings(flock)
-    flock.arrays.fate[:3, :2] = [[2, 1], [2, 1], [7, 2]]
+    flock.arrays.crash_record[:3, :2] = [[2, 1], [2, 1], [7, 2]]
     flock.tick = 9
     readings.read(at_once=True)
     ticks, count = points(readings, "crashes")

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from app.viewer.editing import forms
 from app.viewer.editing.editor import MOST_OBSTACLES, STEPS, Editor, Gone
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.layout import world_from_layout
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, CShape, Disc, Polygon, Ring, Sphere, Union, Wall
 from worlds.refusal import Refusal
-from worlds.world import World, world_from_layout
+from worlds.world import World
 
 PLAIN = World("plain", (20.0, 10.0), ("open", "wrap"))
 SHAPES = [
@@ -216,7 +217,7 @@ MISSION = World(
     (20.0, 10.0),
     ("open", "open"),
     mission=Mission(
-        start=Start(low=(0.0, 0.0), high=(2.0, 2.0)),
+        start=StartRegion(low=(0.0, 0.0), high=(2.0, 2.0)),
         path=Path(waypoints=((10.0, 5.0), (15.0, 5.0)), switch=0.5),
         goal=Goal(route=((18.0, 8.0), (18.0, 2.0)), speed=0.1),
     ),

@@ -8,17 +8,18 @@ from concurrent.futures import wait
 import numpy as np
 import pytest
 
+from agents.spec import Spec
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.run.home import at_home
+from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
-from worlds.clearance import clearance
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 from worlds.world import World
 
-START = Start(agents=300, size=10.0)
+START = at_home(agents=300, size=10.0)
 """So many that their distances are not watched."""
 
 
@@ -27,7 +28,7 @@ class Walker(StubFlock):
 
     loop = None
 
-    def __init__(self, start: Start, **more):
+    def __init__(self, start: Spec, **more):
         super().__init__(start, **more)
         if isinstance(start.world, World):
             self.world = start.world
@@ -48,15 +49,15 @@ def simulation():
 
 
 def add(simulation: Simulation, at=(5.0, 5.0), radius=2.0) -> int:
-    simulation.edit(lambda editor: editor.add(forms.disc(at, radius))).result(5)
-    return simulation.editor.newest
+    simulation.edits.change(lambda editor: editor.add(forms.disc(at, radius))).result(5)
+    return simulation.edits.editor.newest
 
 
 def test_an_obstacle_is_there_at_once_and_agents_under_it_come_out(simulation):
     flock = simulation.run.flock
     before = flock.position.copy()
     add(simulation)
-    assert flock.world is simulation.editor.world
+    assert flock.world is simulation.edits.editor.world
     until(lambda: simulation.frame.world is flock.world)
     inside = np.linalg.norm(before - 5.0, axis=1) < 1.99
     assert inside.any()
@@ -68,34 +69,36 @@ def test_an_obstacle_is_there_at_once_and_agents_under_it_come_out(simulation):
 def test_undo_gives_the_very_world_back_that_setup_made(simulation):
     plain = simulation.run.flock.world
     add(simulation)
-    assert isinstance(simulation.state.start.world, World)
-    simulation.edit(Editor.undo).result(5)
+    assert isinstance(simulation.state.spec.world, World)
+    simulation.edits.change(Editor.undo).result(5)
     assert simulation.run.flock.world is plain
-    assert simulation.state.start == START
+    assert simulation.state.spec == START
 
 
 def test_reset_keeps_the_world_that_was_built_and_its_history(simulation):
     add(simulation)
-    world = simulation.editor.world
+    world = simulation.edits.editor.world
     simulation.reset()
     until(lambda: simulation.state.run == 2)
     assert simulation.run.flock.world is world
-    simulation.edit(Editor.undo).result(5)
+    simulation.edits.change(Editor.undo).result(5)
     assert simulation.run.flock.world.obstacles == ()
     simulation.reset()
     until(lambda: simulation.state.run == 3)
-    simulation.edit(Editor.redo).result(5)
+    simulation.edits.change(Editor.redo).result(5)
     assert len(simulation.run.flock.world.obstacles) == 1
 
 
 def test_what_is_refused_is_told_and_changes_nothing(simulation):
     add(simulation)
-    world, editor = simulation.run.flock.world, simulation.editor
+    world, editor = simulation.run.flock.world, simulation.edits.editor
     with pytest.raises(Refusal, match="crosses itself"):
-        simulation.edit(lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))).result(5)
+        simulation.edits.change(
+            lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))
+        ).result(5)
     assert "crosses itself" in simulation.notices.get(timeout=5)
     assert simulation.run.flock.world is world
-    assert simulation.editor is editor
+    assert simulation.edits.editor is editor
 
 
 def test_a_world_without_room_for_the_agents_is_refused(simulation):
@@ -105,7 +108,7 @@ def test_a_world_without_room_for_the_agents_is_refused(simulation):
     flock = simulation.run.flock
     before = flock.position.copy()
     with pytest.raises(Refusal, match="no free place would be left"):
-        simulation.edit(lambda e: e.add(forms.rectangle((5, 5), 20.0, 20.0))).result(5)
+        simulation.edits.change(lambda e: e.add(forms.rectangle((5, 5), 20.0, 20.0))).result(5)
     assert flock.world is room
     np.testing.assert_array_equal(flock.position, before)
 
@@ -123,31 +126,31 @@ def test_of_a_drag_only_the_newest_change_is_carried_out(simulation):
         return change
 
     for x in range(1, 7):
-        simulation.drag("drag", to(float(x)))
+        simulation.edits.drag("drag", to(float(x)))
     hold.set()
-    simulation.edit(lambda editor: editor).result(5)
+    simulation.edits.change(lambda editor: editor).result(5)
     assert made == [6.0]
-    assert simulation.editor.now.obstacle(key).centre == (8.0, 2.0)
+    assert simulation.edits.editor.now.obstacle(key).centre == (8.0, 2.0)
 
 
 def test_a_drag_over_what_cannot_be_is_silent_and_its_end_is_not(simulation):
     key = add(simulation, (2.0, 2.0), 0.5)
-    simulation.drag("drag", lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
-    simulation.edit(lambda editor: editor).result(5)
+    simulation.edits.drag("drag", lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
+    simulation.edits.change(lambda editor: editor).result(5)
     assert simulation.notices.empty()
-    simulation.edit(lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
+    simulation.edits.change(lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
     assert "too far away" in simulation.notices.get(timeout=5)
 
 
 def test_a_drag_goes_on_over_a_setup_without_harm(simulation):
     key = add(simulation, (2.0, 2.0), 0.5)
-    simulation.drag("drag", lambda editor: editor.move(key, (1.0, 0.0), gesture="drag"))
-    simulation.setup(Start(agents=5, size=7.0))
+    simulation.edits.drag("drag", lambda editor: editor.move(key, (1.0, 0.0), gesture="drag"))
+    simulation.setup(at_home(agents=5, size=7.0))
     until(lambda: simulation.state.run == 2)
-    simulation.drag("drag", lambda editor: editor.move(key, (2.0, 0.0), gesture="drag"))
-    simulation.edit(lambda editor: editor).result(5)
+    simulation.edits.drag("drag", lambda editor: editor.move(key, (2.0, 0.0), gesture="drag"))
+    simulation.edits.change(lambda editor: editor).result(5)
     assert simulation.run.flock.world.obstacles == ()
-    assert simulation.editor.past == ()
+    assert simulation.edits.editor.past == ()
     assert not simulation.state.error
 
 
@@ -159,38 +162,38 @@ def test_the_leader_is_never_put_into_an_obstacle(simulation):
 
 def test_a_layout_is_saved_and_opened_again(simulation):
     add(simulation)
-    world, content = simulation.editor.world, simulation.layout().result(5)
-    simulation.edit(Editor.clear).result(5)
-    simulation.open_layout("mine.toml", content).result(5)
+    world, content = simulation.edits.editor.world, simulation.edits.layout().result(5)
+    simulation.edits.change(Editor.clear).result(5)
+    simulation.edits.open_layout("mine.toml", content).result(5)
     until(lambda: simulation.state.run == 2)
     opened = simulation.run.flock.world
     assert (opened.obstacles, opened.size) == (world.obstacles, world.size)
     assert opened.name == "mine"
-    assert simulation.editor.past == ()
+    assert simulation.edits.editor.past == ()
     assert len(simulation.run.flock.ids) == 300
 
 
 def test_a_file_that_is_refused_changes_nothing(simulation):
     add(simulation)
-    editor = simulation.editor
+    editor = simulation.edits.editor
     with pytest.raises(Refusal):
-        simulation.open_layout("mine.toml", b"size = ").result(5)
+        simulation.edits.open_layout("mine.toml", b"size = ").result(5)
     assert "mine.toml is not TOML" in simulation.notices.get(timeout=5)
-    assert (simulation.state.run, simulation.editor) == (1, editor)
+    assert (simulation.state.run, simulation.edits.editor) == (1, editor)
 
 
 def test_a_world_in_which_the_flock_cannot_be_leaves_the_old_one(simulation):
-    def build(start: Start) -> Walker:
+    def build(start: Spec) -> Walker:
         if isinstance(start.world, World) and start.world.dim == 3:
             raise Refusal("dim = 3 is not allowed: hwvem is defined in 2-D")
         return Walker(start)
 
     simulation.build = build
     world = World("tall", (5.0, 5.0, 5.0), ("open",) * 3)
-    simulation.open_layout("tall.toml", world.to_toml().encode())
+    simulation.edits.open_layout("tall.toml", world.to_toml().encode())
     assert "dim = 3" in simulation.notices.get(timeout=5)
-    until(lambda: simulation.next_start is None)
-    assert simulation.state.start == START
+    until(lambda: simulation.next is None)
+    assert simulation.state.spec == START
     assert simulation.run.flock.world.dim == 2
 
 
@@ -200,20 +203,22 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
     def play(number: int) -> None:
         chance = np.random.default_rng(number)
         for _ in range(60):
-            key = simulation.editor.newest - int(chance.integers(-2, 9))
+            key = simulation.edits.editor.newest - int(chance.integers(-2, 9))
             x, y = chance.uniform(0, 10, 2)
             gesture = f"{number} {chance.integers(3)}"
             match chance.integers(7):
                 case 0 | 1:
-                    simulation.edit(lambda e, at=(x, y): e.add(forms.disc(at, 0.4)))
+                    simulation.edits.change(lambda e, at=(x, y): e.add(forms.disc(at, 0.4)))
                 case 2:
-                    simulation.drag(gesture, lambda e, k=key, g=gesture: e.move(k, (0.1, 0), 5, g))
+                    simulation.edits.drag(
+                        gesture, lambda e, k=key, g=gesture: e.move(k, (0.1, 0), 5, g)
+                    )
                 case 3:
-                    simulation.edit(lambda e, k=key: e.delete(k))
+                    simulation.edits.change(lambda e, k=key: e.delete(k))
                 case 4:
-                    simulation.edit(Editor.undo)
+                    simulation.edits.change(Editor.undo)
                 case 5:
-                    simulation.edit(Editor.redo)
+                    simulation.edits.change(Editor.redo)
                 case 6:
                     simulation.reset()
             wait([simulation.look_again()], 30)
@@ -223,11 +228,11 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
         thread.start()
     for thread in threads:
         thread.join()
-    simulation.edit(lambda editor: editor).result(30)
-    until(lambda: simulation.next_start is None)
+    simulation.edits.change(lambda editor: editor).result(30)
+    until(lambda: simulation.next is None)
     assert not simulation.state.error
     flock = simulation.run.flock
-    assert flock.world == simulation.editor.world
+    assert flock.world == simulation.edits.editor.world
     before = flock.tick
     until(lambda: simulation.run.flock.tick > before or simulation.run.flock is not flock)
     told = set()

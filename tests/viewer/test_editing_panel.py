@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import math
+import threading
 
 import numpy as np
 import pytest
 
-from app.viewer.laboratory import Laboratory
-from app.viewer.panels.world_controls import BOX, DISC, POLYGON, SELECT
-from app.viewer.scene.handles import Drag
-from app.viewer.start import Start
-from app.viewer.values import show
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.setup import differs
+from app.viewer.lab.panels.world_controls import BOX, DISC, POLYGON, SELECT
+from app.viewer.run.home import at_home
+from app.viewer.scene.marks.hands.handles import Drag
+from app.viewer.web.values import show
 from tests.viewer.waiting import until
 from worlds.world import World
 
-START = Start("vem-a", agents=30, seed=2, size=20.0, world="open")
+START = at_home("vem-a", agents=30, seed=2, size=20.0, world="open")
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
 @pytest.fixture(scope="module")
 def served():
     made = Laboratory(START, port=0, running=False)
-    made.simulation.prepare = lambda: None
+    made.simulation.edits.prepare = lambda: None
     assert made.simulation.ready.wait(60)
     yield made
     made.close()
@@ -36,23 +38,23 @@ def laboratory(served):
     served.world.drop_tool()
     served.world.select(0)
     simulation.setup(START)
-    until(lambda: simulation.state.run > before and simulation.editor.past == ())
+    until(lambda: simulation.state.run > before and simulation.edits.editor.past == ())
     while not simulation.notices.empty():
         simulation.notices.get()
-    served.notices.told = {}
+    served.notices.shown = {}
     return served
 
 
 def told(laboratory) -> str:
     """A notice that is told now; the drawing thread passes notices on to browsers."""
-    return until(lambda: next(iter(laboratory.notices.told), ""), 5)
+    return until(lambda: next(iter(laboratory.notices.shown), ""), 5)
 
 
 def settled(laboratory) -> World:
     """The world after all that was told has been done."""
-    laboratory.simulation.edit(lambda editor: editor).result(10)
+    laboratory.simulation.edits.change(lambda editor: editor).result(10)
     laboratory.world.refresh()
-    return laboratory.simulation.editor.world
+    return laboratory.simulation.edits.editor.world
 
 
 def click(laboratory, x: float, y: float) -> None:
@@ -108,8 +110,10 @@ def test_a_tool_takes_the_click_even_on_an_agent(laboratory):
 
 def test_corners_make_a_polygon_when_the_last_is_clicked_twice_and_undo_takes_one_back(laboratory):
     panel = laboratory.world
+    chosen = threading.Event()
+    laboratory.simulation.edits.prepare = chosen.set
     show(panel.tool, POLYGON)
-    until(lambda: panel.tool.value == POLYGON)
+    assert chosen.wait(10)
     for corner in [(2.0, 2.0), (6.0, 2.0), (9.0, 9.0)]:
         click(laboratory, *corner)
     panel.undo()
@@ -155,7 +159,7 @@ def test_delete_then_drag_undo_while_dragging_and_setup_while_dragging_do_no_har
     until(lambda: simulation.state.run > before)
     drag(laboratory, key, 3.0, gesture="h", done=True)
     assert settled(laboratory).obstacles == ()
-    assert not laboratory.notices.told
+    assert not laboratory.notices.shown
     assert not simulation.state.error
 
 
@@ -189,6 +193,7 @@ def test_setup_proposes_the_world_that_was_built_and_reset_keeps_it(laboratory):
     assert "(edited)" in laboratory.setup.world.value
     until(lambda: simulation.state.run > before)
     assert len(simulation.run.flock.world.obstacles) == 1
-    assert laboratory.setup.chosen().differs(simulation.state.start) == []
-    simulation.edit(lambda editor: editor.undo()).result(10)
+    state = simulation.state
+    assert differs(laboratory.setup.chosen(), (state.spec, state.beside)) == []
+    simulation.edits.change(lambda editor: editor.undo()).result(10)
     until(lambda: "(edited)" not in laboratory.setup.world.value)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.viewer.scene.attitude import nose
-from app.viewer.scene.flight import (
+from app.viewer.scene.draw.attitude import nose
+from app.viewer.scene.marks.flock.flight import (
     AMPLITUDE,
     DIHEDRAL,
     GLIDING,

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import pytest
 
 from agents.flight.trim import trim
-from app.viewer.joules import Joules, trimmed
-from app.viewer.readings import Readings
-from app.viewer.start import Start
+from app.viewer.measuring.joules import Joules, trimmed
+from app.viewer.measuring.readings import Readings
+from app.viewer.run.home import at_home
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 
@@ -22,7 +22,7 @@ def test_joules_are_those_of_the_aircraft_in_trim_and_come_later():
 
 
 def test_what_is_saved_is_a_share_of_them():
-    joules, readings = Joules(), Readings(StubFlock(Start(agents=4)))
+    joules, readings = Joules(), Readings(StubFlock(at_home(agents=4)))
     joules.known[3.0] = 0.5
     assert joules.saved(readings) == "–"
     readings.flock.parameters = SimpleNamespace(v0=3.0)

@@ -15,18 +15,18 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.viewer.drawing import FASTEST, SLOWEST, period
-from app.viewer.laboratory import Laboratory
+from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.parameters import worded
-from app.viewer.start import Start
+from app.viewer.run.home import at_home
+from app.viewer.scene.drawing import FASTEST, SLOWEST, period
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(Start("vem-a", agents=30, seed=2), port=0, running=False)
+    made = Laboratory(at_home("vem-a", agents=30, seed=2), port=0, running=False)
     assert made.simulation.ready.wait(60)
     until(lambda: made.parameters.controls)
     yield made
@@ -67,7 +67,7 @@ def turn(client: Any, control: Any, value: Any) -> None:
 
 def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
     from agents.catalogue import MODELS
-    from agents.declare import declared
+    from agents.models.declare import declared
 
     controls = laboratory.parameters.controls
     for one in declared(MODELS["vem-a"].parameters):
@@ -90,6 +90,19 @@ def test_a_slider_acts_and_a_hostile_value_does_not(laboratory, browser):
     turn(browser, eta, 1e9)
     until(lambda: laboratory.simulation.run.flock.parameters.eta == eta.max)
     assert not laboratory.simulation.state.error
+
+
+def test_agents_are_coloured_by_any_number_that_they_have(laboratory, browser):
+    colour = laboratory.view.form["colour"]
+    until(lambda: "neighbours" in colour.options)
+    turn(browser, colour, "neighbours")
+    until(lambda: laboratory.simulation.frame.measured is not None)
+    flock = laboratory.simulation.run.flock
+    expected = np.bincount(flock.links().ravel(), minlength=len(flock.ids))
+    assert laboratory.simulation.frame.measured.tolist() == expected.tolist()
+    laboratory.view.next_colour()
+    until(lambda: laboratory.simulation.frame.measured is None)
+    assert colour.value == "heading"
 
 
 def test_the_leader_is_steered_within_the_world(laboratory):
@@ -123,19 +136,19 @@ def test_what_somebody_chooses_is_measured_and_shown(laboratory, browser):
     assert "nearest-neighbour" not in simulation.readings.values
     turn(browser, chart.choice, "nearest neighbour")
     until(lambda: "nearest-neighbour" in simulation.readings.values)
-    until(lambda: chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
+    until(lambda: chart.chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
     turn(browser, chart.choice, "anything else")
     turn(browser, laboratory.more.switches["susceptibility"], True)
-    until(lambda: "susceptibility" in laboratory.monitors.more.content)
+    until(lambda: "susceptibility" in laboratory.monitors.blocks["more"].content)
     assert chart.names == ("nearest-neighbour",)
     turn(browser, chart.choice, "nothing")
     until(lambda: "nearest-neighbour" not in simulation.readings.values)
-    assert not chart.plot.visible
+    assert not chart.chart.plot.visible
 
 
 def test_what_no_flock_here_can_do_has_no_panel(laboratory):
     until(lambda: laboratory.plots.offered)
-    assert not laboratory.monitors.crashes.visible
+    assert not laboratory.monitors.blocks["crash-count"].visible
     assert not laboratory.crashes.first.list.visible
     assert not laboratory.more.switches["joules-per-metre"].visible
     assert "crashes" not in laboratory.plots.charts[0].choice.options
@@ -157,7 +170,7 @@ def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
         time.sleep(0.02)  # as often as a browser may, which is cut off beyond that
     simulation = laboratory.simulation
     before = simulation.state.run
-    simulation.setup(Start("vem-a", agents=30))
+    simulation.setup(at_home("vem-a", agents=30))
     until(lambda: simulation.state.run > before, 30)
     simulation.run_at(math.inf)
     simulation.go().result(10)

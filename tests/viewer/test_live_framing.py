@@ -8,30 +8,30 @@ from datetime import datetime
 import numpy as np
 import pytest
 
-from app.live.example import example
-from app.live.pose import Pose
-from app.live.squashing_driver import model_for
-from app.viewer.live.folders import new_folder
+from agents.catalogue import cars_by
+from app.live.control.pose import Pose
+from app.live.laboratory.example import example
 from app.viewer.live.framing import Setting, deserted, frame_of
-from tests.viewer.stub_desk import car_look, companion, look_at
+from app.viewer.live.session import new_folder
+from tests.viewer.stub_operator import car_status, companion, status_at
 
 LAB = example()
-MODEL = model_for("squashing")
+MODEL = cars_by("squashing")
 VALUES = MODEL.parameters().model_dump()
 SETTING = Setting.of(3, LAB, MODEL)
 
 
-def framed(look, past=(), setting=SETTING):
-    return frame_of(setting, look, VALUES, past)
+def framed(status, past=(), setting=SETTING):
+    return frame_of(setting, status, VALUES, past)
 
 
 def test_a_frame_has_the_real_cars_first_then_the_simulated_ones():
     cars = [
-        car_look("red", Pose(1.0, 2.0, 0.5 * math.pi), sent=(-0.5, 1.0)),
-        car_look("blue", Pose(-1.0, 0.0, 0.0), runs=False),
+        car_status("red", Pose(1.0, 2.0, 0.5 * math.pi), sent=(-0.5, 1.0)),
+        car_status("blue", Pose(-1.0, 0.0, 0.0), runs=False),
     ]
     sims = [companion(1, 0.5, 0.5, 1.0), companion(2, -0.5, 0.5)]
-    frame = framed(look_at(42, 9.0, "armed", cars, Pose(2.0, 0.0, 0.0), sims))
+    frame = framed(status_at(42, 9.0, "armed", cars, Pose(2.0, 0.0, 0.0), sims))
     assert frame.ids.tolist() == [0, 1, 1000, 1001]
     assert frame.live.names == ("red", "blue", "sim 1", "sim 2")
     assert frame.live.states == ("tracked", "stopped", "simulated", "simulated")
@@ -42,12 +42,12 @@ def test_a_frame_has_the_real_cars_first_then_the_simulated_ones():
     assert frame.cars.steering == pytest.approx(np.radians([-22.5, 22.5, 45.0, 0.0]))
     assert not frame.cars.stuck.any()
     assert not frame.cars.predator.any()
-    assert frame.errand.goal == pytest.approx([2.0, 0.0])
+    assert frame.progress.goal == pytest.approx([2.0, 0.0])
     assert (frame.run, frame.tick, frame.dt, frame.unit) == (3, 42, 0.01, "s")
 
 
 def test_the_world_is_the_area_and_stays_one_object():
-    one, other = (framed(look_at(k, 0.1 * k, "safe", [car_look("red")])) for k in (1, 2))
+    one, other = (framed(status_at(k, 0.1 * k, "safe", [car_status("red")])) for k in (1, 2))
     assert one.world is other.world
     assert one.low == pytest.approx(LAB.area.low)
     assert one.low + one.size == pytest.approx(LAB.area.high)
@@ -55,43 +55,45 @@ def test_the_world_is_the_area_and_stays_one_object():
 
 
 def test_a_lost_car_stays_where_it_was_seen_and_one_never_seen_is_left_out():
-    lost = car_look("blue", Pose(1.0, 1.0, 0.0), age=3.0, tracking="lost")
-    frame = framed(look_at(1, 1.0, "safe", [car_look("red", None), lost]))
+    lost = car_status("blue", Pose(1.0, 1.0, 0.0), age=3.0, tracking="lost")
+    frame = framed(status_at(1, 1.0, "safe", [car_status("red", None), lost]))
     assert (frame.ids.tolist(), frame.live.states) == ([1], ("lost",))
     assert frame.position.tolist() == [[1.0, 1.0]]
 
 
 def test_before_anybody_was_seen_a_frame_is_empty():
-    frame = framed(look_at(1, 1.0, "safe", [car_look("red", None), car_look("blue", None)]))
+    frame = framed(status_at(1, 1.0, "safe", [car_status("red", None), car_status("blue", None)]))
     assert frame.position.shape == frame.heading.shape == (0, 2)
-    assert frame.errand.goal is None
+    assert frame.progress.goal is None
     assert frame.live.names == ()
 
 
 def test_speeds_are_those_of_the_last_tenth_of_a_second():
     def looked(time):
         x = 0.8 * time if time > 0.85 else 3.0 * time
-        red = car_look("red", Pose(x, 0.0, 0.0), age=0.0)
-        return look_at(0, time, "armed", [red], None, [companion(1, 0.0, 0.5 * time)])
+        red = car_status("red", Pose(x, 0.0, 0.0), age=0.0)
+        return status_at(0, time, "armed", [red], None, [companion(1, 0.0, 0.5 * time)])
 
     times = [0.7 + 0.03 * k for k in range(11)]
-    looks = [looked(time) for time in times]
-    frame = framed(looks[-1], looks[:-1])
+    statuses = [looked(time) for time in times]
+    frame = framed(statuses[-1], statuses[:-1])
     assert frame.speed == pytest.approx([0.8, 0.5])
 
 
 def test_a_single_look_tells_no_speed_and_a_lost_car_has_none():
-    car = car_look("red", Pose(1.0, 1.0, 0.0))
-    assert framed(look_at(1, 1.0, "safe", [car])).speed.tolist() == [0.0]
-    looks = [
-        look_at(k, 1.0 + 0.03 * k, "safe", [car_look("red", age=1.0 + 0.03 * k, tracking="lost")])
+    car = car_status("red", Pose(1.0, 1.0, 0.0))
+    assert framed(status_at(1, 1.0, "safe", [car])).speed.tolist() == [0.0]
+    statuses = [
+        status_at(
+            k, 1.0 + 0.03 * k, "safe", [car_status("red", age=1.0 + 0.03 * k, tracking="lost")]
+        )
         for k in range(4)
     ]
-    assert framed(looks[-1], looks[:-1]).speed.tolist() == [0.0]
+    assert framed(statuses[-1], statuses[:-1]).speed.tolist() == [0.0]
 
 
 def test_a_room_that_nobody_looks_at_has_lost_its_cars():
-    frame = framed(look_at(1, 1.0, "armed", [car_look("red")], None, [companion(1)]))
+    frame = framed(status_at(1, 1.0, "armed", [car_status("red")], None, [companion(1)]))
     gone = deserted(frame)
     assert (gone.live.states, gone.live.arm) == (("lost", "simulated"), "safe")
     assert gone.speed.tolist() == [0.0, 0.0]

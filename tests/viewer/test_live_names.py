@@ -1,4 +1,4 @@
-"""The names of real cars on the display: what they say, where they stand, that they are calm."""
+"""The names of real cars on the display: what they say, where they are, no flicker."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.live.live import Live
-from app.viewer.scene import Look
-from app.viewer.scene.calm import AFRESH, HOLD, Calm
-from app.viewer.scene.live_labels import BESIDE, MOST, LiveLabels, told, words
-from app.viewer.scene.placing import AFRESH as STAY
-from app.viewer.scene.placing import Sides, chosen_sides
+from app.viewer.scene.marks.flock.live_labels import BESIDE, MOST, LiveLabels, age_text, words
+from app.viewer.scene.marks.flock.placing import AFRESH as STAY
+from app.viewer.scene.marks.flock.placing import Sides, chosen_sides
+from app.viewer.scene.shown.debounce import HOLD, REFRESH, Debounce
+from app.viewer.scene.shown.live import Live
+from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import frame, known, shown
 from tests.viewer.live_fleet import live, live_frame
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -46,9 +46,9 @@ def test_ages_are_told_in_steps_and_never_more_than_they_are(one, other):
         return float(value) * (0.001 if unit == "ms" else 1.0)
 
     low, high = sorted((one, other))
-    assert number(told(low)) <= number(told(high))
+    assert number(age_text(low)) <= number(age_text(high))
     step = 0.01 if high < 0.2 else 0.1 if high < 10.0 else 1.0
-    assert -1e-6 <= high - number(told(high)) < step + 1e-6
+    assert -1e-6 <= high - number(age_text(high)) < step + 1e-6
 
 
 @pytest.mark.parametrize("name_at", [0.0, 0.5])
@@ -123,36 +123,38 @@ def test_a_new_car_has_a_name_at_once():
     assert two == [False, False]
 
 
-def calmed(calm: Calm, seconds: float, state: str, age: float, run: int = 1) -> tuple[str, float]:
+def debounced(
+    debounce: Debounce, seconds: float, state: str, age: float, run: int = 1
+) -> tuple[str, float]:
     given_states = live(states=(state, "tracked", "tracked", "simulated", "simulated"))
     ages = np.array([age, 0.0, 0.0, 0.0, 0.0])
     one = live_frame(round(100 * seconds), replace(given_states, ages=ages), run=run)
-    made = calm.calmed(one).live
+    made = debounce.debounced(one).live
     return made.states[0], float(made.ages[0])
 
 
 def test_what_is_bad_is_shown_at_once_and_what_is_good_when_it_lasts():
-    calm = Calm()
-    assert calmed(calm, 0.00, "tracked", 0.005) == ("tracked", 0.005)
-    assert calmed(calm, 0.01, "late", 0.04) == ("late", 0.04)
-    assert calmed(calm, 0.02, "tracked", 0.005) == ("late", 0.04)
-    assert calmed(calm, 0.10, "late", 0.06) == ("late", 0.04)
-    assert calmed(calm, 0.12, "lost", 0.11) == ("lost", 0.11)
-    assert calmed(calm, 0.12 + 0.9 * HOLD, "tracked", 0.0)[0] == "lost"
-    assert calmed(calm, 0.12 + 1.1 * HOLD, "tracked", 0.0) == ("tracked", 0.0)
-    assert calmed(calm, 0.60, "stopped", 0.0)[0] == "stopped"
-    assert calmed(calm, 0.61, "tracked", 0.0)[0] == "tracked"
+    debounce = Debounce()
+    assert debounced(debounce, 0.00, "tracked", 0.005) == ("tracked", 0.005)
+    assert debounced(debounce, 0.01, "late", 0.04) == ("late", 0.04)
+    assert debounced(debounce, 0.02, "tracked", 0.005) == ("late", 0.04)
+    assert debounced(debounce, 0.10, "late", 0.06) == ("late", 0.04)
+    assert debounced(debounce, 0.12, "lost", 0.11) == ("lost", 0.11)
+    assert debounced(debounce, 0.12 + 0.9 * HOLD, "tracked", 0.0)[0] == "lost"
+    assert debounced(debounce, 0.12 + 1.1 * HOLD, "tracked", 0.0) == ("tracked", 0.0)
+    assert debounced(debounce, 0.60, "stopped", 0.0)[0] == "stopped"
+    assert debounced(debounce, 0.61, "tracked", 0.0)[0] == "tracked"
 
 
 def test_ages_are_told_a_few_times_a_second_and_of_the_run_that_is_shown():
-    calm = Calm()
-    shown_ages = [calmed(calm, tick / 100, "lost", tick / 100)[1] for tick in range(101)]
-    assert len(set(shown_ages)) <= 1.0 / AFRESH + 1
-    assert max(shown_ages) >= 1.0 - AFRESH
-    assert calmed(calm, 1.01, "tracked", 0.0, run=2)[0] == "tracked"
-    assert calmed(calm, 0.50, "tracked", 0.0, run=2)[0] == "tracked"
+    debounce = Debounce()
+    shown_ages = [debounced(debounce, tick / 100, "lost", tick / 100)[1] for tick in range(101)]
+    assert len(set(shown_ages)) <= 1.0 / REFRESH + 1
+    assert max(shown_ages) >= 1.0 - REFRESH
+    assert debounced(debounce, 1.01, "tracked", 0.0, run=2)[0] == "tracked"
+    assert debounced(debounce, 0.50, "tracked", 0.0, run=2)[0] == "tracked"
 
 
 def test_a_simulation_is_shown_as_it_is():
-    calm, one = Calm(), frame()
-    assert calm.calmed(one) is one
+    debounce, one = Debounce(), frame()
+    assert debounce.debounced(one) is one

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from dataclasses import replace
 from typing import Any
@@ -12,13 +13,14 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.live.example import example
-from app.live.safety import Reason
-from app.live.squashing_driver import NOT_SIMULATED, model_for
-from app.viewer.live.keys import KEYS
-from app.viewer.live.page import LivePage
-from app.viewer.live.room import Room
-from tests.viewer.stub_desk import Desks, driver
+from agents.catalogue import cars_by
+from app.live.control.safety import Reason
+from app.live.laboratory.example import example
+from app.live.operating.choices import Choices, laboratory
+from app.live.operating.flock_driver import NOT_SIMULATED
+from app.viewer.live.page import KEYS, LivePage
+from app.viewer.live.session import Session
+from tests.viewer.stub_operator import Operators, driver
 from tests.viewer.test_laboratory import CAMERA
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -27,29 +29,29 @@ UNSEEN = Reason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
 
 
 @pytest.fixture
-def desks():
-    one = Desks()
+def operators():
+    one = Operators()
     yield one
     one.gate.set()
 
 
 @pytest.fixture
-def serve(desks):
-    """Makes pages with stub desks and closes them."""
+def serve(operators):
+    """Makes pages with stub operators and closes them."""
     made = []
 
     def make(lab=None, ready=True) -> LivePage:
-        def opening(lab, source, recording) -> Room:
-            return Room(lab, source, recording, desk=desks, driver=driver)
+        def make_session(choices, recording) -> Session:
+            return Session(choices, recording, operator=operators, driver=driver)
 
-        page = LivePage(lab or example(), port=0, opening=opening)
+        page = LivePage(Choices.of(lab or example()), port=0, make_session=make_session)
         made.append(page)
         if ready:
             until(lambda: page.drawing.drawn and page.rule.controls)
         return page
 
     yield make
-    desks.gate.set()
+    operators.gate.set()
     for page in made:
         page.close()
 
@@ -105,72 +107,72 @@ class Browser:
     def arm(self) -> None:
         self.turn(self.page.state.arm, True)
         arm = until(lambda: self.own("Arm"))
-        self.turn(self.own("Code"), self.page.room.code.digits)
+        self.turn(self.own("Code"), self.page.session.code.digits)
         self.turn(arm, True)
-        until(lambda: self.page.room.look.arm == "armed")
+        until(lambda: self.page.session.status.arm == "armed")
 
     def leave(self) -> None:
         self.client.close()
         until(lambda: self.number not in self.page.server.get_clients())
 
 
-def test_the_emergency_stop_is_there_before_the_room_is_open(serve, desks):
-    desks.gate.clear()
+def test_the_emergency_stop_is_there_before_the_room_is_open(serve, operators):
+    operators.gate.clear()
     page = serve(ready=False)
     until(lambda: "Opening" in page.state.banner.content)
     browser = Browser(page)
     browser.turn(page.state.stop, True)
-    until(lambda: page.room.state.latched)
-    desks.gate.set()
-    until(lambda: page.room.look is not None and page.room.look.arm == "emergency")
-    assert desks.last.asked[0].cause == f"browser {browser.number}"
+    until(lambda: page.session.state.latched)
+    operators.gate.set()
+    until(lambda: page.session.status is not None and page.session.status.arm == "emergency")
+    assert operators.last.asked[0].cause == f"browser {browser.number}"
     until(lambda: page.state.reset.visible)
 
 
-def test_the_stop_button_stops_when_it_goes_down(serve, desks):
+def test_the_stop_button_stops_when_it_goes_down(serve, operators):
     page = serve()
     browser = Browser(page)
     (rate,) = page.state.stop._hold_callback_freqs
     browser.say(type="GuiButtonHoldMessage", uuid=page.state.stop._impl.uuid, frequency=rate)
-    until(lambda: desks.last.arm == "emergency")
+    until(lambda: operators.last.arm == "emergency")
 
 
 @pytest.mark.parametrize("key", ["space", "escape"])
-def test_two_keys_stop_in_every_browser(serve, desks, key):
+def test_two_keys_stop_in_every_browser(serve, operators, key):
     page = serve()
     first, second = Browser(page), Browser(page)
     first.arm()
     second.press(key)
-    until(lambda: desks.last.arm == "emergency")
-    assert desks.last.asked[-1].cause == f"browser {second.number}"
+    until(lambda: operators.last.arm == "emergency")
+    assert operators.last.asked[-1].cause == f"browser {second.number}"
 
 
-def test_no_other_key_reaches_the_cars(serve, desks):
+def test_no_other_key_reaches_the_cars(serve, operators):
     page = serve()
     browser = Browser(page)
     for key in set(KEYS) - {"space", "escape"}:
         browser.press(key)
-    until(lambda: page.view.colour.value == "heading")
-    assert desks.last.asked == []
+    until(lambda: page.view.form["colour"].value == "heading")
+    assert operators.last.asked == []
 
 
-def test_arming_is_asked_once_more_and_only_in_that_browser(serve, desks):
+def test_arming_is_asked_once_more_and_only_in_that_browser(serve, operators):
     page = serve()
     first, second = Browser(page), Browser(page)
     first.turn(page.state.arm, True)
     until(lambda: first.own("Arm"))
     assert second.own("Arm") is None
-    assert desks.last.asked == []
+    assert operators.last.asked == []
     first.turn(first.own("Cancel"), True)
     until(lambda: first.own("Arm") is None)
     first.arm()
-    assert [(one.wish, one.cause) for one in desks.last.asked] == [
+    assert [(one.action, one.cause) for one in operators.last.asked] == [
         ("arm", f"browser {first.number}")
     ]
     until(lambda: page.state.disarm.visible and not page.state.arm.visible)
 
 
-def test_the_question_is_withdrawn_by_an_emergency_stop(serve, desks):
+def test_the_question_is_withdrawn_by_an_emergency_stop(serve, operators):
     page = serve()
     browser = Browser(page)
     browser.turn(page.state.arm, True)
@@ -180,51 +182,51 @@ def test_the_question_is_withdrawn_by_an_emergency_stop(serve, desks):
     until(lambda: not page.state.confirming.open)
     browser.turn(yes, True)
     browser.turn(page.state.arm, True)
-    browser.turn(page.view.fence, False)
-    until(lambda: not page.view.fence.value)
-    assert desks.last.wishes() == ["emergency"]
+    browser.turn(page.view.form["fence"], False)
+    until(lambda: not page.view.form["fence"].value)
+    assert operators.last.actions() == ["emergency"]
 
 
-def test_what_speaks_against_arming_keeps_the_button_off(serve, desks):
+def test_what_speaks_against_arming_keeps_the_button_off(serve, operators):
     page = serve()
     until(lambda: not page.state.arm.disabled)
-    look = desks.last.look
-    desks.last.look = lambda: replace(look(), reasons=(UNSEEN,))
+    status = operators.last.status
+    operators.last.status = lambda: replace(status(), reasons=(UNSEEN,))
     until(lambda: page.state.arm.disabled)
     browser = Browser(page)
     browser.turn(page.state.arm, True)
-    browser.turn(page.view.fence, False)
-    until(lambda: not page.view.fence.value)
+    browser.turn(page.view.form["fence"], False)
+    until(lambda: not page.view.form["fence"].value)
     assert not page.state.confirming.open
     assert "0.40 s ago" in page.state.banner.content
 
 
-def test_the_cars_stop_when_the_last_browser_that_could_stop_them_is_gone(serve, desks):
+def test_the_cars_stop_when_the_last_browser_that_could_stop_them_is_gone(serve, operators):
     page = serve()
     browser = Browser(page)
     browser.arm()
     browser.leave()
-    until(lambda: desks.last.arm == "safe")
-    assert desks.last.wishes() == ["arm", "hold"]
+    until(lambda: operators.last.arm == "safe")
+    assert operators.last.actions() == ["arm", "hold"]
 
 
-def test_sliders_are_those_that_a_real_room_may_change(serve, desks):
+def test_sliders_are_those_that_a_real_room_may_change(serve, operators):
     page = serve()
     offered = set(page.rule.controls)
-    assert offered == set(model_for("squashing").parameters.model_fields) - set(NOT_SIMULATED)
+    assert offered == set(cars_by("squashing").parameters.model_fields) - set(NOT_SIMULATED)
     browser = Browser(page)
     browser.turn(page.rule.controls["beta"], 3.5)
-    until(lambda: page.room.state.values["beta"] == 3.5)
-    assert desks.last.tuned() == [{"beta": 3.5}]
+    until(lambda: page.session.state.values["beta"] == 3.5)
+    assert operators.last.tuned() == [{"beta": 3.5}]
     browser.turn(page.rule.controls["beta"], 1e9)
-    until(lambda: page.room.state.values["beta"] == page.rule.controls["beta"].max)
+    until(lambda: page.session.state.values["beta"] == page.rule.controls["beta"].max)
 
 
-def test_a_slider_goes_back_to_what_the_loop_has(serve, desks):
+def test_a_slider_goes_back_to_what_the_loop_has(serve, operators):
     page = serve()
-    desks.last.refuses = "not now"
+    operators.last.refuses = "not now"
     Browser(page).turn(page.rule.controls["beta"], 3.5)
-    until(lambda: desks.last.tuned())
+    until(lambda: operators.last.tuned())
     until(lambda: page.rule.controls["beta"].value == 2.0)
 
 
@@ -232,48 +234,48 @@ def test_another_rule_brings_its_own_sliders_unless_armed(serve):
     page = serve()
     browser = Browser(page)
     browser.turn(page.rule.rule, "squashing-best")
-    until(lambda: page.room.state.run == 2 and page.rule.shown[0] == 2)
-    assert page.room.state.model.name == "squashing-best"
+    until(lambda: page.session.state.run == 2 and page.rule.shown[0] == 2)
+    assert page.session.state.model.name == "squashing-best"
     browser.arm()
     until(lambda: page.rule.rule.disabled and page.place.open.disabled)
     browser.turn(page.rule.rule, "squashing")
-    browser.turn(page.view.fence, False)
-    until(lambda: not page.view.fence.value)
-    assert (page.rule.rule.value, page.room.state.run) == ("squashing-best", 2)
+    browser.turn(page.view.form["fence"], False)
+    until(lambda: not page.view.form["fence"].value)
+    assert (page.rule.rule.value, page.session.state.run) == ("squashing-best", 2)
 
 
-def test_a_source_is_chosen_and_then_opened(serve, desks):
+def test_a_source_is_chosen_and_then_opened(serve, operators):
     page = serve()
     browser = Browser(page)
     browser.turn(page.place.source, "emulated cars")
     until(lambda: page.place.changed.visible)
-    assert page.room.state.run == 1
+    assert page.session.state.run == 1
     browser.turn(page.place.open, True)
-    until(lambda: page.room.state.run == 2 and page.room.state.status == "open")
-    assert page.room.state.source == "emulated cars"
-    assert desks.last.lab.source == "simulated"
+    until(lambda: page.session.state.run == 2 and page.session.state.phase == "open")
+    assert page.session.state.source == "emulated cars"
+    assert operators.last.lab.source == "simulated"
     until(lambda: not page.place.changed.visible)
 
 
-def test_what_failed_can_be_opened_again(serve, desks):
-    desks.refuses = "no frame within 5 s"
+def test_what_failed_can_be_opened_again(serve, operators):
+    operators.refuses = "no frame within 5 s"
     page = serve(ready=False)
     until(lambda: page.state.again.visible)
     assert "no frame within 5 s" in page.state.banner.content
-    desks.refuses = ""
+    operators.refuses = ""
     Browser(page).turn(page.state.again, True)
     until(lambda: page.state.arm.visible)
 
 
-def test_simulated_cars_are_asked_for_and_clamped(serve, desks):
+def test_simulated_cars_are_asked_for_and_clamped(serve, operators):
     page = serve()
     browser = Browser(page)
     browser.turn(page.place.companions, 3)
-    until(lambda: desks.last.asked)
+    until(lambda: operators.last.asked)
     browser.turn(page.place.companions, 4000)
-    until(lambda: len(desks.last.asked) == 2)
+    until(lambda: len(operators.last.asked) == 2)
     most = example().simulated.most
-    assert [(one.wish, one.words) for one in desks.last.asked] == [
+    assert [(one.action, one.words) for one in operators.last.asked] == [
         ("accompany", "3"),
         ("accompany", str(most)),
     ]
@@ -282,17 +284,24 @@ def test_simulated_cars_are_asked_for_and_clamped(serve, desks):
 def test_a_busy_port_is_refused_before_anything_is_opened(serve):
     page = serve()
     with pytest.raises(Refusal, match="port"):
-        LivePage(example(), port=page.server.get_port(), opening=pytest.fail)
+        LivePage(laboratory(), port=page.server.get_port(), make_session=pytest.fail)
 
 
-def test_an_unknown_source_frees_the_port():
-    with pytest.raises(Refusal, match="unknown source 'elsewhere'"):
-        LivePage(example(), port=0, source="elsewhere")
+def test_a_room_that_cannot_be_made_frees_the_port():
+    def make_session(_choices, _recording):
+        raise Refusal("it cannot be made")
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    for _ in range(2):
+        with pytest.raises(Refusal, match="it cannot be made"):
+            LivePage(laboratory(), port=port, make_session=make_session)
     names = {thread.name for thread in threading.enumerate()}
     assert "room" not in names
 
 
-def test_closing_the_page_closes_the_desk(serve, desks):
+def test_closing_the_page_closes_the_operator(serve, operators):
     page = serve()
     page.close()
-    assert desks.last.closed == 1
+    assert operators.last.closed == 1

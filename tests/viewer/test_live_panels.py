@@ -12,26 +12,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.live.events import Event
-from app.live.example import example
+from agents.catalogue import cars_by
+from app.live.control.events import Event
+from app.live.control.pose import Pose
+from app.live.control.safety import Reason
+from app.live.laboratory.example import example
 from app.live.links.link import RUN
-from app.live.pose import Pose
-from app.live.safety import Reason
-from app.live.squashing_driver import model_for
-from app.viewer.live.course import Course
+from app.viewer.live.banner import banner_of
+from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.framing import Setting, frame_of
-from app.viewer.live.hand import Hand
 from app.viewer.live.panels.log import COLUMNS, as_csv, listed
 from app.viewer.live.panels.monitors import cars, numbers
 from app.viewer.live.panels.plots import WINDOW, LivePlots, colours
 from app.viewer.live.panels.room import injected, limited
-from app.viewer.live.panels.state import banner
-from app.viewer.live.room_state import RoomState
-from app.viewer.live.standing import standing
-from app.viewer.server import close_server, open_server
-from tests.viewer.stub_desk import car_look, companion, look_at
+from app.viewer.live.panels.state import banner_html
+from app.viewer.live.readings import RoomReadings
+from app.viewer.live.session_state import SessionState
+from app.viewer.web.server import close_server, open_server
+from tests.viewer.stub_operator import car_status, companion, status_at
 
-OPEN = RoomState("emulated cars", "dry run", "squashing", status="open")
+OPEN = SessionState("emulated cars", "dry run", "squashing", phase="open")
 UNSEEN = Reason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
 
 
@@ -43,32 +43,32 @@ def server():
 
 
 @pytest.mark.parametrize(
-    ("state", "look", "kind", "words"),
+    ("state", "status", "kind", "words"),
     [
-        (replace(OPEN, status="opening"), None, "opening", "Waiting"),
-        (replace(OPEN, status="opening", compiling="compiling x"), None, "opening", "Compiling x"),
-        (replace(OPEN, status="opening", latched=True), None, "emergency", "begins stopped"),
-        (replace(OPEN, status="failed", trouble="no frame within 5 s"), None, "failed", "no frame"),
+        (replace(OPEN, phase="opening"), None, "opening", "Waiting"),
+        (replace(OPEN, phase="opening", compiling="compiling x"), None, "opening", "Compiling x"),
+        (replace(OPEN, phase="opening", latched=True), None, "emergency", "begins stopped"),
+        (replace(OPEN, phase="failed", trouble="no frame within 5 s"), None, "failed", "no frame"),
         (OPEN, None, "opening", "Waiting"),
-        (OPEN, look_at(), "safe", "Ready"),
-        (OPEN, replace(look_at(), reasons=(UNSEEN,)), "safe", "Cannot be armed"),
-        (OPEN, look_at(arm="armed"), "running", "run"),
-        (OPEN, replace(look_at(arm="armed"), mode=0, reasons=(UNSEEN,)), "held up", "0.40 s"),
-        (OPEN, look_at(arm="emergency"), "emergency", "stop"),
-        (OPEN, replace(look_at(arm="armed"), troubles={"link": "gone"}), "running", "link: gone"),
+        (OPEN, status_at(), "safe", "Ready"),
+        (OPEN, replace(status_at(), reasons=(UNSEEN,)), "safe", "Cannot be armed"),
+        (OPEN, status_at(arm="armed"), "running", "run"),
+        (OPEN, replace(status_at(arm="armed"), mode=0, reasons=(UNSEEN,)), "held up", "0.40 s"),
+        (OPEN, status_at(arm="emergency"), "emergency", "stop"),
+        (OPEN, replace(status_at(arm="armed"), troubles={"link": "gone"}), "running", "link: gone"),
     ],
 )
-def test_the_banner_says_how_the_room_stands(state, look, kind, words):
-    now = standing(state, look)
+def test_the_banner_says_how_the_room_stands(state, status, kind, words):
+    now = banner_of(state, status)
     assert now.kind == kind
-    assert words in banner(now)
-    assert f"fs-{kind.replace(' ', '-')}" in banner(now)
+    assert words in banner_html(now)
+    assert f"fs-{kind.replace(' ', '-')}" in banner_html(now)
     assert now.armable == (kind == "safe" and not now.reasons)
 
 
 def test_what_a_tracking_or_a_link_says_is_no_html():
-    look = replace(look_at(), reasons=(replace(UNSEEN, words="<img src=x>"),))
-    assert "<img" not in banner(standing(OPEN, look))
+    status = replace(status_at(), reasons=(replace(UNSEEN, words="<img src=x>"),))
+    assert "<img" not in banner_html(banner_of(OPEN, status))
     assert "<img" not in listed([Event(1, 0.0, "rule", "<img src=x>", cause="<img>")])
 
 
@@ -81,26 +81,26 @@ def drag(x: float, y: float, client: int = 1, phase: str = "update") -> Any:
 @pytest.fixture
 def hand(server):
     placed = []
-    made = Hand(server.scene, example().area, lambda x, y: placed.append((x, y)))
+    made = DragHandle(server.scene, example().area, lambda x, y: placed.append((x, y)))
     made.draw(whole_frame())
     return made, placed
 
 
 def whole_look(arm="armed"):
     return replace(
-        look_at(7, 1.0, arm, [car_look("blue"), car_look("red", Pose(0.0, -2.0, 0.0), 0.06)],
+        status_at(7, 1.0, arm, [car_status("blue"), car_status("red", Pose(0.0, -2.0, 0.0), 0.06)],
                 Pose(2.0, 0.0, 0.0), [companion(1, -2.0, 0.0, -0.4)]),
         mode=RUN,
     )  # fmt: skip
 
 
-def whole_frame(look=None):
+def whole_frame(status=None):
     lab = example()
-    setting = Setting.of(1, lab, model_for(lab.rule))
-    return frame_of(setting, look or whole_look(), {"length": 0.22})
+    setting = Setting.of(1, lab, cars_by(lab.rule))
+    return frame_of(setting, status or whole_look(), {"length": 0.22})
 
 
-def moved(hand: Hand, event: Any) -> None:
+def moved(hand: DragHandle, event: Any) -> None:
     """Give it a drag, as viser's event loop does."""
     with pytest.raises(StopIteration):
         hand.moved(event).send(None)
@@ -132,40 +132,41 @@ def test_only_who_holds_the_hand_moves_it(hand):
 
 
 def test_the_table_has_every_car_with_its_state():
-    look = whole_look()
-    course = Course(example().injected).after(look)
-    shown = cars(look, whole_frame(look), course, chosen=1)
+    status = whole_look()
+    readings = RoomReadings(example().injected)
+    readings.note(status)
+    shown = cars(status, whole_frame(status), readings, chosen=1)
     assert [f">{name}</td>" in shown for name in ("blue", "red", "sim 1")] == [True] * 3
     assert "0 ms" in shown
     assert "60 ms" in shown
     assert "−0.40" in shown
     assert shown.count("fs-chosen") == 1
     assert 'title="simulated"' in shown
-    told = numbers(look, course, example().injected, 3)
+    told = numbers(status, readings, 3)
     assert (told["loop"], told["browsers"], told["ticks missed"]) == ("10.0 ms", "3", "0")
     assert told["least distance"] == "2.69 m"
 
 
 def test_a_car_that_was_never_seen_is_in_the_table():
-    look = look_at(0, 0.0, "safe", [car_look("blue", None), car_look("red")])
-    shown = cars(look, whole_frame(look), Course(example().injected), None)
+    status = status_at(0, 0.0, "safe", [car_status("blue", None), car_status("red")])
+    shown = cars(status, whole_frame(status), RoomReadings(example().injected), None)
     assert "never" in shown
     assert 'title="lost"' in shown
 
 
 def test_plots_reach_back_a_minute(server):
     plots = LivePlots(server.gui, 100.0)
-    course = Course(example().injected)
-    look = whole_look()
+    readings = RoomReadings(example().injected)
+    status = whole_look()
     for second in range(90):
-        course = course.after(replace(look, time=float(second)))
+        readings.note(replace(status, time=float(second)))
     names = ["blue", "red", "sim 1"]
-    plots.refresh(course, names, 0.22)
-    ago, median, *_ = plots.times.plot.data
-    assert (ago[0], ago[-1], median[-1]) == (-WINDOW, 0.0, 10.0)
+    plots.refresh(readings, names, 0.22)
+    at, median, *_ = plots.times.plot.data
+    assert (at[0], at[-1], median[-1]) == (89.0 - WINDOW, 89.0, 10.0)
     assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 4
     assert plots.lags.plot.data[2][-1] == pytest.approx(90.0)
-    plots.refresh(course, ["red"], 0.22)
+    plots.refresh(readings, ["red"], 0.22)
     assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 2
     assert len(set(colours(names).values())) == 3
 

@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.live.live import Live
-from app.viewer.scene import COLOURINGS, LIVE_COLOURINGS, Look, Scene, palette, tone
-from app.viewer.scene.agents import Agents
-from app.viewer.scene.area import THICK, CaptureArea, frame_mesh
-from app.viewer.scene.car import hull, outline
-from app.viewer.scene.colouring import legend
-from app.viewer.scene.fence import INSIDE, Fence, fence
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.injected import InjectedCar
-from app.viewer.scene.labels import Labels
-from app.viewer.scene.live_rings import RADIUS, LiveRings
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.car import hull, outline
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.marks.flock.agents import Agents
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.labels import Labels
+from app.viewer.scene.marks.flock.live_rings import RADIUS, LiveRings
+from app.viewer.scene.marks.flock.stuck import StuckMarks
+from app.viewer.scene.marks.world.area import THICK, CaptureArea, frame_mesh
+from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
+from app.viewer.scene.marks.world.injected import InjectedCar
 from app.viewer.scene.parts import Parts
-from app.viewer.scene.stuck import StuckMarks
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.live import Live
+from app.viewer.scene.shown.look import COLOURINGS, LIVE_COLOURINGS, Look
 from tests.viewer.fleet import AREA, frame, node, shown
 from tests.viewer.live_fleet import STATES, live, live_frame, nobody
 from tests.viewer.test_scene_geometry import rotated
@@ -211,7 +213,7 @@ def test_the_injected_car_keeps_its_own_name_in_a_simulation_only():
     for one, named in ((frame(), True), (live_frame(), False)):
         scene = Stand()
         car, made = InjectedCar(scene, "/goal"), shown(one)
-        for handle, prop, value in car.draw(made, made.frame.errand.goal):
+        for handle, prop, value in car.draw(made, made.frame.progress.goal):
             setattr(handle, prop, value)
         assert node(scene, "/car/hulls").visible
         assert node(scene, "/goal/name").visible is named
@@ -247,7 +249,7 @@ def test_nothing_of_it_is_in_a_simulation():
     parts = Parts(scene)
     for one in (live_frame(), frame(), frame(1, cars=None)):
         made = shown(one)
-        for changes in (parts.draw_room(made), parts.draw_flock(made)):
+        for changes in (parts.draw_box(made), parts.draw_flock(made)):
             for handle, prop, value in changes:
                 setattr(handle, prop, value)
         nodes = [
@@ -258,7 +260,7 @@ def test_nothing_of_it_is_in_a_simulation():
         there = {each.name for each in nodes if getattr(each, "visible", True)}
         assert bool(there) is (one.live is not None), there
     fresh = Parts(empty := Stand())
-    fresh.draw_room(shown(frame()))
+    fresh.draw_box(shown(frame()))
     fresh.draw_flock(shown(frame()))
     assert not [each for each in empty.sent if "/names/" in each.name or "beyond" in each.name]
 

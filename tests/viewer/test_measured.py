@@ -7,16 +7,17 @@ import math
 import numpy as np
 import pytest
 
+from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measured import Scale, offered, scale, told, unit
-from app.viewer.panels.bars import size_bars
-from app.viewer.panels.monitors import energy_numbers
-from app.viewer.readings import Readings
-from app.viewer.start import Start
-from app.viewer.still import Still
+from agents.observables.observable import Range
+from app.viewer.lab.panels.bars import size_bars
+from app.viewer.measuring.measured import cards, offered, scale, told, unit
+from app.viewer.measuring.readings import Readings
+from app.viewer.run.home import at_home
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
+from worlds.world import World
 
 
 def test_a_flock_is_offered_what_says_something_about_it():
@@ -30,7 +31,7 @@ def test_a_flock_is_offered_what_says_something_about_it():
     assert {"goal-distance", "following", "inside-obstacles"} <= set(led)
 
 
-def test_every_observable_on_offer_can_be_measured_of_a_flock_held_still():
+def test_every_observable_on_offer_can_be_measured_of_a_snapshot():
     for name, ticks in (("hwvem-nav", 0), ("safe", 3)):
         flock = Flock(name, agents=20, rng=2)
         flock.advance(ticks)
@@ -42,11 +43,11 @@ def test_every_observable_on_offer_can_be_measured_of_a_flock_held_still():
             )
 
 
-def test_a_flock_held_still_stays_as_it_was():
+def test_a_snapshot_stays_as_it_was():
     flock = Flock("vem", agents=30, rng=2, eta=1.0)
-    still, before = Still(flock), flock.observe("correlation-length")
+    now, before = flock.snapshot(), flock.observe("correlation-length")
     flock.advance(5)
-    assert OBSERVABLES["correlation-length"].measure(still) == before
+    assert OBSERVABLES["correlation-length"].measure(now) == before
     assert flock.observe("correlation-length") != before
 
 
@@ -81,19 +82,19 @@ def test_what_is_costly_is_measured_aside_and_comes_later():
 
 
 def test_fluctuations_are_of_the_plotted_part_of_the_run():
-    readings = Readings(StubFlock(Start(agents=8)))
+    readings = Readings(StubFlock(at_home(agents=8)))
     series = [0.0] * 100 + [0.2, 0.4] * 50
     for tick, value in enumerate(series):
-        readings.course("polarisation").add(tick, value)
+        readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility", last=99) == pytest.approx(8 * 0.01)
     assert readings.over("susceptibility") == pytest.approx(8 * np.var(series))
     assert readings.over("binder", last=99) == pytest.approx(1 - 0.0136 / 3 / 0.1**2)
-    assert math.isnan(Readings(StubFlock(Start(agents=8))).over("binder"))
+    assert math.isnan(Readings(StubFlock(at_home(agents=8))).over("binder"))
 
 
 def test_only_those_that_fly_are_counted():
     flock = Flock("safe", agents=12, rng=4)
-    flock.arrays.fate[:4, :2] = [0, 1]
+    flock.arrays.crash_record[:4, :2] = [0, 1]
     readings = Readings(flock)
     readings.read(at_once=True)
     assert len(readings.crashes) == 4
@@ -102,14 +103,14 @@ def test_only_those_that_fly_are_counted():
         np.linalg.norm(flock.heading[4:].mean(axis=0))
     )
     for tick, value in enumerate([0.2, 0.4]):
-        readings.course("polarisation").add(tick, value)
+        readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility") == pytest.approx(8 * 0.01)
 
 
 def test_a_flock_that_has_all_crashed_is_told_without_an_error():
     flock = Flock("safe", agents=6, rng=4)
     flock.advance(2)
-    flock.arrays.fate[:, :2] = [0, 1]
+    flock.arrays.crash_record[:, :2] = [0, 1]
     readings = Readings(flock, watched=frozenset(offered(flock)))
     readings.read(at_once=True)
     assert len(readings.crashes) == 6
@@ -117,9 +118,9 @@ def test_a_flock_that_has_all_crashed_is_told_without_an_error():
 
 
 def test_scales_come_from_the_declared_ranges():
-    assert scale("polarisation") == Scale(0.0, 1.0)
-    assert scale("largest-group") == Scale(0.0, None)
-    assert scale("drag-saved") == Scale(None, None)
+    assert scale("polarisation") == Range(0.0, 1.0)
+    assert scale("largest-group") == Range(0.0, math.inf, "N")
+    assert scale("drag-saved") == Range(-math.inf, math.inf)
     assert [unit(name) for name in ("correlation-length", "groups")] == ["length", ""]
 
 
@@ -140,9 +141,29 @@ def test_values_are_told_in_few_figures(name, value, text):
 
 
 def test_energy_is_told_only_of_those_who_measure_it():
-    assert energy_numbers({"polarisation": 1.0}) == {}
-    told_ones = energy_numbers({"drag-saved": 20.0, "energy-saved": 7.0})
-    assert told_ones == {"drag saved": "20.0 %", "power saved": "7.0 %"}
+    energy = {"drag-saved": 20.0, "energy-saved": 7.0}
+    world = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
+    without = cards("flock", world, {"polarisation": 1.0})
+    assert not {"drag saved", "power saved"} & set(without)
+    told_ones = cards("flock", world, {"polarisation": 1.0} | energy)
+    assert told_ones == without | {"drag saved": "20.0 %", "power saved": "7.0 %"}
+
+
+def test_cards_are_written_as_declared_and_a_dash_stands_for_what_is_not_known_yet():
+    world, vem, couzin = (
+        World("wrap", (5.0, 5.0), ("wrap", "wrap")),
+        *(MODELS[name] for name in ("vem", "couzin")),
+    )
+    values = {"polarisation": 0.98765, "consistency": 0.98765, "mean-neighbours": 4.0}
+    assert cards("flock", world, values, vem) == {
+        "polarisation": "0.988",
+        "consistency": "0.9877",
+        "rotation": "–",
+        "neighbours": "4.0",
+        "groups": "–",
+        "largest group": "–",
+    }
+    assert "consistency" not in cards("flock", world, values, couzin)
 
 
 def test_groups_are_bars_the_largest_first():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,22 +10,25 @@ import pytest
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
-from app.viewer.extremes import MOST_AGENTS, Extremes
-from app.viewer.frame import Errand, Frame
-from app.viewer.panels.inspector import signal_facts
-from app.viewer.panels.monitors import errand_title, headed, mission_numbers, numbers
-from app.viewer.picture import Camera, Wanted
-from app.viewer.readings import Readings, arrived
-from app.viewer.run import Run
-from app.viewer.start import Start, at_home, home, lively_speed, titled, world_titles
-from app.viewer.state import State
+from agents.spec import Spec
+from app.viewer.lab.panels.inspector import signal_facts
+from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
+from app.viewer.lab.panels.setup import differs
+from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
+from app.viewer.measuring.readings import Readings, arrived
+from app.viewer.run.home import at_home, home, lively_speed, titled, world_titles
+from app.viewer.run.picture import Camera, Wanted
+from app.viewer.run.run import Run
+from app.viewer.run.state import State
+from app.viewer.scene.shown.frame import Frame, Progress
 from tests.viewer.waiting import until
-from worlds.clearance import clearance
-from worlds.layout import layout_names
+from worlds.layout import layout_names, world
 from worlds.mission import Goal, Mission, Path
+from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
-from worlds.world import World, world
+from worlds.world import World
 
 
 def flying(name: str = "liu2021-mission", agents: int = 12, **more) -> Flock:
@@ -77,7 +81,7 @@ def test_readings_of_a_mission_have_its_distance_and_who_follows():
     away = np.linalg.norm(flock.position.mean(axis=0) - end)
     assert readings.values["goal-distance"] == pytest.approx(away)
     assert readings.values["following"] == pytest.approx(flock.observe("following"))
-    ticks, distance = readings.course("goal-distance").arrays()
+    ticks, distance = readings.series("goal-distance").arrays()
     assert ticks.tolist() == [0, 30]
     assert distance[1] == pytest.approx(away)
     assert "through" not in readings.values
@@ -95,12 +99,12 @@ def test_a_frame_knows_how_the_mission_stands():
     flock = flying("obstacles")
     frame = Camera(flock, 1).take()
     assert frame.world is flock.world
-    assert frame.errand.goal.tolist() == [30.0, 5.0]
-    assert frame.errand.done == 0
+    assert frame.progress.goal.tolist() == [30.0, 5.0]
+    assert frame.progress.done == 0
     assert [corner.tolist() for corner in frame.room] == [[2.0, 2.0], [14.0, 12.0]]
     flock.arrays.leg[flock.informed] = 2
-    assert Camera(flock, 1).take().errand.done == 2
-    assert Camera(Flock("vem", agents=3, rng=1), 1).take().errand == Errand()
+    assert Camera(flock, 1).take().progress.done == 2
+    assert Camera(Flock("vem", agents=3, rng=1), 1).take().progress == Progress()
 
 
 def test_a_start_region_of_a_density_depends_on_the_number_of_agents():
@@ -144,7 +148,7 @@ def frame_of(place: World, **more) -> Frame:
 
 def test_monitors_say_only_what_the_world_has():
     plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    assert (errand_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
+    assert (mission_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
     assert headed("Mission", {}) == ""
     walled = World("box", (5.0, 5.0), ("solid", "solid"))
     told = mission_numbers(frame_of(walled), {"least-clearance": 0.25, "inside": 1.0})
@@ -156,14 +160,14 @@ def test_monitors_say_only_what_the_world_has():
         mission=Mission(path=Path(waypoints=((1.0, 1.0), (2.0, 2.0)), switch=0.1)),
     )
     values = {"goal-distance": 3.14159, "following": 0.5, "least-gap": np.inf}
-    told = mission_numbers(frame_of(sent, errand=Errand(done=1)), values)
+    told = mission_numbers(frame_of(sent, progress=Progress(done=1)), values)
     assert told == {
         "to path's end": "3.14",
         "waypoint": "2 / 2",
         "following": "50 %",
         "closest pair": "far",
     }
-    assert mission_numbers(frame_of(sent, errand=Errand(done=2)), {})["waypoint"] == "all done"
+    assert mission_numbers(frame_of(sent, progress=Progress(done=2)), {})["waypoint"] == "all done"
     sought = World(
         "sought", (5.0, 5.0), ("open", "open"), mission=Mission(goal=Goal(route=((1.0, 1.0),)))
     )
@@ -173,7 +177,7 @@ def test_monitors_say_only_what_the_world_has():
 
 def test_time_is_told_in_seconds_where_bodies_count_them():
     place = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    state = State(Start("vem"))
+    state = State(at_home("vem"))
     assert "time" not in numbers(state, frame_of(place), {}, 1)
     timed = frame_of(place, dt=0.02, unit="s")
     told = numbers(state, timed, {}, 1)
@@ -183,17 +187,19 @@ def test_time_is_told_in_seconds_where_bodies_count_them():
 
 def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_are_zones():
     frame = frame_of(World("wrap", (5.0, 5.0), ("wrap", "wrap")))
-    assert "browsers" not in numbers(State(Start("vem")), frame, {}, 1)
-    told = numbers(State(Start("couzin")), frame, {"angular-momentum": 0.5}, 2)
+    assert "browsers" not in numbers(State(at_home("vem")), frame, {}, 1)
+    told = numbers(State(at_home("couzin")), frame, {"angular-momentum": 0.5}, 2)
     assert (told["browsers"], told["rotation"]) == ("2", "0.500")
     assert "consistency" not in told
 
 
 def test_places_in_memory_are_told_as_points_and_only_while_they_count():
     signals = {"following": 1.0, "split_x": 1.0, "split_y": 2.0, "layer": np.inf}
-    told = signal_facts(signals)
+    nobody = np.empty(0, int), np.empty((0, 2)), np.empty(0)
+    seen = Inspection(1, 1, *nobody, signals, places=("split",), minds=True)
+    told = signal_facts(seen)
     assert told == {"following": "1", "split": "(1.00, 2.00)", "layer": "unknown"}
-    assert "split" not in signal_facts(signals | {"following": 0.0})
+    assert "split" not in signal_facts(replace(seen, minds=False))
 
 
 def test_a_model_starts_in_the_world_that_it_is_at_home_in():
@@ -201,9 +207,10 @@ def test_a_model_starts_in_the_world_that_it_is_at_home_in():
     assert (own.world, own.agents, own.dim) == ("liu2021-mission", 49, 2)
     assert at_home("hwvem-nav", agents=None, world="rooms-3d").dim == 3
     assert at_home("hwvem-nav", agents=7, world="rooms-3d", dim=3).agents == 7
-    assert at_home("hwvem") == Start()
+    plain = {"agents": 100, "informed": 1, "world": "wrap", "dim": 2}
+    assert at_home("hwvem") == at_home() == Spec("hwvem", seed=1, **plain)
     for name in MODELS:
-        assert len(at_home(name, seed=2).build().ids) >= 1
+        assert len(Flock(at_home(name, seed=2)).ids) >= 1
     with pytest.raises(Refusal, match="obstacles"):
         at_home("hwvem", world="obstacle")
 
@@ -211,10 +218,11 @@ def test_a_model_starts_in_the_world_that_it_is_at_home_in():
 def test_a_model_starts_in_its_own_dimension_and_at_its_own_spacing():
     assert (at_home("couzin").dim, at_home("couzin", dim=2).dim) == (3, 2)
     assert (at_home("thesis").dim, at_home("thesis").world) == (3, "thesis-sky")
-    assert at_home("echelon").build().spacing == MODELS["echelon"].spacing
-    wide = at_home("thesis", spacing=2.0, agents=20, seed=4).build()
+    assert Flock(at_home("echelon")).spec.spacing == MODELS["echelon"].spacing
+    wide = Flock(at_home("thesis", spacing=2.0, agents=20, seed=4))
     assert nearest_neighbour(wide.position, wide.world.size, wide.world.images).min() >= 2.0
-    assert at_home("vem").differs(at_home("vem", spacing=1.0)) == ["spacing"]
+    apart = at_home("vem", spacing=1.0)
+    assert differs((at_home("vem"), None), (apart, None)) == ["spacing"]
 
 
 def test_a_world_decides_its_dimension_and_its_side():
@@ -240,8 +248,8 @@ def test_seconds_pass_faster_than_in_life():
     made = SimpleNamespace(body=body, parameters=MODELS["vem"].parameters)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(MODELS, "slow", made)
-        assert lively_speed(Start("slow")) == pytest.approx(250.0)
-    assert lively_speed(Start("vem")) == 15.0
+        assert lively_speed(Spec("slow")) == pytest.approx(250.0)
+    assert lively_speed(at_home("vem")) == 15.0
 
 
 def test_without_a_mission_nobody_is_told_who_follows():

@@ -7,12 +7,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.viewer.notices import AGAIN, Notices
+from app.viewer.web.notices import AGAIN, Notices
 
 
 @pytest.fixture
 def browsers():
-    """Two browsers that keep what they are told, as [(browser, words)]."""
+    """Two browsers that keep what they are shown, as [(browser, words)]."""
     heard: list[tuple[int, str]] = []
 
     def browser(number: int) -> SimpleNamespace:
@@ -24,7 +24,7 @@ def browsers():
     return SimpleNamespace(get_clients=lambda: clients, heard=heard)
 
 
-def test_each_is_told_once_in_every_browser_until_some_time_has_passed(browsers):
+def test_each_is_shown_once_in_every_browser_until_some_time_has_passed(browsers):
     waiting: queue.SimpleQueue[str] = queue.SimpleQueue()
     notices = Notices(browsers, waiting)
     for _ in range(50):
@@ -33,7 +33,7 @@ def test_each_is_told_once_in_every_browser_until_some_time_has_passed(browsers)
     notices.tell()
     assert sorted(browsers.heard) == [(1, "d_r stops"), (2, "d_r stops")]
     assert waiting.empty()
-    notices.told["d_r stops"] -= AGAIN
+    notices.shown["d_r stops"] -= AGAIN
     waiting.put("d_r stops")
     notices.tell()
     assert len(browsers.heard) == 4
@@ -44,9 +44,9 @@ def test_a_few_are_told_at_a_time_and_none_is_lost(browsers):
     notices = Notices(browsers, waiting)
     for number in range(7):
         waiting.put(f"notice {number}")
-    told = []
+    reported = []
     for _ in range(3):
         notices.tell()
-        told.append(len(browsers.heard) // 2)
-    assert told == [3, 6, 7]
+        reported.append(len(browsers.heard) // 2)
+    assert reported == [3, 6, 7]
     assert {words for _, words in browsers.heard} == {f"notice {number}" for number in range(7)}

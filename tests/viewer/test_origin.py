@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from app.viewer.origin import allowed, authority, trusted
+from app.viewer.web.origin import allowed, authority, trusted
 from worlds.refusal import Refusal
 
 NAME = socket.gethostname()

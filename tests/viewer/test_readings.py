@@ -1,4 +1,4 @@
-"""Pace, rations, plots and notation: what the viewer counts and words by itself."""
+"""Pace, rate limits, plots and notation: what the viewer counts and words by itself."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.notation import equation_svg, plain
-from app.viewer.pace import ANSWER, Pace
-from app.viewer.panels.bars import layer_bars
-from app.viewer.ration import Ration
-from app.viewer.readings import Readings
-from app.viewer.start import Start
+from app.viewer.lab.panels.bars import layer_bars
+from app.viewer.measuring.rate_limit import RateLimit
+from app.viewer.measuring.readings import Readings
+from app.viewer.panels.notation import equation_svg, plain
+from app.viewer.run.home import at_home
+from app.viewer.run.pace import ANSWER, Pace
 from tests.viewer.stub_flock import StubFlock
 
 
 def test_readings_count_layers_and_leave_the_unknown_out():
-    flock = StubFlock(Start(agents=5))
+    flock = StubFlock(at_home(agents=5))
     flock.position = np.array([[1.0, 1.0], [1.5, 1.0], [1.0, 1.5], [3.5, 3.0], [3.5, 3.2]])
     readings = Readings(flock)
     readings.read(at_once=True)
@@ -30,7 +30,7 @@ def test_readings_count_layers_and_leave_the_unknown_out():
     assert readings.values["polarisation"] == 1.0
     assert readings.values["following"] == pytest.approx(3 / 5)
     assert readings.sizes.tolist() == [3, 2]
-    assert readings.course("groups").arrays()[1].tolist() == [2.0]
+    assert readings.series("groups").arrays()[1].tolist() == [2.0]
 
 
 def test_deep_layers_share_the_last_bar():
@@ -39,12 +39,12 @@ def test_deep_layers_share_the_last_bar():
 
 
 def test_a_ration_gives_costly_work_its_share():
-    ration = Ration(period=0.1, share=0.1)
-    ration.spent(0.0, 50.0)
-    assert ration.due(0.1), "the first time may have had to compile"
-    ration.spent(1.0, 0.05)
-    assert not ration.due(1.4)
-    assert ration.due(1.5)
+    rate_limit = RateLimit(period=0.1, share=0.1)
+    rate_limit.spent(0.0, 50.0)
+    assert rate_limit.due(0.1), "the first time may have had to compile"
+    rate_limit.spent(1.0, 0.05)
+    assert not rate_limit.due(1.4)
+    assert rate_limit.due(1.5)
 
 
 def test_a_pace_counts_ticks_and_does_not_catch_up():

@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.cars import LENGTH, WIDTH
-from app.viewer.frame import Errand
-from app.viewer.scene import TRAILS, Look, palette
-from app.viewer.scene.past import Past
-from app.viewer.scene.picture import Picture
-from app.viewer.scene.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from agents.models.declare import Vehicle
+from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.marks.paths.past import Past
+from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from app.viewer.scene.shown.frame import Progress
+from app.viewer.scene.shown.look import TRAILS, Look
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
@@ -35,7 +36,7 @@ def band(trails: str, ticks: range, length: int = 40, **changes: Any) -> tuple[A
                 "informed": np.zeros(1, bool),
                 "ids": np.array([1]),
                 "cars": known(1),
-                "errand": Errand(),
+                "progress": Progress(),
                 "world": AREA,
             }
             | changes,
@@ -54,7 +55,7 @@ def test_a_flat_ribbon_lies_where_the_car_has_been():
     assert at[:, 0].min() >= 1.25 * (-2.0 + 0.01 * 60) - 1e-5
     assert at[:, 0].max() <= 1.25 * (-2.0 + 0.01 * 100) + 1e-5
     assert np.sum(np.diff(np.sort(at[:, 0]))) == pytest.approx(1.25 * 0.39, rel=0.02)
-    assert np.all(pieces.batched_scales[:, 1] < last.length * WIDTH / LENGTH)
+    assert np.all(pieces.batched_scales[:, 1] < last.length * Vehicle().width / Vehicle().length)
 
 
 def test_a_band_that_rises_does_so_with_time_up_to_the_present_above_the_car():
@@ -76,7 +77,7 @@ def test_bands_break_at_the_seam_and_are_forgotten():
     part = Ribbons(scene)
     for tick, x in enumerate([5.7, 5.8, 5.9, 0.0, 0.1]):
         place = np.array([[x, 0.0]] * 3)
-        one = frame(tick, world=seam, position=place, errand=Errand(), cars=None)
+        one = frame(tick, world=seam, position=place, progress=Progress(), cars=None)
         draw(part, shown(one, Look(trails="ribbon", trail_length=16)))
     pieces = node(scene, "/pieces")
     assert len(pieces.batched_positions) == 3 * 3

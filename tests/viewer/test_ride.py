@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.frame import Frame
-from app.viewer.scene import RIDE, STEP_OFF, Look
-from app.viewer.scene.camera import View
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.ride import BEHIND, STEEPEST, Ride, straightened
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.viewpoints import Sight, Viewpoints
+from app.viewer.scene.cameras.camera import View
+from app.viewer.scene.cameras.ride import BEHIND, STEEPEST, Ride, straightened
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
 from worlds.world import World
 
 HERE = np.zeros(3)
@@ -90,7 +90,7 @@ def test_it_stays_upright_and_above_the_floor_when_the_agent_crashes():
     ride = Ride(made, 0, HERE, 0, BEFORE)
     looks = ride.view.target - ride.view.position
     assert np.hypot(*looks[:2]) > 0.3 * np.linalg.norm(looks)
-    down = replace(made.frame, position=np.array([[10.0, 10.0, 0.0]]), flying=np.array([False]))
+    down = replace(made.frame, position=np.array([[10.0, 10.0, 0.0]]), active=np.array([False]))
     ahead = ride._ahead
     assert ride.move(shown(down), HERE, LONG)
     assert np.array_equal(ride._ahead, ahead)
@@ -216,7 +216,7 @@ def test_a_ride_goes_on_after_a_crash_and_ends_with_the_agent(two):
     start = pose(rider)
     viewpoints.place(rider, RIDE)
     fell = one.position - np.array([0.0, 0.0, 5.0])
-    down = replace(one, tick=1, position=fell, flying=np.array([True, False]))
+    down = replace(one, tick=1, position=fell, active=np.array([True, False]))
     viewpoints._last -= LONG
     viewpoints.update((Sight(shown(down), HERE),))
     assert np.linalg.norm(rider.camera.position - shown(down).at[1]) < 3.0

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.frame import Frame
-from app.viewer.scene import Look, Scene
 from app.viewer.scene.beside import ROOT, meant, offset, over, room, sights
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.viewpoints import extent, whole
+from app.viewer.scene.cameras.viewpoints import extent, whole
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 from worlds.world import World
 
 DOWN = np.array([0.0, 0.0, -1.0])

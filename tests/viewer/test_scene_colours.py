@@ -5,12 +5,13 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from app.viewer.frame import Frame, Inspection
-from app.viewer.scene import COLOURINGS, Look, palette, tone
-from app.viewer.scene.colouring import agent_colours, legend
-from app.viewer.scene.oklch import decoded, encoded, oklch
-from app.viewer.scene.picture import picture
-from app.viewer.scene.stage import Stage
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.colouring import agent_colours, legend
+from app.viewer.scene.draw.oklch import decoded, encoded, oklch
+from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame, Inspection
+from app.viewer.scene.shown.look import COLOURINGS, MEASURED, Look
 from worlds.world import World
 
 
@@ -164,3 +165,25 @@ def test_an_inspection_dims_all_but_the_agent_its_neighbours_and_the_leader():
     full = np.linalg.norm(plain.backdrop - plain.colour[~kept], axis=1)
     assert np.all(faded < 0.5 * full)
     assert shown.size[5] > shown.size[7] > shown.size[9] > shown.size[11] == 1.0
+
+
+def test_any_number_of_the_agents_is_coloured_from_its_least_to_its_largest():
+    values = np.linspace(-2.0, 3.0, 60)
+    values[7] = np.nan
+    frame, look = flock(measured=values), Look(colour=MEASURED, measured="angle")
+    colours = agent_colours(frame, look)
+    assert colours[7] == pytest.approx(palette.UNKNOWN)
+    assert colours[1] == pytest.approx(palette.SPEEDS[4], abs=0.01)
+    assert colours[-1] == pytest.approx(palette.SPEEDS[-1])
+    words = [word for word, _ in legend(look, frame)]
+    assert words[:3] == ["-2", "0.5", "3"]
+    assert words[-2:] == ["unknown", "information agent"]
+
+
+def test_a_number_that_a_model_does_not_have_or_that_is_the_same_for_all_has_a_colour_too():
+    look = Look(colour=MEASURED, measured="angle")
+    assert agent_colours(flock(), look)[1] == pytest.approx(palette.UNKNOWN)
+    assert legend(look, flock())[0][0] == "no angle in this model"
+    same = flock(measured=np.full(60, 4.0))
+    assert agent_colours(same, look)[1] == pytest.approx(palette.SPEEDS[0])
+    assert legend(look, same)[0][0] == "4"

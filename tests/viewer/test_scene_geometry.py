@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 
-from app.viewer.scene.attitude import attitude, nose
-from app.viewer.scene.seam import jumps, nearest_image, split_at_seams
-from app.viewer.scene.shapes import ball, box_edges, dart, dart_length, great_circles, ring, torus
-from app.viewer.scene.stage import DISPLAY_SIDE, Stage
+from app.viewer.scene.draw.attitude import attitude, nose
+from app.viewer.scene.draw.seam import jumps, nearest_image, split_at_seams
+from app.viewer.scene.draw.shapes import (
+    ball,
+    box_edges,
+    dart,
+    dart_length,
+    great_circles,
+    ring,
+    torus,
+)
+from app.viewer.scene.draw.stage import DISPLAY_SIDE, Stage
 
 FLAT = Stage(2, (20.0, 8.0), (True, False))
 SPACE = Stage(3, (3.0, 6.0, 12.0), (True, True, True))

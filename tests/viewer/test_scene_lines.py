@@ -6,21 +6,22 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.frame import Frame
-from app.viewer.scene import CAMERAS, COLOURINGS, Look, Scene
-from app.viewer.scene.camera import view
-from app.viewer.scene.gizmo import checked
-from app.viewer.scene.labels import anchor
-from app.viewer.scene.lines import segments
-from app.viewer.scene.links import sample
-from app.viewer.scene.past import carried
+from app.beside import STATIC
+from app.viewer.scene.cameras.camera import view
+from app.viewer.scene.draw.lines import segments
+from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.flock.labels import anchor
+from app.viewer.scene.marks.flock.links import sample
+from app.viewer.scene.marks.hands.gizmo import checked
+from app.viewer.scene.marks.paths.past import carried
+from app.viewer.scene.marks.paths.streaks import chosen
+from app.viewer.scene.marks.paths.trails import Trails
+from app.viewer.scene.marks.world.surroundings import floor_under, left_the_box
 from app.viewer.scene.picking import picked
-from app.viewer.scene.picture import picture
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.static_files import static_folder
-from app.viewer.scene.streaks import chosen
-from app.viewer.scene.surroundings import floor_under, left_the_box
-from app.viewer.scene.trails import Trails
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import CAMERAS, COLOURINGS, Look
 from worlds.world import World
 
 TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))
@@ -218,7 +219,7 @@ def test_words_stay_within_the_picture(place, expected):
 
 
 def test_static_files_are_found_in_a_checkout():
-    assert (static_folder() / "logo.svg").is_file()
+    assert (STATIC / "logo.svg").is_file()
 
 
 @pytest.fixture

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.frame import Errand, Frame
-from app.viewer.scene import Look
-from app.viewer.scene.mission import MissionMarks
-from app.viewer.scene.obstacles import Obstacles, drawn_height, the_changed
-from app.viewer.scene.picture import Picture, picture
-from app.viewer.scene.points import BoundaryPoints
-from app.viewer.scene.reasons import Reasons, arrows, remembered
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.viewpoints import extent
-from app.viewer.scene.walls import Walls
+from app.viewer.scene.cameras.viewpoints import extent
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.inspected.reasons import Reasons, arrows, remembered
+from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.marks.world.obstacles import Obstacles, drawn_height, the_changed
+from app.viewer.scene.marks.world.points import BoundaryPoints
+from app.viewer.scene.marks.world.walls import Walls
+from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.look import Look
 from tests.viewer.test_solids import is_closed, volume
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, Disc, Ring, Sphere
 from worlds.world import World
 
@@ -34,7 +34,7 @@ YARD = World(
     obstacles=(*DISCS, Ring(centre=(12.0, 8.0), radius=2.0, width=0.5)),
     height=1.0,
     mission=Mission(
-        start=Start(low=(-3.0, 3.0), high=(-1.0, 5.0)),
+        start=StartRegion(low=(-3.0, 3.0), high=(-1.0, 5.0)),
         path=Path(waypoints=((1.0, 3.0), (6.0, 3.0), (14.0, 3.0)), switch=0.5),
         goal=Goal(route=((14.0, 10.0),)),
     ),
@@ -219,7 +219,7 @@ def test_waypoints_left_behind_are_dim():
     draw(part, shown(YARD))
     ahead = np.array(scene.there("/mission/path/ahead").points)
     assert not scene.there("/mission/path/behind").visible
-    draw(part, shown(YARD, errand=Errand(done=2)))
+    draw(part, shown(YARD, progress=Progress(done=2)))
     left = np.array(scene.there("/mission/path/ahead").points)
     done = np.array(scene.there("/mission/path/behind").points)
     assert len(left) + len(done) == len(ahead)
@@ -234,13 +234,13 @@ def test_the_goal_moves_and_goes_with_the_switch():
     scene = Stand()
     part = MissionMarks(scene)
     at = np.array([14.0, 10.0])
-    draw(part, shown(YARD, errand=Errand(goal=at)))
+    draw(part, shown(YARD, progress=Progress(goal=at)))
     bead = scene.there("/mission/goal/bead")
     assert bead.visible
     assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at)[:2])
-    draw(part, shown(YARD, errand=Errand(goal=at - 1.0)))
+    draw(part, shown(YARD, progress=Progress(goal=at - 1.0)))
     assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at - 1.0)[:2])
-    draw(part, shown(YARD, Look(mission=False), errand=Errand(goal=at)))
+    draw(part, shown(YARD, Look(mission=False), progress=Progress(goal=at)))
     assert not bead.visible
     assert not scene.there("/mission/path/ahead").visible
     assert not any("number" in node.name and node.there for node in scene.sent)
@@ -298,25 +298,26 @@ def test_arrows_are_shares_of_the_strongest_force():
 
 PLACES = {"following": 1.0, "split_x": 1.0, "split_y": 2.0, "rejoin_x": 0.0, "rejoin_y": 0.0}
 PLACES |= {"aim_x": 3.0, "aim_y": 4.0}
+SEEN = Inspection(
+    1, 1, np.empty(0, int), np.empty((0, 2)), np.empty(0), PLACES,
+    {"push": np.array([1.0, 0.0])}, np.array([[5.0, 5.0]]),
+    places=("split", "rejoin", "aim"), minds=True,
+)  # fmt: skip
 
 
 def test_places_are_remembered_only_while_an_agent_follows_a_boundary():
-    assert {k: v.tolist() for k, v in remembered(PLACES).items()} == {
+    assert {k: v.tolist() for k, v in remembered(SEEN).items()} == {
         "split": [1, 2],
         "aim": [3, 4],
     }
-    assert remembered(PLACES | {"following": 0.0}) == {}
-    assert remembered({"layer": 2.0}) == {}
+    assert remembered(replace(SEEN, minds=False)) == {}
+    assert remembered(replace(SEEN, places=())) == {}
 
 
 def test_reasons_are_drawn_for_the_inspected_agent_and_gone_with_it():
     scene = Stand()
     part = Reasons(scene)
-    inspected = Inspection(
-        1, 1, np.empty(0, int), np.empty((0, 2)), np.empty(0), PLACES,
-        {"push": np.array([1.0, 0.0])}, np.array([[5.0, 5.0]]),
-    )  # fmt: skip
-    draw(part, shown(YARD, inspected=inspected))
+    draw(part, shown(YARD, inspected=SEEN))
     tip = np.array(scene.there("/inspected/forces").points)[0, 1] - shown(YARD).at[1]
     assert tip[:2] == pytest.approx([0.85, 0.0], abs=1e-5)
     words = {node.given[0] for node in scene.sent if "words" in node.name and node.visible}

@@ -7,18 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.crashes import Crashes
 from agents.inspection import Inspection, Shell
-from app.viewer.frame import Frame
-from app.viewer.panels.inspector import card
-from app.viewer.scene import Look, palette
-from app.viewer.scene.colouring import MOST_SAVED, agent_colours, legend
-from app.viewer.scene.inspection import InspectionMarks
-from app.viewer.scene.oklch import decoded
-from app.viewer.scene.picture import picture
-from app.viewer.scene.sectors import arc, arcs, cone, dome, sector, spokes
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.zones import ZoneMarks
+from agents.state.crashes import Crashes
+from app.viewer.lab.panels.inspector import card
+from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.colouring import MOST_SAVED, agent_colours, legend
+from app.viewer.scene.draw.oklch import decoded
+from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.inspected.inspection import InspectionMarks
+from app.viewer.scene.marks.inspected.sectors import arc, arcs, cone, dome, sector, spokes
+from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
 
@@ -194,7 +195,7 @@ def test_the_card_of_a_crashed_agent_says_when_and_against_what():
     one = frame()
     flying = np.array([False, True, True, True, True, True])
     crash = Crashes(np.array([7]), np.array([1]), np.array([0]), one.position[:1], np.array([2]))
-    words = card(replace(one, flying=flying, crashes=crash), one.inspected)
+    words = card(replace(one, active=flying, crashes=crash), one.inspected)
     assert "tick 7, an obstacle or a wall" in words
     assert "Zones" not in words
 
@@ -216,7 +217,7 @@ def test_energy_saved_is_said_to_be_unknown_where_it_is_not_measured():
     assert agent_colours(one, look) == pytest.approx(np.tile(palette.UNKNOWN, (6, 1)))
     assert [words for words, _ in legend(look, one)] == ["not measured in this model"]
     saved = np.array([0.3, 0.0, -0.3, np.nan, 0.1, 0.6])
-    known = replace(one, saved=saved, flying=np.arange(6) != 2)
+    known = replace(one, saved=saved, active=np.arange(6) != 2)
     colours = agent_colours(known, look)
     assert colours[0] == pytest.approx(palette.by_saving(saved, MOST_SAVED)[0])
     assert colours[2] == pytest.approx(palette.CRASHED)

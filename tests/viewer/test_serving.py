@@ -10,9 +10,9 @@ from http import HTTPStatus
 import pytest
 import viser
 
-from app.viewer.origin import allowed
-from app.viewer.server import close_server, open_server
-from app.viewer.serving.client_page import (
+from app.viewer.web.origin import allowed
+from app.viewer.web.server import close_server, open_server
+from app.viewer.web.serving.client_page import (
     ALPHABET,
     Scripts,
     client_page,
@@ -20,8 +20,8 @@ from app.viewer.serving.client_page import (
     unpacked,
     viser_page,
 )
-from app.viewer.serving.front import Front, words
-from app.viewer.serving.query import MOST, leads_elsewhere
+from app.viewer.web.serving.front import Front, words
+from app.viewer.web.serving.query import MOST, leads_elsewhere
 from tests.viewer.http_client import ask, tell, upgrade
 from worlds.refusal import Refusal
 
@@ -214,7 +214,7 @@ def test_base_88_is_that_of_the_loader():
     ],
 )
 def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, page):
-    monkeypatch.setattr("app.viewer.serving.client_page.viser_page", lambda: page)
+    monkeypatch.setattr("app.viewer.web.serving.client_page.viser_page", lambda: page)
     with pytest.raises(Refusal, match=f"the page of viser {viser.__version__}") as refused:
         client_page.__wrapped__(())
     assert "\n" not in str(refused.value)

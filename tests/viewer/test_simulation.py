@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-from app.viewer.panels.inspector import facts
-from app.viewer.picture import Wanted
-from app.viewer.simulation import Simulation
-from app.viewer.start import Start
+from app.viewer.lab.panels.inspector import facts
+from app.viewer.run.home import at_home
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -25,7 +25,7 @@ def simulate():
     made = []
 
     def make(build=StubFlock, running=False, speed=math.inf, **start) -> Simulation:
-        simulation = Simulation(Start(**start), speed=speed, running=running, build=build)
+        simulation = Simulation(at_home(**start), speed=speed, running=running, build=build)
         made.append(simulation)
         assert simulation.ready.wait(5)
         return simulation
@@ -82,7 +82,7 @@ def test_reset_gives_the_same_start_and_keeps_the_parameters(simulate):
 def test_setup_builds_another_flock_and_of_many_only_the_last(simulate):
     simulation = simulate()
     for agents in range(2, 30):
-        simulation.setup(Start(agents=agents))
+        simulation.setup(at_home(agents=agents))
     until(lambda: len(simulation.frame.ids) == 29)
     assert simulation.state.agents == 29
     assert simulation.state.run < 29
@@ -101,7 +101,7 @@ def test_a_parameter_acts_at_once_and_one_out_of_range_is_refused(simulate):
 
 def test_a_control_of_a_model_that_is_gone_sets_nothing(simulate):
     simulation = simulate()
-    model = simulation.state.start.model
+    model = simulation.state.spec.model
     assert simulation.set("gone", 1.0, models=("another", None)).result(5) == 1.0
     assert simulation.set("eta", 1.0, models=(model, "another")).result(5) == 1.0
     assert simulation.run.flock.parameters.eta == 0.5
@@ -112,7 +112,7 @@ def test_a_control_of_a_model_that_is_gone_sets_nothing(simulate):
 
 def test_a_refused_setup_leaves_the_old_flock_running(simulate):
     simulation = simulate(running=True)
-    simulation.setup(Start(parameters={"eta": -1.0}))
+    simulation.setup(at_home(parameters={"eta": -1.0}))
     assert "eta = -1" in simulation.notices.get(timeout=5)
     before = tick(simulation)
     until(lambda: tick(simulation) > before)
@@ -137,7 +137,7 @@ def test_a_rule_that_raises_stops_the_run_and_setup_mends_it(simulate, error, wo
     assert not simulation.state.running
     with pytest.raises(Refusal, match="press Setup"):
         simulation.go().result(5)
-    simulation.setup(Start())
+    simulation.setup(at_home())
     until(lambda: simulation.state.run == 2)
     simulation.go().result(5)
     until(lambda: tick(simulation) > 20)
@@ -152,9 +152,9 @@ def test_a_flock_that_cannot_be_built_stops_nothing(simulate):
         return StubFlock(start)
 
     simulation = simulate(build=build)
-    simulation.setup(Start(agents=13))
+    simulation.setup(at_home(agents=13))
     until(lambda: "MemoryError: too many" in simulation.state.error)
-    simulation.setup(Start(agents=14))
+    simulation.setup(at_home(agents=14))
     until(lambda: simulation.state.agents == 14 and not simulation.state.error)
 
 
@@ -211,7 +211,7 @@ def test_commands_from_many_threads_are_all_carried_out(simulate):
     assert all(answer.exception(10) is None for answer in answers)
     simulation.go().result(5)
     before = simulation.state.run
-    simulation.setup(Start(agents=5))
+    simulation.setup(at_home(agents=5))
     until(lambda: simulation.state.run > before and tick(simulation) > 3)
     assert len(simulation.frame.ids) == 5
 
@@ -226,17 +226,17 @@ def test_frames_are_copies_that_the_flock_does_not_touch(simulate):
 
 
 def test_layers_groups_links_and_an_agent_are_in_frames_only_when_wanted(simulate):
-    simulation = simulate(agents=3)
+    simulation = simulate(agents=3, size=0.5)
     frame = simulation.frame
     assert frame.layer is frame.group is frame.links is frame.inspected is None
     simulation.want(Wanted(layers=True, groups=True, links=True, row=2))
     frame = until(lambda: simulation.frame if simulation.frame.layer is not None else None)
     assert frame.layer.tolist() == [1, 2, 2]
     assert frame.group.tolist() == [0, 0, 0]
-    assert frame.links.tolist() == [[0, 1]]
+    assert frame.links.tolist() == [[0, 1], [0, 2], [1, 2]]
     assert frame.inspected.row == 2
     assert facts(frame, frame.inspected)["heading"] == "0°"
-    simulation.setup(Start(agents=2))
+    simulation.setup(at_home(agents=2))
     until(lambda: len(simulation.frame.ids) == 2)
     assert simulation.frame.inspected is None
 

@@ -8,8 +8,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.viewer.scene.shapes import Mesh, dashes
-from app.viewer.scene.solids import border, joined, panes, prism, rims, uprights
+from app.viewer.scene.draw.shapes import Mesh, dashes
+from app.viewer.scene.draw.solids import border, joined, panes, prism, rims, uprights
 
 SQUARE = shapely.box(0.0, 0.0, 4.0, 4.0)
 FRAME = shapely.difference(SQUARE, shapely.box(1.0, 1.0, 2.0, 3.0))

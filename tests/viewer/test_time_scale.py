@@ -13,11 +13,11 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.scene import Look
-from app.viewer.scene.picture import Picture
-from app.viewer.scene.ribbons import RISE, Ribbons, heights, risen
-from app.viewer.scene.time_scale import MOST, marks
-from app.viewer.scene.viewpoints import Sight, Viewpoints
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
+from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.marks.paths.ribbons import RISE, Ribbons, heights, risen
+from app.viewer.scene.marks.paths.time_scale import MOST, marks
+from app.viewer.scene.shown.look import Look
 from tests.viewer.fleet import frame, shown
 from tests.viewer.live_fleet import live_frame
 from tests.viewer.test_scene_worlds import Stand, draw

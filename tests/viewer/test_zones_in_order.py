@@ -7,11 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.flock import Flock
-from app.viewer.beside import Pair, companion
-from app.viewer.picture import Wanted
-from app.viewer.simulation import Simulation
-from app.viewer.start import at_home
-from app.viewer.zones import allowed, in_order, radii, stopped
+from agents.spec import Spec
+from app.viewer.run.beside import Pair, companion
+from app.viewer.run.home import at_home
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.zones import allowed, in_order, radii, stopped
 from worlds.refusal import Refusal
 
 
@@ -78,9 +79,8 @@ def test_it_is_told_and_the_answer_is_the_value_taken():
 
 
 def test_of_two_models_both_keep_their_order():
-    start = at_home("thesis", beside="safe", agents=4)
-    first = start.build()
-    both = Pair(first, companion(start, first), 1, Wanted())
+    first = Flock(at_home("thesis", agents=4))
+    both = Pair(first, companion(first, Spec("safe")), 1, Wanted())
     both.second.flock.set(d_o=2.0)
     assert both.allowed("d_r", 2.3) == 2.0
     assert "d_r" in stopped(first, "d_r", 2.5)

@@ -1,9 +1,9 @@
-"""The compiled queries of a ground, for many places at once."""
+"""The compiled queries of a surroundings, for many places at once."""
 
 import numpy as np
 
-from worlds.compiled import entry
-from worlds.ground import (
+from agents.engine.cache import kept
+from worlds.queries.surroundings import (
     line_of_sight,
     nearest_surface,
     points_within,
@@ -15,45 +15,45 @@ from worlds.ground import (
 )
 
 
-@entry
-def _surfaces(ground, place, out):
+@kept
+def _surfaces(surroundings, place, out):
     for i in range(place.shape[0]):
         x, y, z = place[i, 0], place[i, 1], place[i, 2]
-        at = nearest_surface(ground, x, y, z)
+        at = nearest_surface(surroundings, x, y, z)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = at.distance, at.x, at.y, at.z
         out[i, 4], out[i, 5], out[i, 6], out[i, 7] = at.nx, at.ny, at.nz, at.smooth
-        out[i, 8] = signed_distance(ground, x, y, z)
+        out[i, 8] = signed_distance(surroundings, x, y, z)
 
 
-@entry
-def _each(ground, place, out):
+@kept
+def _each(surroundings, place, out):
     for i in range(place.shape[0]):
         x, y, z = place[i, 0], place[i, 1], place[i, 2]
-        around = solids_around(ground, x, y)
+        around = solids_around(surroundings, x, y)
         for k in range(around.number):
-            at = surface(ground, around, k, x, y, z)
-            solid = solid_of(ground, around, k)
+            at = surface(surroundings, around, k, x, y, z)
+            solid = solid_of(surroundings, around, k)
             out[i, solid, 0], out[i, solid, 1] = at.distance, at.x
             out[i, solid, 2], out[i, solid, 3] = at.y, at.z
             out[i, solid, 4] += 1.0
 
 
-@entry
-def _sights(ground, start, end, out):
+@kept
+def _sights(surroundings, start, end, out):
     for i in range(start.shape[0]):
         out[i] = line_of_sight(
-            ground, start[i, 0], start[i, 1], start[i, 2], end[i, 0], end[i, 1], end[i, 2]
+            surroundings, start[i, 0], start[i, 1], start[i, 2], end[i, 0], end[i, 1], end[i, 2]
         )
 
 
-@entry
-def _points(ground, x, y, r, found):
-    return points_within(ground, x, y, r, found)
+@kept
+def _points(surroundings, x, y, r, found):
+    return points_within(surroundings, x, y, r, found)
 
 
-@entry
-def _goal(ground, time):
-    set_goal(ground, time)
+@kept
+def _goal(surroundings, time):
+    set_goal(surroundings, time)
 
 
 def in_space(place):
@@ -65,38 +65,38 @@ def in_space(place):
 class Answer:
     """What `nearest_surface` and `signed_distance` say; rows are places."""
 
-    def __init__(self, ground, place):
+    def __init__(self, surroundings, place):
         place = in_space(place)
         out = np.empty((len(place), 9))
-        _surfaces(ground, place, out)
+        _surfaces(surroundings, place, out)
         self.distance, self.smooth, self.signed = out[:, 0], out[:, 7], out[:, 8]
         self.point, self.normal = out[:, 1:4], out[:, 4:7]
 
 
-def each_solid(ground, place, solids):
+def each_solid(surroundings, place, solids):
     """For each place and solid: distance (inf where none), x, y, z, how often; (N, solids, 5)."""
     place = in_space(place)
     out = np.zeros((len(place), solids, 5))
     out[:, :, 0] = np.inf
-    _each(ground, place, out)
+    _each(surroundings, place, out)
     return out
 
 
-def sights(ground, start, end):
+def sights(surroundings, start, end):
     """Whether each end is seen from its start, (N,) bool."""
     start, end = in_space(start), in_space(end)
     out = np.empty(len(start), bool)
-    _sights(ground, start, end, out)
+    _sights(surroundings, start, end, out)
     return out
 
 
-def within(ground, x, y, r):
+def within(surroundings, x, y, r):
     """Indices of the boundary points within r of a place."""
-    found = np.full(ground.most_points, -1, np.int32)
-    return found[: _points(ground, x, y, r, found)]
+    found = np.full(surroundings.most_points, -1, np.int32)
+    return found[: _points(surroundings, x, y, r, found)]
 
 
-def goal_at(ground, time):
+def goal_at(surroundings, time):
     """Position and velocity of the gamma agent, (2, 3)."""
-    _goal(ground, time)
-    return ground.goal.copy()
+    _goal(surroundings, time)
+    return surroundings.goal.copy()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import crowds
 
 from worlds.obstacles import Box, Disc, Sphere
-from worlds.survey import survey
+from worlds.queries.survey import survey
 from worlds.world import World
 
 
@@ -17,8 +17,8 @@ def flat(*obstacles, edges=("open", "open"), spacing=0.5):
     return World("test", (20.0, 20.0), edges, obstacles=tuple(obstacles), boundary_spacing=spacing)
 
 
-def points_of(ground):
-    return np.column_stack([ground.point_x, ground.point_y])
+def points_of(surroundings):
+    return np.column_stack([surroundings.point_x, surroundings.point_y])
 
 
 @settings(max_examples=40, deadline=None)
@@ -72,26 +72,26 @@ def test_there_are_none_in_space_or_without_outlines():
         "tall", (9.0,) * 3, ("solid",) * 3, obstacles=(Sphere(centre=(4, 4, 4), radius=1),)
     )
     for world in (tall, flat()):
-        ground = survey(world, 2.0)
-        assert len(ground.point_x) == ground.most_points == 0
-        assert len(within(ground, 4.0, 4.0, 2.0)) == 0
+        surroundings = survey(world, 2.0)
+        assert len(surroundings.point_x) == surroundings.most_points == 0
+        assert len(within(surroundings, 4.0, 4.0, 2.0)) == 0
 
 
 @settings(max_examples=40, deadline=None)
 @given(crowds, st.integers(0, 1000), st.sampled_from([0.4, 3.0, 50.0]))
 def test_those_within_reach_are_those_of_a_search_through_all(obstacles, seed, reach):
-    ground = survey(flat(*obstacles, edges=("solid", "open")), reach)
-    points = points_of(ground)
+    surroundings = survey(flat(*obstacles, edges=("solid", "open")), reach)
+    points = points_of(surroundings)
     rng = np.random.default_rng(seed)
     for x, y, share in rng.uniform([-8, -8, 0.1], [28, 28, 1.0], (40, 3)):
         r = reach * share if seed % 2 else reach
         expected = np.flatnonzero(np.hypot(points[:, 0] - x, points[:, 1] - y) <= r)
-        found = within(ground, x, y, r)
+        found = within(surroundings, x, y, r)
         assert sorted(found.tolist()) == expected.tolist()
-        assert len(found) < ground.most_points
+        assert len(found) < surroundings.most_points
 
 
 def test_no_place_has_more_than_the_room_they_are_given():
-    ground = survey(flat(Disc(centre=(10, 10), radius=1.0), spacing=0.1), 2.5)
+    surroundings = survey(flat(Disc(centre=(10, 10), radius=1.0), spacing=0.1), 2.5)
     for x, y in np.random.default_rng(0).uniform(7.0, 13.0, (300, 2)):
-        assert len(within(ground, x, y, 2.5)) < ground.most_points
+        assert len(within(surroundings, x, y, 2.5)) < surroundings.most_points

@@ -3,11 +3,12 @@
 import pytest
 
 from worlds.checks import demand_sound, problems
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.layout import world
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Union
+from worlds.queries.survey import survey
 from worlds.refusal import Refusal
-from worlds.survey import survey
-from worlds.world import World, world
+from worlds.world import World
 
 BOW = Polygon(points=((0, 0), (4, 4), (4, 0), (0, 4)), name="bow")
 BLOCK = Box(low=(4, 4), high=(6, 6))
@@ -66,7 +67,7 @@ SQUARE = ((0, 0), (8, 0), (8, 8), (0, 8))
             "obstacle disc 1 has bottom 12 not below its top 10",
         ),
         (
-            flat(BLOCK, start=Start(low=(4.5, 4.5), high=(5.5, 5.5))),
+            flat(BLOCK, start=StartRegion(low=(4.5, 4.5), high=(5.5, 5.5))),
             "mission.start",
             (4.5, 4.5),
             "mission.start (4.5, 4.5) to (5.5, 5.5) has no room outside the obstacles",
@@ -117,7 +118,7 @@ def test_the_last_leg_of_a_closed_path_counts():
 
 
 def test_a_sound_world_has_no_problems():
-    assert problems(flat(BLOCK, start=Start(low=(3, 3), high=(7, 7)))) == []
+    assert problems(flat(BLOCK, start=StartRegion(low=(3, 3), high=(7, 7)))) == []
 
 
 def test_a_file_with_an_unsound_obstacle_is_refused(tmp_path):

@@ -8,10 +8,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.clearance import clearance
-from worlds.crossing import first_crossing, is_crossed, is_far, skin
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
-from worlds.survey import survey
+from worlds.queries.clearance import clearance
+from worlds.queries.crossing import first_crossing, is_crossed, is_far, skin
+from worlds.queries.survey import survey
 from worlds.world import World
 
 SIDE = 10.0
@@ -40,11 +40,11 @@ def free_places(world, rng, n):
     return place[clearance(world, place) > 1e-6][:n]
 
 
-def shares(world, ground, start, end):
+def shares(world, surroundings, start, end):
     """The shares of steps from `start` to `end` (N, dim) at which each enters something."""
     pad = np.zeros((len(start), 3 - world.dim))
     a, d = np.hstack([start, pad]), np.hstack([end - start, pad])
-    return [first_crossing(ground, *here, *way) for here, way in zip(a, d, strict=True)]
+    return [first_crossing(surroundings, *here, *way) for here, way in zip(a, d, strict=True)]
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -52,13 +52,13 @@ def shares(world, ground, start, end):
 def test_on_the_plan_it_is_where_shapely_sees_the_step_go_in(seed, reach):
     rng = np.random.default_rng(seed)
     world = yard(seed)
-    ground = survey(world, reach)
+    surroundings = survey(world, reach)
     free = shapely.box(0, 0, SIDE, SIDE).difference(
         shapely.union_all([one.footprint() for one in world.obstacles])
     )
     start = free_places(world, rng, 20)
     end = start + rng.normal(size=start.shape) * rng.choice([0.1, 1.0, 20.0], (len(start), 1))
-    for a, b, at in zip(start, end, shares(world, ground, start, end), strict=True):
+    for a, b, at in zip(start, end, shares(world, surroundings, start, end), strict=True):
         step = shapely.LineString([a, b])
         out = step.intersection(free.boundary)
         if step.within(free):
@@ -86,11 +86,11 @@ def test_in_space_it_is_where_a_walk_in_small_steps_ends(seed):
             Wall(start=(1, 1), end=(9, 9), thickness=0.3, bottom=4.0, top=6.0),
         ),
     )
-    ground = survey(world, 0.5)
+    surroundings = survey(world, 0.5)
     start = free_places(world, rng, 12)
     end = start + rng.normal(size=start.shape) * 4.0
     at = np.linspace(0.0, 1.0, 4001)[:, None]
-    for a, b, found in zip(start, end, shares(world, ground, start, end), strict=True):
+    for a, b, found in zip(start, end, shares(world, surroundings, start, end), strict=True):
         depth = clearance(world, a + at * (b - a))
         if depth.min() > 1e-3:
             assert found.share == math.inf
@@ -103,12 +103,12 @@ def test_a_step_from_within_may_leave_and_a_step_along_a_wall_goes_on():
     world = World(
         "yard", (SIDE, SIDE), ("solid", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),)
     )
-    ground = survey(world, 1.0)
-    assert first_crossing(ground, 5.0, 5.0, 0.0, 3.0, 0.0, 0.0).share == math.inf
-    assert first_crossing(ground, 3.9, 5.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
-    assert first_crossing(ground, 0.0, 1.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
-    assert first_crossing(ground, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0).share == 0.0
-    assert first_crossing(ground, 1.0, 5.0, 0.0, 6.0, 0.0, 0.0).share == 0.5
+    surroundings = survey(world, 1.0)
+    assert first_crossing(surroundings, 5.0, 5.0, 0.0, 3.0, 0.0, 0.0).share == math.inf
+    assert first_crossing(surroundings, 3.9, 5.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
+    assert first_crossing(surroundings, 0.0, 1.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
+    assert first_crossing(surroundings, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0).share == 0.0
+    assert first_crossing(surroundings, 1.0, 5.0, 0.0, 6.0, 0.0, 0.0).share == 0.5
 
 
 def test_a_corner_and_a_joint_of_two_obstacles_let_nothing_through():
@@ -116,14 +116,14 @@ def test_a_corner_and_a_joint_of_two_obstacles_let_nothing_through():
         "yard", (SIDE, SIDE), ("open", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),)
     )
     steps = [(3.0, 3.0, 3.0, 3.0), (7.0, 3.0, -2.0, 2.0), (3.0, 7.0, 2.0, -2.0)]
-    ground = survey(corner, 1.0)
+    surroundings = survey(corner, 1.0)
     for x, y, dx, dy in steps:
-        assert first_crossing(ground, x, y, 0.0, dx, dy, 0.0).share <= 0.5
+        assert first_crossing(surroundings, x, y, 0.0, dx, dy, 0.0).share <= 0.5
     # 0.1 + 0.2 is a little more than 0.3: a gap that nobody sees on a plan.
     parts = Box(low=(0.0, 4.0), high=(0.3, 5.0)), Box(low=(0.1 + 0.2, 4.0), high=(9.0, 5.0))
-    ground = survey(World("joint", (SIDE, SIDE), ("open", "open"), obstacles=parts), 1.0)
+    surroundings = survey(World("joint", (SIDE, SIDE), ("open", "open"), obstacles=parts), 1.0)
     for x in (0.3, 0.1 + 0.2, 0.30000000000000002):
-        assert first_crossing(ground, x, 3.0, 0.0, 0.0, 4.0, 0.0).share == pytest.approx(0.25)
+        assert first_crossing(surroundings, x, 3.0, 0.0, 0.0, 4.0, 0.0).share == pytest.approx(0.25)
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -131,20 +131,23 @@ def test_a_corner_and_a_joint_of_two_obstacles_let_nothing_through():
 def test_where_all_is_far_nothing_is_within_the_step(seed, reach):
     rng = np.random.default_rng(seed)
     world = yard(seed)
-    ground = survey(world, reach)
+    surroundings = survey(world, reach)
     place = free_places(world, rng, 50)
     room = clearance(world, place)
     for at, clear in zip(place, room, strict=True):
         for r in (0.9 * clear, 1.1 * clear, 3.0 * clear):
-            if is_far(ground, *at, 0.0, r):
+            if is_far(surroundings, *at, 0.0, r):
                 assert r < clear
-    far = [is_far(ground, *at, 0.0, min(0.01 * r, 0.02)) for at, r in zip(place, room, strict=True)]
+    far = [
+        is_far(surroundings, *at, 0.0, min(0.01 * r, 0.02))
+        for at, r in zip(place, room, strict=True)
+    ]
     assert np.mean(far) > 0.1
 
 
 def test_no_number_crosses_nothing():
-    ground = survey(yard(1), 1.0)
+    surroundings = survey(yard(1), 1.0)
     for bad in (math.nan, math.inf):
-        assert first_crossing(ground, 5.0, 5.0, 0.0, bad, 0.0, 0.0).share == math.inf
-    assert not is_crossed(ground, 5.0, 5.0, 0.0, math.nan, 5.0, 0.0)
+        assert first_crossing(surroundings, 5.0, 5.0, 0.0, bad, 0.0, 0.0).share == math.inf
+    assert not is_crossed(surroundings, 5.0, 5.0, 0.0, math.nan, 5.0, 0.0)
     assert 0.0 < skin(0.0, 0.0, 0.0) < skin(1e4, 0.0, 0.0) < 1e-4

@@ -6,35 +6,36 @@ from asking import goal_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.mission import Goal, Mission, Path
-from worlds.route import along_route
-from worlds.survey import survey
+from worlds.mission import Goal, Mission, Path, along_route
+from worlds.queries.survey import survey
 from worlds.world import World
 
 
-def ground_of(**parts):
+def surroundings_of(**parts):
     return survey(World("test", (9.0, 9.0), ("open", "open"), mission=Mission(**parts)), 1.0)
 
 
 def test_a_goal_at_rest():
-    ground = ground_of(goal=Goal(route=((3.0, 4.0),), speed=2.0))
-    assert ground.goal.tolist() == [[3, 4, 0], [0, 0, 0]]
-    assert goal_at(ground, 7.0).tolist() == [[3, 4, 0], [0, 0, 0]]
+    surroundings = surroundings_of(goal=Goal(route=((3.0, 4.0),), speed=2.0))
+    assert surroundings.goal.tolist() == [[3, 4, 0], [0, 0, 0]]
+    assert goal_at(surroundings, 7.0).tolist() == [[3, 4, 0], [0, 0, 0]]
 
 
 def test_an_open_route_ends():
-    ground = ground_of(goal=Goal(route=((0, 0), (3, 4), (3, 9)), speed=2.0))
-    assert goal_at(ground, 0.0) == pytest.approx(np.array([[0, 0, 0], [1.2, 1.6, 0]]))
-    assert goal_at(ground, 2.0) == pytest.approx(np.array([[2.4, 3.2, 0], [1.2, 1.6, 0]]))
-    assert goal_at(ground, 3.0) == pytest.approx(np.array([[3, 5, 0], [0, 2, 0]]))
-    assert goal_at(ground, 5.0).tolist() == [[3, 9, 0], [0, 0, 0]]
-    assert goal_at(ground, 99.0).tolist() == [[3, 9, 0], [0, 0, 0]]
+    surroundings = surroundings_of(goal=Goal(route=((0, 0), (3, 4), (3, 9)), speed=2.0))
+    assert goal_at(surroundings, 0.0) == pytest.approx(np.array([[0, 0, 0], [1.2, 1.6, 0]]))
+    assert goal_at(surroundings, 2.0) == pytest.approx(np.array([[2.4, 3.2, 0], [1.2, 1.6, 0]]))
+    assert goal_at(surroundings, 3.0) == pytest.approx(np.array([[3, 5, 0], [0, 2, 0]]))
+    assert goal_at(surroundings, 5.0).tolist() == [[3, 9, 0], [0, 0, 0]]
+    assert goal_at(surroundings, 99.0).tolist() == [[3, 9, 0], [0, 0, 0]]
 
 
 def test_a_closed_route_goes_round():
-    ground = ground_of(goal=Goal(route=((0, 0), (4, 0), (4, 3)), speed=1.0, closed=True))
-    assert goal_at(ground, 9.5) == pytest.approx(np.array([[2, 1.5, 0], [-0.8, -0.6, 0]]))
-    assert goal_at(ground, 12.0 * 5 + 1.0) == pytest.approx(np.array([[1, 0, 0], [1, 0, 0]]))
+    surroundings = surroundings_of(
+        goal=Goal(route=((0, 0), (4, 0), (4, 3)), speed=1.0, closed=True)
+    )
+    assert goal_at(surroundings, 9.5) == pytest.approx(np.array([[2, 1.5, 0], [-0.8, -0.6, 0]]))
+    assert goal_at(surroundings, 12.0 * 5 + 1.0) == pytest.approx(np.array([[1, 0, 0], [1, 0, 0]]))
 
 
 coordinate = st.integers(-5, 5).map(float)
@@ -49,13 +50,13 @@ coordinate = st.integers(-5, 5).map(float)
 )
 def test_it_is_where_the_route_says(route, speed, closed, time):
     goal = Goal(route=tuple(route), speed=speed, closed=closed)
-    found = goal_at(ground_of(goal=goal), time)
+    found = goal_at(surroundings_of(goal=goal), time)
     assert found[0, :2] == pytest.approx(along_route(goal, [time])[0], abs=1e-9)
     assert np.linalg.norm(found[1]) == pytest.approx(speed) or (found[1] == 0.0).all()
 
 
 def test_the_path_of_information_agents():
-    ground = ground_of(path=Path(waypoints=((1, 2), (3, 4)), switch=0.3, closed=True))
-    assert ground.path.tolist() == [[1, 2, 0], [3, 4, 0]]
-    assert (ground.switch, ground.closed) == (0.3, True)
-    assert len(ground.route) == len(ground.route_length) == 0
+    surroundings = surroundings_of(path=Path(waypoints=((1, 2), (3, 4)), switch=0.3, closed=True))
+    assert surroundings.path.tolist() == [[1, 2, 0], [3, 4, 0]]
+    assert (surroundings.switch, surroundings.closed) == (0.3, True)
+    assert len(surroundings.route) == len(surroundings.route_length) == 0

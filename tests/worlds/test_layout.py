@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import crowds, solids
 
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.layout import layout_names, read_layout, world, world_from_layout
+from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.refusal import Refusal
-from worlds.world import World, layout_names, read_layout, world, world_from_layout
+from worlds.world import World
 
 OBSTACLE = {"shape": "disc", "centre": [5.0, 5.0], "radius": 1.0}
 
@@ -28,7 +29,7 @@ missions = st.builds(
     start=st.one_of(
         st.none(),
         st.builds(
-            lambda low, side, speed: Start(
+            lambda low, side, speed: StartRegion(
                 low=low,
                 high=(low[0] + side, low[1] + 2 * side),
                 speed_low=(0.0, 0.0),
@@ -38,7 +39,7 @@ missions = st.builds(
             st.floats(0.1, 50.0),
             st.floats(0.0, 3.0),
         ),
-        st.builds(lambda low, d: Start(low=low, density=d), place, st.floats(0.01, 9.0)),
+        st.builds(lambda low, d: StartRegion(low=low, density=d), place, st.floats(0.01, 9.0)),
     ),
     path=st.one_of(
         st.none(),

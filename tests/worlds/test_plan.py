@@ -8,11 +8,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.clearance import clearance
+from worlds.layout import world_from_layout
+from worlds.queries.clearance import clearance
 from worlds.readers import open_drawing, read_geometry, world_around
 from worlds.readers.roles import cast, guess
 from worlds.refusal import Refusal
-from worlds.world import world_from_layout
 
 OFFICE = (
     "GEOMETRYCOLLECTION (POLYGON ((0 4, 2.75 4, 3.75 3, 4.75 4, 10 4, 10 0, 7 0, 6 1, 5 0, 0 0, "

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scenes import crowds
 
 from worlds.obstacles import Disc, Wall
-from worlds.survey import survey
+from worlds.queries.survey import survey
 from worlds.world import World
 
 
@@ -29,17 +29,17 @@ def test_a_line_is_blocked_where_it_meets_an_outline(obstacles, seed, reach):
 
 
 def test_a_place_sees_itself_unless_it_is_inside():
-    ground = survey(flat(Disc(centre=(5, 5), radius=2)), 1.0)
+    surroundings = survey(flat(Disc(centre=(5, 5), radius=2)), 1.0)
     here = [(5.0, 5.0), (8.0, 5.0)]
-    assert sights(ground, here, here).tolist() == [False, True]
+    assert sights(surroundings, here, here).tolist() == [False, True]
 
 
 def test_solid_edges_of_the_box_hide_nothing():
-    ground = survey(flat(edges=("solid", "solid")), 1.0)
-    assert sights(ground, [(1.0, 1.0)], [(19.0, 3.0)]).all()
+    surroundings = survey(flat(edges=("solid", "solid")), 1.0)
+    assert sights(surroundings, [(1.0, 1.0)], [(19.0, 3.0)]).all()
 
 
 def test_the_far_side_of_a_wall_is_hidden():
-    ground = survey(flat(Wall(start=(10, 2), end=(10, 18), thickness=0.2)), 0.5)
+    surroundings = survey(flat(Wall(start=(10, 2), end=(10, 18), thickness=0.2)), 0.5)
     start, end = [(2, 10), (2, 10), (2, 19)], [(18, 10), (9, 3), (18, 19)]
-    assert sights(ground, start, end).tolist() == [False, True, True]
+    assert sights(surroundings, start, end).tolist() == [False, True, True]

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from oracles.geometry import to_box_edges, to_obstacle, to_prism, to_sphere
 from scenes import crowds, solids
 
-from worlds.clearance import clearance
 from worlds.obstacles import Box, Disc, Prism, Sphere
-from worlds.survey import survey
+from worlds.queries.clearance import clearance
+from worlds.queries.survey import survey
 from worlds.world import World
 
 FAR = 100.0
@@ -61,9 +61,10 @@ def test_the_ground_agrees_with_the_clearance_of_arrays(obstacles, seed):
 
 
 def test_a_cube_has_faces_edges_and_corners():
-    ground = survey(space(Box(low=(0, 0, 0), high=(2, 2, 2))), FAR)
+    surroundings = survey(space(Box(low=(0, 0, 0), high=(2, 2, 2))), FAR)
     answer = Answer(
-        ground, [(1, 1, 3), (1, 1, -3), (3, 1, 1), (3, 1, 3), (3, 3, 1), (3, 3, 3), (1, 1, 0.25)]
+        surroundings,
+        [(1, 1, 3), (1, 1, -3), (3, 1, 1), (3, 1, 3), (3, 3, 1), (3, 3, 3), (1, 1, 0.25)],
     )
     root = np.sqrt([1.0, 9.0, 1.0, 2.0, 2.0, 3.0])
     assert answer.distance == pytest.approx([*root, -0.25])
@@ -124,10 +125,12 @@ def naive(place, obstacles):
 
 
 def test_one_sees_over_a_prism_but_not_through_its_top():
-    ground = survey(space(Prism(points=((8, 8), (12, 8), (12, 12), (8, 12)), bottom=2, top=6)), 1.0)
+    surroundings = survey(
+        space(Prism(points=((8, 8), (12, 8), (12, 12), (8, 12)), bottom=2, top=6)), 1.0
+    )
     start = [(0, 10, 6.1), (0, 10, 5.9), (10, 10, 9), (0, 10, 1), (10, 10, 9), (10, 10, 4)]
     end = [(20, 10, 6.1), (20, 10, 5.9), (10, 10, 0), (20, 10, 1), (18, 10, 4), (10, 10, 5)]
-    assert sights(ground, start, end).tolist() == [True, False, False, True, True, False]
+    assert sights(surroundings, start, end).tolist() == [True, False, False, True, True, False]
 
 
 def test_the_oracle_knows_a_unit_cube():

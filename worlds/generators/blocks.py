@@ -83,10 +83,10 @@ def place_box(
     placed: list[tuple[np.ndarray, np.ndarray]],
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """The corners of a box at a random place, `gap` from all others and from the box around."""
-    room = size - side - 2.0 * gap
-    if (room < 0.0).any():
+    space = size - side - 2.0 * gap
+    if (space < 0.0).any():
         return None
-    lows = low + gap + room * rng.random((TRIES, size.size))
+    lows = low + gap + space * rng.random((TRIES, size.size))
     if not placed:
         return lows[0], lows[0] + side
     others_low, others_high = (np.array(corners) for corners in zip(*placed, strict=True))

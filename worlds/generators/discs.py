@@ -33,9 +33,9 @@ def make_discs(
     radii = np.sort(rng.uniform(p.radius_low, p.radius_high, p.count))[::-1]
     centres = np.empty((p.count, size.size))
     for k, radius in enumerate(radii):
-        room = size - 2.0 * (radius + p.gap)
-        drawn = low + radius + p.gap + np.maximum(room, 0.0) * rng.random((TRIES, size.size))
-        place = None if (room < 0.0).any() else free(drawn, radius + p.gap, centres[:k], radii[:k])
+        space = size - 2.0 * (radius + p.gap)
+        drawn = low + radius + p.gap + np.maximum(space, 0.0) * rng.random((TRIES, size.size))
+        place = None if (space < 0.0).any() else free(drawn, radius + p.gap, centres[:k], radii[:k])
         if place is None:
             raise Refusal(
                 f"count = {p.count} discs of radius {p.radius_low:g} to {p.radius_high:g} m with "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import qmc
 
 from worlds.generators.kind import Kind, Made, Parameters, box_text, length
 from worlds.obstacles import Disc
@@ -33,17 +32,19 @@ def make_forest(
 
     Raises Refusal if so many do not find a place.
     """
+    from scipy.stats import qmc
+
     if p.radius_low > p.radius_high:
         raise Refusal(f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m")
     wanted = max(1, round(p.density * size.prod()))
     edge = p.gap + p.radius_high
-    room = size - 2.0 * edge
+    space = size - 2.0 * edge
     least = p.gap + 2.0 * p.radius_high
-    distance = max(least, EVEN * np.sqrt(FILLED * room.clip(0.0).prod() / wanted))
+    distance = max(least, EVEN * np.sqrt(FILLED * space.clip(0.0).prod() / wanted))
     places = np.empty((0, 2))
-    if (room > 0.0).all():
+    if (space > 0.0).all():
         drawn = qmc.PoissonDisk(
-            2, radius=distance, rng=rng, l_bounds=low + edge, u_bounds=low + edge + room
+            2, radius=distance, rng=rng, l_bounds=low + edge, u_bounds=low + edge + space
         )
         places = drawn.fill_space()
     if len(places) < wanted:

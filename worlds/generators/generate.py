@@ -15,9 +15,8 @@ from worlds.generators.discs import DISCS
 from worlds.generators.forest import FOREST
 from worlds.generators.kind import Kind, Parameters
 from worlds.generators.maze import MAZE
-from worlds.layout import box, chosen_edges
 from worlds.refusal import Refusal, shortened, unknown
-from worlds.world import World
+from worlds.world import World, box, edges_of
 
 GENERATORS = {kind.name: kind for kind in (DISCS, BLOCKS, FOREST, CORRIDORS, MAZE)}
 """All kinds by name."""
@@ -50,15 +49,15 @@ def generate(
     sides = box(dim, size)
     given = checked(one, parameters, origin)
     made = one.make(np.random.default_rng(seed), np.zeros(dim), np.array(sides), given)
-    told = ", ".join(f"{name} = {value:g}" for name, value in given.model_dump().items())
+    values = ", ".join(f"{name} = {value:g}" for name, value in given.model_dump().items())
     return World(
         name=f"{kind}-{seed}",
         size=sides,
-        edges=chosen_edges({"edges": edges}, dim, False, origin or kind),
+        edges=edges_of(edges, dim, origin or kind),
         title=f"{one.title}, seed {seed}",
         obstacles=tuple(made.obstacles),
         mission=made.mission,
-        source=f"generator {kind}: seed {seed}, {told}",
+        source=f"generator {kind}: seed {seed}, {values}",
     )
 
 
@@ -87,5 +86,5 @@ def allowed(field: FieldInfo) -> str:
         for name, word in (("gt", ">"), ("ge", ">="), ("le", "<="))
         if getattr(bound, name, None) is not None
     }
-    said = " and".join(f" {word} {value:g}" for word, value in limits.items())
-    return kind + said
+    limited = " and".join(f" {word} {value:g}" for word, value in limits.items())
+    return kind + limited

@@ -53,7 +53,7 @@ def make_maze(
         drawn(start, end, low, pitch, counts, p.thickness)
         for start, end in runs(inner_walls(nx, ny, doors))
     ]
-    return Made(walls, errand(way, low, pitch, p.thickness))
+    return Made(walls, mission_along(way, low, pitch, p.thickness))
 
 
 def carved(rng: np.random.Generator, nx: int, ny: int) -> set[tuple[Cell, Cell]]:
@@ -129,8 +129,8 @@ def drawn(
     return Wall(start=tuple(begin), end=tuple(finish), thickness=thick)
 
 
-def errand(way: list[Cell], low: np.ndarray, pitch: np.ndarray, thickness: float) -> Mission:
-    """Start in the first cell; the path turns where the way does; the goal is in the last cell."""
+def mission_along(way: list[Cell], low: np.ndarray, pitch: np.ndarray, thickness: float) -> Mission:
+    """The mission: start in the first cell, path along the way, goal in the last cell."""
     turns = [
         cell
         for before, cell, after in zip(way, way[1:], way[2:], strict=False)

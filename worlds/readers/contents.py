@@ -1,4 +1,4 @@
-"""What a file of geometry holds before any of it is taken: items on layers."""
+"""The contents of a drawing before they are interpreted: items on layers."""
 
 from __future__ import annotations
 

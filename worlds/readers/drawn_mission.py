@@ -1,4 +1,4 @@
-"""The mission that a drawing's layers of starts, goals and paths make, as far as they make one."""
+"""The mission made of a drawing's layers of starts, goals and paths."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from shapely.affinity import translate
 
-from worlds.clearance import clearance
-from worlds.mission import Goal, Mission, Path, Start
+from worlds.mission import Goal, Mission, Path, StartRegion
+from worlds.queries.clearance import clearance
 from worlds.readers.read import Geometry
 from worlds.readers.roles import GOAL, PATH, START
 from worlds.readers.shapes import Area, Circle, Line, Place, Point, Solid, at
@@ -18,7 +18,7 @@ from worlds.world import World
 SWITCH = 1.0
 """Distance at which a waypoint is taken where no circle says it, m."""
 SLIVER = 1e-9
-"""Share of a start's box that may be ground outside what is drawn: a rounding error."""
+"""Share of a start's box that may be free outside what is drawn: a rounding error."""
 Layered = Sequence[tuple[str, Solid]]
 
 
@@ -27,20 +27,20 @@ def mission_of(
 ) -> tuple[Mission | None, list[str]]:
     """The mission in a world that is the drawing moved by (dx, dy), and a line about each part.
 
-    A start is used if it is one box along the axes, or is so on the ground that is free; a goal if
+    A start is used if it is one box along the axes, or is so in the space that is free; a goal if
     it is one, of which the middle is taken; a path if it is one line. What is not used is named.
     """
-    ground = free_ground(world)
+    free = free_space(world)
     notes: list[str] = []
-    start = start_of(geometry, ground, dx, dy, notes)
-    goal = goal_of(geometry, ground, world, dx, dy, notes)
+    start = start_of(geometry, free, dx, dy, notes)
+    goal = goal_of(geometry, free, world, dx, dy, notes)
     path = path_of(geometry, world, dx, dy, notes)
     if start is None and goal is None and path is None:
         return None, notes
     return Mission(start=start, goal=goal, path=path), notes
 
 
-def free_ground(world: World) -> shapely.Geometry:
+def free_space(world: World) -> shapely.Geometry:
     """The box without what is solid."""
     (x, y), (width, height) = world.low, world.size
     solid = shapely.union_all([one.footprint() for one in world.obstacles])
@@ -48,9 +48,9 @@ def free_ground(world: World) -> shapely.Geometry:
 
 
 def start_of(
-    geometry: Geometry, ground: shapely.Geometry, dx: float, dy: float, notes: list[str]
-) -> Start | None:
-    """The start region: the box around what is drawn, if no other free ground lies in it."""
+    geometry: Geometry, free: shapely.Geometry, dx: float, dy: float, notes: list[str]
+) -> StartRegion | None:
+    """The start region: the box around what is drawn, if no other free space lies in it."""
     if not geometry.starts:
         return None
     where = layers(geometry.starts)
@@ -61,28 +61,28 @@ def start_of(
         return None
     low_x, low_y, high_x, high_y = (round(x, geometry.digits) for x in drawn.bounds)
     box = shapely.box(low_x, low_y, high_x, high_y)
-    if drawn.intersection(ground).area == 0.0:
+    if drawn.intersection(free).area == 0.0:
         notes.append(f"{START}: {where} is not used: all of it is solid or outside")
         return None
-    if box.difference(drawn).intersection(ground).area > SLIVER * box.area:
+    if box.difference(drawn).intersection(free).area > SLIVER * box.area:
         what = "its area is" if len(outlines) == 1 else f"its {len(outlines)} areas are"
         notes.append(f"{START}: {where} is not used: {what} not one box along the axes, as the "
                      "start of a mission is")  # fmt: skip
         return None
     low, high = (low_x, low_y), (high_x, high_y)
     notes.append(f"{START}: {where} is the start of the mission, {at(low)} to {at(high)}")
-    return Start(low=low, high=high)
+    return StartRegion(low=low, high=high)
 
 
 def goal_of(
     geometry: Geometry,
-    ground: shapely.Geometry,
+    free: shapely.Geometry,
     world: World,
     dx: float,
     dy: float,
     notes: list[str],
 ) -> Goal | None:
-    """The goal: the middle of the one that is drawn, on free ground."""
+    """The goal: the middle of the one that is drawn, in free space."""
     if not geometry.goals:
         return None
     where = layers(geometry.goals)
@@ -95,7 +95,7 @@ def goal_of(
         place: Point | None = (shape.place[0] + dx, shape.place[1] + dy)
     else:
         found = shapely.LineString(shape.points) if isinstance(shape, Line) else outline(shape)
-        place = middle(translate(found, dx, dy).intersection(ground))
+        place = middle(translate(found, dx, dy).intersection(free))
     if place is not None:
         place = rounded(place, geometry.digits)
     if place is None or clearance(world, np.array([place]))[0] <= 0.0:
@@ -127,9 +127,9 @@ def path_of(
             notes.append(f"{PATH}: {where} is not used: {at(place)} is solid or outside")
             return None
     switch = min((one.radius for one in circles), default=SWITCH)
-    said = "as its circles say" if circles else "which the drawing does not say"
+    why = "as its circles say" if circles else "which the drawing does not say"
     notes.append(f"{PATH}: {where} is the path of the mission, {len(moved)} waypoints, each taken "
-                 f"at a distance of {switch:g} m, {said}")  # fmt: skip
+                 f"at a distance of {switch:g} m, {why}")  # fmt: skip
     return Path(waypoints=tuple(moved), switch=switch)
 
 
@@ -140,12 +140,12 @@ def outline(shape: Solid) -> shapely.Geometry:
     return shapely.Polygon()
 
 
-def middle(ground: shapely.Geometry) -> Point | None:
-    """The centre of a ground if it lies on it, else a place that does; None of nothing."""
-    if ground.is_empty:
+def middle(free: shapely.Geometry) -> Point | None:
+    """The centre of an area if it lies in it, else a place that does; None of nothing."""
+    if free.is_empty:
         return None
-    centre = ground.centroid
-    inside = centre if ground.distance(centre) == 0.0 else ground.representative_point()
+    centre = free.centroid
+    inside = centre if free.distance(centre) == 0.0 else free.representative_point()
     return (inside.x, inside.y)
 
 

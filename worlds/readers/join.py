@@ -1,4 +1,4 @@
-"""Lines that meet end to end are joined, and curves drawn by chords, each with a word about it."""
+"""Joins lines that meet end to end and draws curves by chords; reports each change."""
 
 from __future__ import annotations
 
@@ -74,9 +74,9 @@ def joined(lines: Sequence[Line], tolerance: float, scale: float) -> Joined:
             continue
         from_its_end = 2 * first in partner and 2 * first + 1 not in partner
         begin = 2 * first + from_its_end
-        made, told = chain(lines, begin, partner, seen, scale)
+        made, notes = chain(lines, begin, partner, seen, scale)
         shapes.append(made)
-        changes += told
+        changes += notes
     return Joined(tuple(shapes), tuple(changes))
 
 

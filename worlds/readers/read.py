@@ -36,7 +36,7 @@ READERS: dict[str, Callable[[Path], Contents]] = {
 }  # fmt: skip
 """By the ending of the file's name."""
 FEW = 3
-"""Most open lines of a layer that are told one by one."""
+"""Most open lines of a layer that are reported one by one."""
 DIGITS = 14
 """Digits of the largest coordinate that are kept: behind them a double holds rounding errors."""
 Made = dict[str, list[tuple[str, Solid]]]
@@ -276,13 +276,13 @@ def in_metres(
                 problems.append(f"{refusal} (in m, rounded to {digits} decimals)")
     if problems:
         raise refusal_of(problems)
-    ground = [shape.obstacle(None, digits).footprint() for _, shape in found[WALKABLE]]
+    walkable = [shape.obstacle(None, digits).footprint() for _, shape in found[WALKABLE]]
     return Geometry(
         file=contents.path.name,
         obstacles=tuple(
             named(shape, layer).obstacle(thickness, digits) for layer, shape in found[OBSTACLE]
         ),
-        walkable=shapely.union_all(ground) if ground else None,
+        walkable=shapely.union_all(walkable) if walkable else None,
         layers=tuple(rows),
         changes=tuple(taken.changes),
         starts=tuple(found[START]),

@@ -67,7 +67,7 @@ def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, .
     with two roles.
     """
     demand_known(contents, asked)
-    told = {layer: asked_role(layer, asked, contents.path) for layer in contents.layers}
+    given = {layer: asked_role(layer, asked, contents.path) for layer in contents.layers}
     items: dict[str, list[Item]] = {}
     for item in contents.items:
         items.setdefault(item.layer, []).append(item)
@@ -78,9 +78,9 @@ def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, .
     rows = []
     for layer in contents.layers:
         held = items.get(layer, [])
-        if not held and layer not in left and told[layer] is None:
+        if not held and layer not in left and given[layer] is None:
             continue
-        role, why = told[layer] or own_role(layer, held, contents)
+        role, why = given[layer] or own_role(layer, held, contents)
         if role is None and rest is not None and held:
             role, why = rest, f"--{rest} '{REST}'"
         counts = Counter(item.kind for item in held)
@@ -224,7 +224,7 @@ def shown(name: str) -> str:
 
 
 def unclear(contents: Contents, rows: Sequence[Row]) -> list[str]:
-    """What is told of the layers whose role is not clear: those that names leave open in a line."""
+    """A line for each layer whose role is not clear, but those that names leave open in a line."""
     found, names = [], []
     for row in rows:
         if row.role is not None:

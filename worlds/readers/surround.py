@@ -1,4 +1,4 @@
-"""A world made of a drawing: its box, its obstacles and what is outside the walkable area."""
+"""Makes a world of a drawing: its box, its obstacles and what is outside the walkable area."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from typing import Any
 import shapely
 
 from worlds.checks import demand_sound
-from worlds.layout import chosen_edges
 from worlds.obstacles import Obstacle, obstacle
 from worlds.readers.drawn_mission import mission_of
 from worlds.readers.read import Geometry
 from worlds.refusal import Refusal
-from worlds.world import World
+from worlds.world import World, edges_of
 
 MARGIN = 0.1
 """Room around obstacles without a walkable area, as a share of their longest side."""
@@ -46,7 +45,7 @@ def world_and_notes(
     to_origin: bool = False,
 ) -> tuple[World, tuple[str, ...]]:
     """The same, and a line about each part of a mission: what it is made of, or why it is not."""
-    both = chosen_edges({"edges": edges}, 2, False, geometry.file)
+    both = edges_of(edges, 2, geometry.file)
     obstacles = list(geometry.obstacles)
     if geometry.walkable is not None:
         if margin is not None:
@@ -118,10 +117,10 @@ def rounded(value: Any, digits: int) -> Any:
 
 
 def grown(geometry: Geometry, margin: float | None) -> tuple[float, ...]:
-    """The bounds of the obstacles with room around them. Raises Refusal."""
+    """The bounds of the obstacles with a margin around them. Raises Refusal."""
     around = shapely.total_bounds([one.footprint() for one in geometry.obstacles])
     side = max(around[2] - around[0], around[3] - around[1])
-    room = MARGIN * side if margin is None else margin
-    if not (room >= 0.0 and math.isfinite(room)):
-        raise Refusal(f"margin = {room:g} m is not a length >= 0")
-    return (*(float(x) for x in around[:2] - room), *(float(x) for x in around[2:] + room))
+    margin = MARGIN * side if margin is None else margin
+    if not (margin >= 0.0 and math.isfinite(margin)):
+        raise Refusal(f"margin = {margin:g} m is not a length >= 0")
+    return (*(float(x) for x in around[:2] - margin), *(float(x) for x in around[2:] + margin))

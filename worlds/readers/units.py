@@ -1,4 +1,4 @@
-"""How long a unit of a drawing is, and whether that can be so."""
+"""The length of a drawing's unit in metres, and whether it is plausible."""
 
 from __future__ import annotations
 

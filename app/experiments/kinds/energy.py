@@ -55,8 +55,8 @@ class Energy(Settings):
         self, flock: Flock, between: Callable[[], None] = lambda: None
     ) -> tuple[np.ndarray, np.ndarray]:
         """H (K,), m^2/s^2, and the largest distance to the goal (K,), m, at each look."""
-        ground = flock.engine.ground
-        points = np.column_stack([ground.point_x, ground.point_y])
+        surroundings = flock.engine.surroundings
+        points = np.column_stack([surroundings.point_x, surroundings.point_y])
         goal = np.zeros((2, flock.world.dim))
         goal[0] = flock.goal_at([0])[0]
         energy, away = [], []

@@ -48,7 +48,7 @@ class Formation(Settings):
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            shares.append(flock.signal("saved")[flock.flying])
+            shares.append(flock.signal("saved")[flock.active])
             polarised.append(flock.observe("polarisation"))
         every = np.concatenate(shares)
         saved = float(every.mean()) if len(every) else None
@@ -76,5 +76,5 @@ def followed(flock: Flock, ticks: int, every: int) -> tuple[np.ndarray, np.ndarr
     while flock.tick < ticks:
         flock.run(every)
         time.append(flock.elapsed)
-        saved.append(flock.signal("saved")[flock.flying].mean())
+        saved.append(flock.signal("saved")[flock.active].mean())
     return np.array(time), np.array(saved)

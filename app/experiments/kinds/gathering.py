@@ -68,7 +68,7 @@ class Gathering(Settings):
     def measured(self, flock: Flock) -> dict[str, Number | None]:
         """The measures of a flock as it stands."""
         when = flock.crashes.tick
-        up = flock.flying
+        up = flock.active
         sizes = group_sizes(groups_of(flock))
         return {
             "at_0": int((when == 0).sum()),
@@ -90,6 +90,6 @@ def groups_of(flock: Flock) -> np.ndarray:
 
     d_a is the radius of the zone of attraction, as the thesis's model has it.
     """
-    position = flock.position[flock.flying]
+    position = flock.position[flock.active]
     d_a = flock.parameters.d_a  # type: ignore[attr-defined]
     return group_labels(len(position), links(position, d_a, flock.world.size, flock.world.images))

@@ -14,7 +14,7 @@ from app.experiments.kinds.settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.mission import Course
+    from agents.mission import MissionRecord
 
 
 FAR = math.inf
@@ -51,21 +51,21 @@ class Mission(Settings):
         ticks = round(self.limit / flock.dt)
         return self.measured(fly(flock, ticks, every=ticks, between=between))
 
-    def measured(self, course: Course) -> dict[str, Number | None]:
-        """The measures of a course."""
-        goal = len(course.away) > 0
-        led = bool(course.informed.any())
-        near = min(course.least_pair, course.least_obstacle)
+    def measured(self, record: MissionRecord) -> dict[str, Number | None]:
+        """The measures of a mission."""
+        goal = len(record.away) > 0
+        led = bool(record.informed.any())
+        near = min(record.least_pair, record.least_obstacle)
         return {
-            "ticks": course.ticks,
-            "arrived": int(course.arrived),
-            "success": 100.0 * course.success if led else None,
-            "d_obs": finite(course.least_obstacle),
-            "d_ind": finite(course.least_pair_of_followers) if led else None,
-            "d_pair": finite(course.least_pair),
+            "ticks": record.ticks,
+            "arrived": int(record.arrived),
+            "success": 100.0 * record.success if led else None,
+            "d_obs": finite(record.least_obstacle),
+            "d_ind": finite(record.least_pair_of_followers) if led else None,
+            "d_pair": finite(record.least_pair),
             "d_least": finite(near),
-            "settled": course.settled(self.within) if goal else None,
-            "through": 100.0 * course.through(self.spacing) if goal and self.spacing else None,
+            "settled": record.settled(self.within) if goal else None,
+            "through": 100.0 * record.through(self.spacing) if goal and self.spacing else None,
         }
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
@@ -73,7 +73,7 @@ class Mission(Settings):
         return self.limit / dt
 
     def compile(self, flock: Flock) -> None:
-        """Compile what measures a course."""
+        """Compile what measures a mission."""
         fly(flock, 1)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from agents.start import random_headings
+from agents.state.start import random_headings
 from app.experiments.kinds.settings import Measure, Number, Settings
 from worlds.refusal import Refusal
 

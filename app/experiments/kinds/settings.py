@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import Field
 
-from app.experiments.strict import Strict, Value
+from app.strict import Strict, Value
 
 if TYPE_CHECKING:
     from agents import Flock

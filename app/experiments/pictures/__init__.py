@@ -1,0 +1,1 @@
+"""The pictures of experiments, one kind per file."""

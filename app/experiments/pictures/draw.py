@@ -7,23 +7,23 @@ from pathlib import Path
 from typing import Any
 
 from app.experiments.experiment import Experiment
-from app.experiments.pictures.crashes import draw_crashes
-from app.experiments.pictures.distances import draw_distances
+from app.experiments.pictures.convergence.models import draw_models
+from app.experiments.pictures.convergence.pairs import draw_pairs
+from app.experiments.pictures.convergence.sweeps import draw_sweeps
 from app.experiments.pictures.driving import draw_driving
-from app.experiments.pictures.duel import draw_duel
 from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
-from app.experiments.pictures.gathering import draw_gathering
-from app.experiments.pictures.mission import draw_mission
-from app.experiments.pictures.models import draw_models
-from app.experiments.pictures.pairs import draw_pairs
+from app.experiments.pictures.gatherings.crashes import draw_crashes
+from app.experiments.pictures.gatherings.gathering import draw_gathering
+from app.experiments.pictures.missions.distances import draw_distances
+from app.experiments.pictures.missions.duel import draw_duel
+from app.experiments.pictures.missions.mission import draw_mission
+from app.experiments.pictures.missions.snapshots import draw_snapshots
+from app.experiments.pictures.missions.success import draw_success
+from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.phases import draw_phases
-from app.experiments.pictures.snapshots import draw_snapshots
 from app.experiments.pictures.squash import draw_squash
-from app.experiments.pictures.success import draw_success
-from app.experiments.pictures.sweeps import draw_sweeps
-from app.experiments.pictures.trajectories import draw_trajectories
-from app.experiments.verdict import Verdict, main_ones
+from app.experiments.verdicts.verdict import Verdict, main_ones
 from app.figure import write_figure
 from app.results import PICTURES
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.experiment import Cell, Experiment
+from app.experiments.experiment import Case, Experiment
 from app.experiments.kinds.driving import Driving
 from app.experiments.pictures.boxes import explain
 from app.experiments.trial import flock_of
-from app.experiments.verdict import Verdict, of
+from app.experiments.verdicts.verdict import Verdict, of
 
 CARS = ("#2166ac", "#1f9d63", "#c0392b", "#8e44ad", "#0b2545", "#5aa9c9", "#7a828c", "#8c510a")
 INJECTED, HUNTER = "#e3b505", "#101418"
@@ -34,12 +34,12 @@ def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed:
     """Draw the run of that seed of the first rows above, the share of runs of all rows below."""
     settings = experiment.settings
     assert isinstance(settings, Driving)
-    cells = experiment.cells[:WAYS]
-    figure.set_size_inches(4.4 * max(2, len(cells)), 9.0)
+    cases = experiment.cases[:WAYS]
+    figure.set_size_inches(4.4 * max(2, len(cases)), 9.0)
     above, below = figure.subfigures(2, 1, height_ratios=[1.5, 1.0])
-    panels = above.subplots(1, len(cells), subplot_kw={"projection": "3d"}, squeeze=False)[0]
-    for axes, cell in zip(panels, cells, strict=True):
-        draw_ways(axes, cell, settings, seed)
+    panels = above.subplots(1, len(cases), subplot_kw={"projection": "3d"}, squeeze=False)[0]
+    for axes, case in zip(panels, cases, strict=True):
+        draw_ways(axes, case, settings, seed)
     shares, lags = below.subplots(1, 2, width_ratios=[2.2, 1.0])
     signs = draw_shares(shares, made)
     draw_lags(lags, of(made, "lag"))
@@ -51,9 +51,9 @@ def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed:
     )
 
 
-def draw_ways(axes: Any, cell: Cell, settings: Driving, seed: int) -> None:
+def draw_ways(axes: Any, case: Case, settings: Driving, seed: int) -> None:
     """Draw one run in space and time."""
-    flock = flock_of(cell, settings, seed)
+    flock = flock_of(case, seed)
     drive = settings.driven(flock)
     step = max(1, len(drive.position) // SHOWN)
     ticks = np.arange(0, len(drive.position), step)
@@ -76,7 +76,7 @@ def draw_ways(axes: Any, cell: Cell, settings: Driving, seed: int) -> None:
     axes.set_xlabel("x / m")
     axes.set_ylabel("y / m")
     axes.set_zlabel("time / s")
-    axes.set_title(f"{cell.label}, N = {cell.agents}", loc="left")
+    axes.set_title(f"{case.label}, N = {case.agents}", loc="left")
 
 
 def draw_shares(axes: Any, made: list[Verdict]) -> list[Any]:
@@ -94,7 +94,7 @@ def draw_shares(axes: Any, made: list[Verdict]) -> list[Any]:
             color=BARS[name],
         )
     rows = of(made, made[0].measure.name)
-    labels = [f"{one.cell.label}, N = {one.cell.agents}".replace(", ", "\n") for one in rows]
+    labels = [f"{one.case.label}, N = {one.case.agents}".replace(", ", "\n") for one in rows]
     axes.set_xticks(range(len(rows)), labels, fontsize=8)
     axes.tick_params(axis="x", length=0)
     axes.set_ylim(0.0, 103.0)
@@ -108,7 +108,7 @@ def draw_lags(axes: Any, points: list[Verdict]) -> None:
         values = [value for value in one.values if value is not None]
         aside = np.random.default_rng(0).uniform(-0.25, 0.25, len(values))
         axes.plot(x + aside, values, ".", color=BARS["locked"], markersize=4, alpha=0.5)
-    axes.set_xticks(range(len(points)), [one.cell.label for one in points], rotation=40, fontsize=8)
+    axes.set_xticks(range(len(points)), [one.case.label for one in points], rotation=40, fontsize=8)
     axes.set_xlim(-0.6, len(points) - 0.4)
     most = max((value for one in points for value in one.values if value is not None), default=0.0)
     axes.set_ylim(0.0, 90.0 if most < 90.0 else 180.0)

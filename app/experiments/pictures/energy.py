@@ -19,13 +19,13 @@ def draw_energy(figure: Any, experiment: Experiment, seed: int) -> None:
     assert isinstance(settings, Energy)
     figure.set_size_inches(11.0, 4.8)
     left, right = figure.subplots(1, 2)
-    for cell, colour in zip(experiment.cells, COLOURS, strict=False):
-        flock = flock_of(cell, settings, seed)
+    for case, colour in zip(experiment.cases, COLOURS, strict=False):
+        flock = flock_of(case, seed)
         energy, away = settings.followed(flock)
         time = flock.dt * settings.every * np.arange(len(energy))
-        left.plot(time, energy / energy[0], color=colour, linewidth=1.6, label=cell.label)
+        left.plot(time, energy / energy[0], color=colour, linewidth=1.6, label=case.label)
         bound = np.sqrt(2.0 * energy[0] / flock.parameters.c1g)  # type: ignore[attr-defined]
-        right.plot(time, away / bound, color=colour, linewidth=1.6, label=cell.label)
+        right.plot(time, away / bound, color=colour, linewidth=1.6, label=case.label)
     right.axhline(1.0, color="#c0392b", linewidth=1.4)
     right.set_ylim(0.0, 1.08)
     left.set_yscale("log")

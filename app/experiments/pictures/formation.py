@@ -10,7 +10,7 @@ from app.experiments.experiment import Experiment
 from app.experiments.kinds.formation import Formation, followed
 from app.experiments.pictures.boxes import box, explain
 from app.experiments.trial import flock_of
-from app.experiments.verdict import Verdict, of
+from app.experiments.verdicts.verdict import Verdict, of
 
 COLOURS = ("#1f9d63", "#c0392b", "#2166ac", "#b07d12", "#8e44ad")
 INK = "#3c434b"
@@ -25,16 +25,16 @@ def draw_formation(figure: Any, experiment: Experiment, made: list[Verdict], see
     assert isinstance(settings, Formation)
     figure.set_size_inches(13.0, 5.2)
     over_time, runs, above = figure.subplots(1, 3, width_ratios=(1.2, 1.0, 1.3))
-    labels = list(dict.fromkeys(cell.label for cell in experiment.cells))
+    labels = list(dict.fromkeys(case.label for case in experiment.cases))
     colour = {label: COLOURS[k % len(COLOURS)] for k, label in enumerate(labels)}
-    first = [cell for cell in experiment.cells if cell.agents == experiment.cells[0].agents]
+    first = [case for case in experiment.cases if case.agents == experiment.cases[0].agents]
     ticks = int(settings.ticks(None, 1.0))
     shown = None
-    for cell in first:
-        flock = flock_of(cell, settings, seed)
+    for case in first:
+        flock = flock_of(case, seed)
         time, saved = followed(flock, ticks, max(1, ticks // LOOKS))
         over_time.plot(
-            time, 100.0 * settings.induced * saved, color=colour[cell.label], linewidth=1.7
+            time, 100.0 * settings.induced * saved, color=colour[case.label], linewidth=1.7
         )
         shown = shown or flock
     over_time.axhline(0.0, color=INK, linewidth=0.8)
@@ -57,13 +57,13 @@ def draw_formation(figure: Any, experiment: Experiment, made: list[Verdict], see
 
 def draw_runs(axes: Any, points: list[Verdict], labels: list[str], colour: dict[str, str]) -> None:
     """Boxes of all runs, by size of flock and row."""
-    sizes = sorted({one.cell.agents for one in points})
+    sizes = sorted({one.case.agents for one in points})
     width = 0.8 / max(1, len(labels))
     for one in points:
-        x = sizes.index(one.cell.agents) + width * (
-            labels.index(one.cell.label) - (len(labels) - 1) / 2
+        x = sizes.index(one.case.agents) + width * (
+            labels.index(one.case.label) - (len(labels) - 1) / 2
         )
-        box(axes, x, one.values, colour[one.cell.label], 0.8 * width)
+        box(axes, x, one.values, colour[one.case.label], 0.8 * width)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xticks(range(len(sizes)), [str(n) for n in sizes])
     axes.set_xlabel("birds")
@@ -75,7 +75,7 @@ def from_above(axes: Any, flock: Any) -> None:
     """The largest group from above, its mean heading up the page, coloured by what birds save."""
     from matplotlib.collections import LineCollection
 
-    up = flock.flying
+    up = flock.active
     x, y = level(flock, up)
     share = flock.signal("saved")[up]
     half = 0.5 * flock.parameters.b

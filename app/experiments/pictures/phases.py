@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.phase_map import Spot, map_of, ways_of
 from app.experiments.pictures.boxes import explain
-from app.experiments.verdict import Verdict
+from app.experiments.verdicts.phase_map import Spot, map_of, ways_of
+from app.experiments.verdicts.verdict import Verdict
 
 P_COLOURS, M_COLOURS = "Blues", "Purples"
 THERE, BACK = "#2166ac", "#c0392b"
@@ -75,7 +75,7 @@ def draw_map(
             linespacing=1.1,
             color="white" if value > 0.55 else "#2b3138",
         )
-    sweep = found[0].cell.sweep
+    sweep = found[0].case.sweep
     assert sweep is not None
     axes.grid(visible=False)
     axes.set_xticks(np.arange(len(xs)) + 0.5, [f"{x:g}" for x in xs])
@@ -109,7 +109,7 @@ def draw_ways(axes: Any, ways: list[tuple[Spot, Spot]], name: str) -> None:
         middle = len(ways) // 2
         (x0, y0), (x1, y1) = [(ways[i][k].x, summaries[i].mean) for i in (middle, middle + 1)]
         axes.plot(0.5 * (x0 + x1), 0.5 * (y0 + y1), arrow, color=colour, markersize=9)
-    sweep = ways[0][0].cell.sweep
+    sweep = ways[0][0].case.sweep
     assert sweep is not None
     fixed = ", ".join(f"{symbol(key)} = {value:g}" for key, value in sweep.fixed.items())
     axes.set_title(f"{symbol(sweep.parameter)} up and down within a run, {fixed}", loc="left")

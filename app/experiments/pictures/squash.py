@@ -20,7 +20,7 @@ def draw_squash(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the curve of the first row's parameters, its zero and its bounds."""
     settings = experiment.settings
     assert isinstance(settings, Squash)
-    flock = flock_of(experiment.cells[0], settings, seed)
+    flock = flock_of(experiment.cases[0], seed)
     p: Any = flock.parameters
     r = np.linspace(0.0, SHOWN, 400)
     looked = np.linspace(0.02, SHOWN - 0.02, LOOKS)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from app.live.links.frame import PER_CAR, levels
 from app.live.links.link import CarLink
-from app.live.links.place import Place
 from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, open_wire
+from app.live.place import Place
 
 BAUD = 9600
 """As in the paper."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.live.links.frame import Command, encode
+from app.live.links.frame import CommandFrame, encode
 from app.live.links.link import CarLink
-from app.live.links.place import Place
+from app.live.place import Place
 from worlds.refusal import Refusal
 
 MOST_EVERY = 100_000
@@ -20,7 +20,7 @@ class DryLink(CarLink):
         self.name = name
         self.every = every
         self.sent = 0
-        self.last: Command | None = None
+        self.last: CommandFrame | None = None
         """The last frame, its commands as they were given."""
 
     def send(self, seq: int, mode: int, commands: dict[int, tuple[float, float]]) -> None:
@@ -28,7 +28,7 @@ class DryLink(CarLink):
         frame = encode(seq, mode, commands)
         if self.every and self.sent % self.every == 0:
             print(f"{self.name}: {frame.hex(' ')}")
-        self.last = Command(seq, mode, dict(commands))
+        self.last = CommandFrame(seq, mode, dict(commands))
         self.sent += 1
 
     def close(self) -> None:

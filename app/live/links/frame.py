@@ -37,7 +37,7 @@ PIECE = 64
 """Bytes that are looked at together: the time to read a stream grows with its length only."""
 
 
-class Command(NamedTuple):
+class CommandFrame(NamedTuple):
     """What a frame says."""
 
     seq: int
@@ -95,7 +95,7 @@ def encode(seq: int, mode: int, commands: dict[int, tuple[float, float]]) -> byt
     return SYNC + bytes(body) + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "big")
 
 
-def decode(frame: bytes) -> Command | None:
+def decode(frame: bytes) -> CommandFrame | None:
     """What a whole frame says, None if anything in it is not as `encode` writes it."""
     body = frame[len(SYNC) : -2]
     if binascii.crc_hqx(body, 0xFFFF) != int.from_bytes(frame[-2:], "big"):
@@ -112,7 +112,7 @@ def decode(frame: bytes) -> Command | None:
         commands[address] = (steer / FULL, throttle / FULL)
     if mode not in MODES or (mode != RUN and any(pair[1] for pair in commands.values())):
         return None
-    return Command(int.from_bytes(body[1:3], "little"), mode, commands)
+    return CommandFrame(int.from_bytes(body[1:3], "little"), mode, commands)
 
 
 def is_length(byte: int) -> bool:
@@ -134,12 +134,12 @@ class Decoder:
         self.rejected = 0
         """Syncs with a possible length after which no valid frame came."""
 
-    def feed(self, data: bytes) -> list[Command]:
+    def feed(self, data: bytes) -> list[CommandFrame]:
         """The commands that these bytes complete, oldest first."""
         pieces = range(0, len(data), PIECE)
         return [command for at in pieces for command in self.take(data[at : at + PIECE])]
 
-    def take(self, data: bytes) -> list[Command]:
+    def take(self, data: bytes) -> list[CommandFrame]:
         """The commands that a few more bytes complete."""
         self.waiting += data
         found = []

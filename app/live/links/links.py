@@ -6,15 +6,15 @@ import runpy
 from collections.abc import Callable
 from pathlib import Path
 
-from agents.plug_ins import plug_ins
 from app.live.kinds import FILE, SIMULATED, kind_of
 from app.live.links.chain import open_chain
 from app.live.links.dry import open_dry
 from app.live.links.link import CarLink
-from app.live.links.place import Place, read_place
 from app.live.links.serial_link import open_serial
 from app.live.links.udp import open_udp
 from app.live.links.xbee import open_xbee
+from app.live.place import Place, read_place
+from worlds.plug_ins import plug_ins
 from worlds.refusal import Refusal, unknown
 
 Opener = Callable[[Place], CarLink]
@@ -64,7 +64,7 @@ def open_link(text: str, folder: Path | None = None) -> CarLink:
 def known_link(text: str) -> Place:
     """The parts of a text. Raises Refusal if it is none of a link, or there is no such kind.
 
-    The kind `simulated` is opened together with its source, by `app.live.emulated_ends`.
+    The kind `simulated` is opened together with its source, by `app.live.emulation.ends`.
     """
     place = read_place(text)
     if place.kind not in LINKS and not place.kind.endswith(FILE):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from app.live.links.frame import encode, size
 from app.live.links.link import CarLink
-from app.live.links.place import Place
 from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, open_wire
+from app.live.place import Place
 
 BAUD = 57600
 

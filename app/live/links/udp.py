@@ -6,7 +6,7 @@ import socket
 
 from app.live.links.frame import encode
 from app.live.links.link import CarLink, LinkLost
-from app.live.links.place import Place
+from app.live.place import Place
 from worlds.refusal import Refusal
 
 EXAMPLE = "udp:192.168.1.20:5005"

@@ -9,10 +9,10 @@ import time
 from contextlib import suppress
 from typing import Any
 
+from app.live.extra import INSTALL
 from app.live.links.jam import Jam
 from app.live.links.link import LinkLost
-from app.live.links.place import Place
-from app.live.sources.extra import INSTALL
+from app.live.place import Place
 from worlds.refusal import Refusal
 
 LEAST_BAUD, MOST_BAUD = 300, 4_000_000

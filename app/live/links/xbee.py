@@ -10,11 +10,11 @@ import logging
 from contextlib import suppress
 from typing import Any
 
+from app.live.extra import INSTALL
 from app.live.links.frame import encode, size
 from app.live.links.link import CarLink, LinkLost
-from app.live.links.place import Place
 from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, take_port, why
-from app.live.sources.extra import INSTALL
+from app.live.place import Place
 from worlds.refusal import Refusal
 
 BAUD = 57600

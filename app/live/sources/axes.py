@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.live.pose import Pose
+from app.live.control.pose import Pose
 from worlds.refusal import unknown
 
 UPS = ("z", "y")

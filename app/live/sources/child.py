@@ -17,7 +17,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Literal
 
-from app.live.pose import Frame
+from app.live.control.pose import MocapFrame
 from app.live.sources.source import Source
 
 GRACE = 0.5
@@ -26,7 +26,7 @@ GRACE = 0.5
 type Message = (
     tuple[Literal["connected", "ended"], None]
     | tuple[Literal["trouble"], str]
-    | tuple[Literal["frame"], Frame]
+    | tuple[Literal["frame"], MocapFrame]
 )
 
 
@@ -63,7 +63,7 @@ def _outcome(source: Source, stop: threading.Event, line: Connection, patience: 
     return ("ended", None)
 
 
-def _connected(source: Source, stop: threading.Event, patience: float) -> Iterator[Frame]:
+def _connected(source: Source, stop: threading.Event, patience: float) -> Iterator[MocapFrame]:
     """Its frames, once it is connected.
 
     Should it hang while it holds the interpreter, and the parent be gone, then nothing but a clock

@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
-from app.live.pose import Frame, Pose
+from app.live.control.pose import MocapFrame, Pose
 from app.live.sources.child import GRACE, Message, serve
 from app.live.sources.source import Source
 from worlds.refusal import Refusal
@@ -55,7 +55,7 @@ class Feed:
         self.trouble = ""
         """What went wrong, in one line; empty while all is well."""
         self._state: State = "connecting"
-        self._frames: deque[Frame] = deque(maxlen=KEPT)
+        self._frames: deque[MocapFrame] = deque(maxlen=KEPT)
         self._seen: dict[str, LastSeen] = {}
         self._arrived = threading.Event()
         self._closing = False
@@ -74,14 +74,14 @@ class Feed:
         self._reader = threading.Thread(target=self._read, name="feed", daemon=True)
         self._reader.start()
 
-    def latest(self) -> Frame | None:
+    def latest(self) -> MocapFrame | None:
         """The newest frame; None before the first."""
         try:
             return self._frames[-1]
         except IndexError:
             return None
 
-    def since(self, number: int) -> list[Frame]:
+    def since(self, number: int) -> list[MocapFrame]:
         """The frames after frame `number`, oldest first; of older ones than `KEPT`, none."""
         newer = []
         for frame in reversed(tuple(self._frames)):
@@ -110,7 +110,7 @@ class Feed:
         assert self._process.pid is not None
         return self._process.pid
 
-    def first(self, within: float) -> Frame:
+    def first(self, within: float) -> MocapFrame:
         """Wait for a frame, at most `within` seconds.
 
         Raises Refusal with the trouble, or if none came.
@@ -162,7 +162,7 @@ class Feed:
 
     def _take(self, message: Message) -> None:
         match message:
-            case ("frame", Frame() as frame):
+            case ("frame", MocapFrame() as frame):
                 for sighting in frame.sightings:
                     if sighting.valid and sighting.pose is not None:
                         self._seen[sighting.name] = LastSeen(sighting.pose, frame.received)

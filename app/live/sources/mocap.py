@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
-from app.live.pose import Frame, Sighting, seen, unseen
+from app.live.control.pose import MocapFrame, Sighting, seen, unseen
+from app.live.extra import demand
 from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
-from app.live.sources.extra import demand
 from worlds.refusal import Refusal, unknown
 
 
@@ -87,7 +87,7 @@ class MotionCapture:
         """What it is in a few words."""
         return f"{self.name} at {self.host or 'this machine'} ({self.axes})"
 
-    def frames(self, stop: threading.Event) -> Iterator[Frame]:
+    def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Connect and give frames as they come; see `Source.frames`.
 
         Raises Refusal if the package is missing, RuntimeError if the system cannot be used.
@@ -98,14 +98,14 @@ class MotionCapture:
         system = motioncapture.connect(self.name, {"hostname": self.host, **self.options})
         return self._received(system, stop)
 
-    def _received(self, system: Any, stop: threading.Event) -> Iterator[Frame]:
+    def _received(self, system: Any, stop: threading.Event) -> Iterator[MocapFrame]:
         for number in count():
             if stop.is_set():
                 return
             system.waitForNextFrame()
             received = time.monotonic()
             bodies = _bodies(system)
-            yield Frame(
+            yield MocapFrame(
                 number,
                 received,
                 tuple(self._sighting(name, bodies[name]) for name in sorted(bodies)),

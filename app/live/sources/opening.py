@@ -1,4 +1,4 @@
-"""The kinds of source by name: a new one is a file beside this and one line here."""
+"""The kinds of source by name: a new one is a file beside this and one line here, or a plug-in."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ from app.live.kinds import SIMULATED, kind_of
 from app.live.sources import mocap, recorded
 from app.live.sources.address import Address, parsed
 from app.live.sources.source import Source
+from worlds.plug_ins import plug_ins
 from worlds.refusal import Refusal, unknown
 
-OPENERS: dict[str, Callable[[Address], Source]] = {
+Opener = Callable[[Address], Source]
+"""Makes a source, not yet connected; raises Refusal if it cannot."""
+
+BUILT_IN: dict[str, Opener] = {
     "vicon": mocap.opened,
     "optitrack": mocap.opened,
     "qualisys": mocap.opened,
@@ -18,6 +22,17 @@ OPENERS: dict[str, Callable[[Address], Source]] = {
     "mock": mocap.opened,
     "recorded": recorded.opened,
 }
+
+
+def brought(name: str, thing: object) -> tuple[str, Opener]:
+    """The source that an entry point brings. Raises TypeError if it opens nothing."""
+    if not callable(thing):
+        raise TypeError(f"a function is needed, not {type(thing).__name__}")
+    return name, thing
+
+
+OPENERS = BUILT_IN | plug_ins("flockscope.sources", brought, {*BUILT_IN, SIMULATED})
+"""All kinds of source: the built-in ones, then those of other packages, which replace none."""
 
 
 def open_source(text: str) -> Source:
@@ -34,7 +49,7 @@ def open_source(text: str) -> Source:
 def known_source(text: str) -> Address:
     """The parts of a text. Raises Refusal if it is none of a source, or there is no such kind.
 
-    The kind `simulated` is opened together with its link, by `app.live.emulated_ends`.
+    The kind `simulated` is opened together with its link, by `app.live.emulation.ends`.
     """
     address = parsed(text)
     if address.kind not in OPENERS:

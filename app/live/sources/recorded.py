@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 
-from app.live.pose import Frame
+from app.live.control.pose import MocapFrame
 from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
 from app.live.sources.recording import RecordedFrame
@@ -62,11 +62,13 @@ class Recorded:
             return read_trial(self.path, self.axes, self.bodies)
         return read_table(self.path, self.axes)
 
-    def frames(self, stop: threading.Event) -> Iterator[Frame]:
+    def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Read the file, then give its frames at their times; see `Source.frames`."""
         return self._played(self.recording(), stop)
 
-    def _played(self, recording: list[RecordedFrame], stop: threading.Event) -> Iterator[Frame]:
+    def _played(
+        self, recording: list[RecordedFrame], stop: threading.Event
+    ) -> Iterator[MocapFrame]:
         first, last = recording[0], recording[-1]
         step = (last.time - first.time) / max(1, len(recording) - 1)
         lasts = last.time - first.time + step
@@ -77,7 +79,7 @@ class Recorded:
                 elapsed = round_ * lasts + frame.time - first.time
                 if stop.wait(max(0.0, began + elapsed / self.factor - time.monotonic())):
                     return
-                yield Frame(
+                yield MocapFrame(
                     frame.number + round_ * holds,
                     time.monotonic(),
                     frame.sightings,

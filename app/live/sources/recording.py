@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.live.pose import Sighting
+from app.live.control.pose import Sighting
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedFrame:
-    """One frame as it was recorded; played, it becomes a `Frame`."""
+    """One frame as it was recorded; played, it becomes a `MocapFrame`."""
 
     time: float
     """Seconds by the clock of the recording."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.live.pose import Frame, Sighting
+from app.live.control.pose import MocapFrame, Sighting
 from worlds.refusal import Refusal
 
 
@@ -51,17 +51,19 @@ class Simulated:
         """What it is in a few words."""
         return f"{self.title} at {self.rate:g} Hz"
 
-    def frames(self, stop: threading.Event) -> Iterator[Frame]:
+    def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Build the simulator, then give a frame per period; see `Source.frames`."""
         return self._tracked(self.build(), stop)
 
-    def _tracked(self, simulator: Simulator, stop: threading.Event) -> Iterator[Frame]:
+    def _tracked(self, simulator: Simulator, stop: threading.Event) -> Iterator[MocapFrame]:
         try:
             began = time.monotonic()
             number = 0
             while not stop.wait(max(0.0, began + number / self.rate - time.monotonic())):
                 simulator.advance(number / self.rate)
-                yield Frame(number, time.monotonic(), simulator.sightings(), number / self.rate)
+                yield MocapFrame(
+                    number, time.monotonic(), simulator.sightings(), number / self.rate
+                )
                 number = max(number, int((time.monotonic() - began) * self.rate)) + 1
         finally:
             simulator.close()

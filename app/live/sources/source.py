@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator
 from typing import Protocol
 
-from app.live.pose import Frame
+from app.live.control.pose import MocapFrame
 
 
 class Source(Protocol):
@@ -20,7 +20,7 @@ class Source(Protocol):
         """Its kind, e.g. "optitrack"."""
         ...
 
-    def frames(self, stop: threading.Event) -> Iterator[Frame]:
+    def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Connect, then return what gives the frames as they come.
 
         It runs in a child process and may block: while it connects for the patience of the

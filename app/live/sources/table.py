@@ -14,7 +14,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from app.live.pose import Sighting, seen, unseen
+from app.live.control.pose import Sighting, seen, unseen
 from app.live.sources.axes import Axes, turned
 from app.live.sources.recording import RecordedFrame
 from worlds.refusal import Refusal

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.live.pose import Pose, Sighting, seen, unseen
+from app.live.control.pose import Pose, Sighting, seen, unseen
+from app.live.extra import demand
 from app.live.sources.axes import UNITS, Axes
-from app.live.sources.extra import demand
 from app.live.sources.recording import RecordedFrame
 from worlds.refusal import Refusal, unknown
 

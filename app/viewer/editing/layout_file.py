@@ -9,10 +9,11 @@ from pathlib import Path
 
 from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
+from worlds.layout import layout_names, world_from_layout
 from worlds.readers import read_geometry, world_around
+from worlds.reading import toml
 from worlds.refusal import Refusal, unknown
-from worlds.toml import toml
-from worlds.world import World, layout_names, world_from_layout
+from worlds.world import World
 
 LARGEST = 5_000_000
 """Bytes of a layout file at most."""

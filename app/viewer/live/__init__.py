@@ -1,1 +1,1 @@
-"""Real cars in the laboratory: the room, its picture, its panels and its page."""
+"""Real cars in the laboratory: the session, its picture, its panels and its page."""

@@ -1,4 +1,4 @@
-"""Looks at a control loop as frames for the drawing."""
+"""A control loop's status as a frame for the drawing."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from agents.model import Model
-from app.live.lab import Lab
-from app.live.look import Look
-from app.live.squashing_driver import room as world_of
-from app.viewer.cars import LENGTH, WIDTH, Cars
-from app.viewer.frame import Errand, Frame
-from app.viewer.live.live import LOST, SIMULATED, Live
+from agents.models.declare import Vehicle
+from agents.models.model import Model
+from app.live.control.status import Status
+from app.live.laboratory.lab import Lab
+from app.live.operating.flock_driver import world_of
+from app.viewer.scene.shown.cars import Cars
+from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.live import LOST, SIMULATED, Live
 from worlds.world import World
 
 OVER = 0.1
@@ -30,7 +31,7 @@ WHEEL = 45.0
 
 @dataclass(frozen=True)
 class Setting:
-    """What stays from frame to frame of one opening of a room."""
+    """What is the same in all frames of one opening of a loop."""
 
     run: int
     lab: Lab
@@ -59,22 +60,23 @@ class Drawn:
 
 
 def frame_of(
-    setting: Setting, look: Look, values: Mapping[str, Any], past: Sequence[Look] = ()
+    setting: Setting, status: Status, values: Mapping[str, Any], past: Sequence[Status] = ()
 ) -> Frame:
-    """The frame of a look; the looks before it, oldest first, tell how fast the cars are.
+    """The frame of a status; those before it, oldest first, tell how fast the cars are.
 
     A lost car stays where it was last seen; one that was never seen is left out.
     """
-    cars = drawn(look, past)
+    cars = drawn(status, past)
     yaw = np.array([car.yaw for car in cars])
     lab, count = setting.lab, len(cars)
     lock = math.radians(float(values.get("wheel_max", WHEEL)))
     fastest = max(car.fastest for car in lab.cars.values())
-    injected = look.injected
+    vehicle = setting.model.body.vehicle or Vehicle()
+    injected = status.injected
     goal = None if injected is None else np.array([injected.x, injected.y])
     return Frame(
         run=setting.run,
-        tick=look.tick,
+        tick=status.tick,
         world=setting.world,
         reach=float(values.get(setting.model.rule.reach, math.inf)),
         speed_scale=float(values.get("v_max", fastest)),
@@ -85,10 +87,10 @@ def frame_of(
         ids=np.array([car.identity for car in cars], int),
         dt=1.0 / lab.rate,
         unit="s",
-        errand=Errand(goal),
+        progress=Progress(goal),
         cars=Cars(
-            length=float(values.get("length", LENGTH)),
-            width=float(values.get("width", WIDTH)),
+            length=float(values.get("length", vehicle.length)),
+            width=float(values.get("width", vehicle.width)),
             steering=lock * np.array([car.steer for car in cars]),
             stuck=np.zeros(count, bool),
             predator=np.zeros(count, bool),
@@ -98,28 +100,28 @@ def frame_of(
             states=tuple(car.state for car in cars),
             ages=np.array([car.age for car in cars]),
             fence=lab.area.fence,
-            arm=look.arm,
+            arm=status.arm,
         ),
     )
 
 
-def drawn(look: Look, past: Sequence[Look]) -> list[Drawn]:
-    """The cars of a look that are somewhere: the real ones, then the simulated ones."""
-    looks = [one for one in past if look.time - OVER - TOO_SHORT <= one.time < look.time]
+def drawn(status: Status, past: Sequence[Status]) -> list[Drawn]:
+    """The cars of a status that have a place: the real ones, then the simulated ones."""
+    statuses = [one for one in past if status.time - OVER - TOO_SHORT <= one.time < status.time]
     real = [
         Drawn(
             row, car.name, car.state, car.age, car.pose.x, car.pose.y, car.pose.yaw,
-            pace([place(one, car.name) for one in (*looks, look)]), car.sent[0],
+            pace([place(one, car.name) for one in (*statuses, status)]), car.sent[0],
         )
-        for row, car in enumerate(look.cars)
+        for row, car in enumerate(status.cars)
         if car.pose is not None
     ]  # fmt: skip
     simulated = [
         Drawn(
             FIRST_SIMULATED + k, one.name, SIMULATED, 0.0, one.pose.x, one.pose.y, one.pose.yaw,
-            pace([simulated_place(other, one.name) for other in (*looks, look)]), one.steer,
+            pace([simulated_place(other, one.name) for other in (*statuses, status)]), one.steer,
         )
-        for k, one in enumerate(look.companions)
+        for k, one in enumerate(status.companions)
     ]  # fmt: skip
     return real + simulated
 
@@ -128,19 +130,19 @@ Place = tuple[float, float, float]
 """When (s) and where (m)."""
 
 
-def place(look: Look, name: str) -> Place | None:
-    """When and where a look has a car; None if it never was seen."""
-    for car in look.cars:
+def place(status: Status, name: str) -> Place | None:
+    """When and where a car was last seen, by a status; None if it never was."""
+    for car in status.cars:
         if car.name == name and car.pose is not None:
-            return look.time - car.age, car.pose.x, car.pose.y
+            return status.time - car.age, car.pose.x, car.pose.y
     return None
 
 
-def simulated_place(look: Look, name: str) -> Place | None:
-    """When and where a look has a simulated car; None if it is not there."""
-    for one in look.companions:
+def simulated_place(status: Status, name: str) -> Place | None:
+    """When and where a simulated car is, by a status; None if there is none of this name."""
+    for one in status.companions:
         if one.name == name:
-            return look.time, one.pose.x, one.pose.y
+            return status.time, one.pose.x, one.pose.y
     return None
 
 
@@ -158,7 +160,7 @@ def pace(places: Sequence[Place | None]) -> float:
 
 
 def deserted(frame: Frame) -> Frame:
-    """The last frame of a room that nobody looks at any more: where its cars are is not known."""
+    """The last frame of a loop that is gone: nobody knows where its cars are."""
     live = frame.live
     assert live is not None
     states = tuple(state if state == SIMULATED else LOST for state in live.states)

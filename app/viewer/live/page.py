@@ -9,71 +9,83 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from app.live.choices import links, rules, sources
-from app.live.lab import Lab
-from app.viewer.addresses import here
-from app.viewer.drawing import PANELS, Drawing
-from app.viewer.frame import Frame
-from app.viewer.live.hand import Hand
-from app.viewer.live.keys import KEYS, STOP_KEY
+from app.live.operating.choices import Choices
+from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.panels.log import LogPanel
-from app.viewer.live.panels.monitors import LiveMonitors
+from app.viewer.live.panels.monitors import BLOCKS, contents
 from app.viewer.live.panels.plots import LivePlots
 from app.viewer.live.panels.room import RoomPanel
 from app.viewer.live.panels.rule import RulePanel
 from app.viewer.live.panels.state import StatePanel
-from app.viewer.live.panels.view import LiveView
-from app.viewer.live.room import Room
-from app.viewer.notices import Notices
-from app.viewer.origin import Allowed
+from app.viewer.live.panels.view import CONTROLS, LOOK
+from app.viewer.live.session import Session
 from app.viewer.panels.hotkeys import add_hotkeys
-from app.viewer.scene import Look, Scene
-from app.viewer.server import close_server, open_server, stops
-from app.viewer.serving.front import Front
-from app.viewer.shell import dock, dress, settle
+from app.viewer.panels.monitors import Monitors
+from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.panels.view import ViewPanel
+from app.viewer.scene.drawing import PANELS, Drawing
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
+from app.viewer.web.addresses import here
+from app.viewer.web.notices import Notices
+from app.viewer.web.origin import Allowed
+from app.viewer.web.server import close_server, open_server, stops
+from app.viewer.web.serving.front import Front
 
 BANNER = 0.1
-"""Time between two looks at how the room stands, s."""
+"""Time between two updates of the banner, s."""
+KEYS = {
+    "space": "EMERGENCY STOP",
+    "escape": "EMERGENCY STOP: this key too",
+    "1": "Camera: top-down",
+    "2": "Camera: perspective",
+    "3": "Camera: side",
+    "F": "Camera: follow the clicked car",
+    "C": "Colour by the next quantity",
+}
+"""Key -> what it does. No key arms, and none but the first two reaches the cars."""
+STOP_KEY = "stop-key.js"
+"""The script by which a page hears the emergency stop's keys wherever its focus is."""
 
-Opening = Callable[[Lab, str | None, Path | None], Room]
+MakeSession = Callable[[Choices, Path | None], Session]
 
 
 class LivePage:
-    """Serves one room to any number of browsers.
+    """Serves one session to any number of browsers.
 
     Nothing in it can hold up the control loop, which is another process. Raises Refusal if the port
-    is busy, or for a source that the laboratory does not have.
+    is busy.
     """
 
     def __init__(
         self,
-        lab: Lab,
+        choices: Choices,
         host: str = "127.0.0.1",
         port: int = 8080,
-        source: str | None = None,
         recording: Path | None = None,
-        opening: Opening = Room,
+        make_session: MakeSession = Session,
         allow: tuple[Allowed, ...] = (),
     ):
         self.front = Front(scripts=(STOP_KEY,), allow=allow)
         self.server = open_server(host, port, self.front)
         self.host = host
-        self.lab = lab
+        self.lab = choices.lab
         try:
-            self.room = opening(lab, source, recording)
+            self.session = make_session(choices, recording)
         except BaseException:
             close_server(self.server)
             raise
-        stops(self.server, self.room.emergency)
-        self.notices = Notices(self.server, self.room.notices)
+        stops(self.server, self.session.emergency)
+        self.notices = Notices(self.server, self.session.notices)
         self.scene = Scene(self.server)
-        self.hand = Hand(self.server.scene, lab.area, self.room.place)
+        self.hand = DragHandle(self.server.scene, self.lab.area, self.session.place)
         self.selected: int | None = None
         """Row of the car that was clicked."""
         self.banner_due = self.panels_due = 0.0
-        self.furnish()
+        self.furnish(choices)
         self.listen()
-        self.drawing = Drawing(self.scene, self.latest, self.browsers, self.stand, self.measure)
+        self.drawing = Drawing(self.scene, self.latest, self.browsers, self.refresh, self.measure)
         self.drawing.start()
 
     @property
@@ -88,27 +100,27 @@ class LivePage:
 
     def close(self) -> None:
         """Stop the cars first, then drawing and serving."""
-        self.room.close()
+        self.session.close()
         self.drawing.close()
         close_server(self.server)
 
-    def furnish(self) -> None:
+    def furnish(self, choices: Choices) -> None:
         """Build the panels."""
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
-        self.state = StatePanel(gui, self.room)
+        self.state = StatePanel(gui, self.session)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
-            self.rule = RulePanel(gui, self.room, rules(lab))
+            self.rule = RulePanel(gui, self.session, choices.rules)
         with tabs.add_tab("Room"):
-            self.place = RoomPanel(gui, self.room, sources(lab), links(lab))
+            self.place = RoomPanel(gui, self.session, choices)
         with tabs.add_tab("View"):
-            self.view = LiveView(gui, self.point)
+            self.view = ViewPanel(gui, LOOK, CONTROLS, self.point, "car")
         with tabs.add_tab("Log"):
-            self.log = LogPanel(gui, self.room)
+            self.log = LogPanel(gui, self.session)
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
-            self.monitors = LiveMonitors(gui)
+            self.monitors = Monitors(gui, BLOCKS, "loop")
             self.plots = LivePlots(gui, lab.rate)
         dock(gui, left)
 
@@ -134,7 +146,7 @@ class LivePage:
 
     def stop(self, client: viser.ClientHandle) -> None:
         """The emergency stop, by a key in one browser."""
-        self.room.emergency(f"browser {client.client_id}")
+        self.session.emergency(f"browser {client.client_id}")
 
     def clicked(
         self, row: int | None, _origin: np.ndarray, _direction: np.ndarray, _beside: bool = False
@@ -150,12 +162,12 @@ class LivePage:
             self.scene.camera(client, camera)
 
     async def settle(self, client: viser.ClientHandle) -> None:
-        """Point a new browser's camera again when its panels have taken their places."""
+        """Point a new browser's camera again once its panels are laid out."""
 
         def point() -> bool:
-            if self.room.frame is not None:
+            if self.session.frame is not None:
                 self.point(client, "top-down")
-            return self.room.frame is not None
+            return self.session.frame is not None
 
         settle(client, point)
 
@@ -163,40 +175,39 @@ class LivePage:
 
     def latest(self) -> tuple[Frame | None, Look]:
         """The newest frame, and how to draw it."""
-        return self.room.frame, self.view.look()
+        return self.session.frame, self.view.look()
 
-    def stand(self) -> None:
-        """Say how the room stands, whether there is anything to draw or not."""
-        self.room.browsers(self.browsers())  # first: whatever fails below, it is said
+    def refresh(self) -> None:
+        """Refresh banner and panels, whether there is anything to draw or not."""
+        self.session.browsers(self.browsers())  # first: whatever fails below, it is done
         self.notices.tell()
         now = time.monotonic()
         if now < self.banner_due:
             return
         self.banner_due = now + BANNER
-        state, look = self.room.state, self.room.look
-        self.state.refresh(state, look)
-        if self.lab.injected.path == "hand" and self.room.frame is not None:
-            self.hand.draw(self.room.frame)
+        state, status = self.session.state, self.session.status
+        self.state.refresh(state, status)
+        if self.lab.injected.path == "hand" and self.session.frame is not None:
+            self.hand.draw(self.session.frame)
         if now < self.panels_due:
             return
         self.panels_due = now + PANELS
-        armed = look is not None and look.arm == "armed" and state.status == "open"
+        armed = status is not None and status.arm == "armed" and state.phase == "open"
         self.rule.refresh(state, armed)
-        self.place.refresh(state, look, armed)
+        self.place.refresh(state, status, armed)
         self.log.refresh()
 
     def measure(self) -> None:
         """Show what is measured."""
-        look, course = self.room.look, self.room.course
-        if self.drawing.drawn is None or look is None:
+        status, readings = self.session.status, self.session.readings
+        if self.drawing.drawn is None or status is None:
             return
         frame, drawn_as = self.drawing.drawn
-        names = [*(car.name for car in look.cars), *(one.name for one in look.companions)]
-        plan, browsers = self.lab.injected, self.browsers()
-        self.monitors.refresh(look, frame, course, plan, browsers, self.selected)
+        names = [*(car.name for car in status.cars), *(one.name for one in status.companions)]
+        self.monitors.show(contents(status, frame, readings, self.browsers(), self.selected))
         self.monitors.colours(drawn_as.colour, self.scene.legend(drawn_as, frame))
         if frame.cars is not None:
-            self.plots.refresh(course, names, frame.cars.length)
+            self.plots.refresh(readings, names, frame.cars.length)
 
     def browsers(self) -> int:
         """Number of browsers that watch."""

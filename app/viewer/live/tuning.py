@@ -1,4 +1,4 @@
-"""Changes of parameters that were asked of a control loop and wait for its answer."""
+"""Requested changes of parameters that wait for the answer of the control loop."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.live.arm import Request
-from app.live.events import Event
+from app.live.control.arm import OperatorRequest
+from app.live.control.events import Event
 from worlds.refusal import Refusal
 
 PATIENCE = 2.0
 """Seconds that the loop has to answer."""
 MOST = 8
-"""Changes that may wait: no browser can keep the loop busy by asking for ever more."""
+"""Changes that may wait: a limit on how fast browsers can make requests."""
 
 
 @dataclass(frozen=True)
 class Change:
     """A change that waits; each is answered once."""
 
-    request: Request
+    request: OperatorRequest
     words: str
     value: Any
     due: float
@@ -53,11 +53,11 @@ class Tuning:
         self.lock = threading.Lock()
         self.waiting: list[Change] = []
         self.heard: list[tuple[Change, Refusal | None]] = []
-        """Changes that the loop has answered, and what it refused them with."""
+        """Changes that the loop has answered, with the refusal if there was one."""
 
     def begin(self, name: str, value: Any, cause: str) -> Change:
         """A change whose request is to be sent now. Raises Refusal if too many wait already."""
-        request = Request("tune", cause, json.dumps({name: value}))
+        request = OperatorRequest("tune", cause, json.dumps({name: value}))
         change = Change(request, f"{name} = {value}", value, self.clock() + PATIENCE)
         with self.lock:
             if len(self.waiting) >= MOST:

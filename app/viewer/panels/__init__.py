@@ -1,1 +1,1 @@
-"""The panels around the picture: one file for each."""
+"""What the panels of both pages share."""

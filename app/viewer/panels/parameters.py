@@ -11,14 +11,13 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.declare import Declared, declared
-from agents.model import Model
-from app.viewer.beside import shared_by
-from app.viewer.commands import Models
-from app.viewer.notation import plain
+from agents.models.declare import Declared, declared
+from agents.models.model import Model
+from app.viewer.panels.notation import plain
 from app.viewer.panels.style import block
-from app.viewer.simulation import Simulation
-from app.viewer.state import State
+from app.viewer.run.beside import shared_by
+from app.viewer.run.simulation import Models, Simulation
+from app.viewer.run.state import State
 
 
 class ParametersPanel:
@@ -39,7 +38,7 @@ class ParametersPanel:
         if state.run == self.shown_run or not state.values:
             return
         self.shown_run = state.run
-        models = state.start.model, state.start.beside
+        models = state.models
         if models != self.models:
             self.models = models
             self.rebuild(state)
@@ -52,7 +51,8 @@ class ParametersPanel:
         """Controls for the model's parameters, and for those that only the one beside it has."""
         for child in tuple(self.folder._children.values()):
             child.remove()
-        model, beside = MODELS[state.start.model], state.start.beside
+        name, beside = state.models
+        model = MODELS[name]
         own = declared(model.parameters)
         wants, moves = sides(model, own)
         self.beside_controls = {}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from app.viewer.scene.static_files import static_folder
+from app.beside import STATIC
 
 BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#f08c00", "#2b8a3e", "#e03131", "#868e96"
 VIOLET = "#7c3aed"
 
-CSS = f"<style>{(static_folder() / 'panels.css').read_text()}</style>"
+CSS = f"<style>{(STATIC / 'panels.css').read_text()}</style>"
 
 
 def block(content: str) -> str:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from viser import FrameHandle, LabelHandle, SceneApi
 
+from app.viewer.scene.cameras.viewpoints import Sight, places
+from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.picking import picked
-from app.viewer.scene.picture import Changes, Picture
-from app.viewer.scene.viewpoints import Sight, places
 
 ROOT = "/beside"
 GAP = 0.07
@@ -40,7 +40,7 @@ class Beside:
         """Whether the second flock is there and has left its box."""
         return self.parts is not None and self.parts.is_open
 
-    def draw_room(self, first: Picture, second: Picture | None) -> Changes:
+    def draw_box(self, first: Picture, second: Picture | None) -> Changes:
         """Make the second room, or take it away, and bring it up to date."""
         if second is None:
             if self.frame is not None:
@@ -61,7 +61,7 @@ class Beside:
             (other, "position", over(second)),
         ]
         changes = [one for one in changes if not np.array_equal(getattr(one[0], one[1]), one[2])]
-        return changes + self.parts.draw_room(second)
+        return changes + self.parts.draw_box(second)
 
     def draw_flock(self, second: Picture | None) -> Changes:
         """What is to be changed for this frame."""

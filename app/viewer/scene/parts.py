@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from viser import SceneApi
 
-from app.viewer.scene.agents import Agents
-from app.viewer.scene.area import CaptureArea
-from app.viewer.scene.crashes import CrashMarks
-from app.viewer.scene.fence import Fence
-from app.viewer.scene.flight import Flight
-from app.viewer.scene.halos import Halos
-from app.viewer.scene.inspection import InspectionMarks
-from app.viewer.scene.labels import Labels
-from app.viewer.scene.links import Links
-from app.viewer.scene.live_labels import LiveLabels
-from app.viewer.scene.live_rings import LiveRings
-from app.viewer.scene.mission import MissionMarks
-from app.viewer.scene.obstacles import Obstacles
-from app.viewer.scene.picture import Changes, Picture
-from app.viewer.scene.points import BoundaryPoints
-from app.viewer.scene.reasons import Reasons
-from app.viewer.scene.ribbons import Ribbons
-from app.viewer.scene.stuck import StuckMarks
-from app.viewer.scene.surroundings import Surroundings
-from app.viewer.scene.trails import Trails
-from app.viewer.scene.wake import Wake
-from app.viewer.scene.walls import Walls
-from app.viewer.scene.zones import ZoneMarks
+from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.marks.flock.agents import Agents
+from app.viewer.scene.marks.flock.crashes import CrashMarks
+from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.halos import Halos
+from app.viewer.scene.marks.flock.labels import Labels
+from app.viewer.scene.marks.flock.links import Links
+from app.viewer.scene.marks.flock.live_labels import LiveLabels
+from app.viewer.scene.marks.flock.live_rings import LiveRings
+from app.viewer.scene.marks.flock.stuck import StuckMarks
+from app.viewer.scene.marks.inspected.inspection import InspectionMarks
+from app.viewer.scene.marks.inspected.reasons import Reasons
+from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.marks.paths.ribbons import Ribbons
+from app.viewer.scene.marks.paths.trails import Trails
+from app.viewer.scene.marks.paths.wake import Wake
+from app.viewer.scene.marks.world.area import CaptureArea
+from app.viewer.scene.marks.world.fence import Fence
+from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.marks.world.obstacles import Obstacles
+from app.viewer.scene.marks.world.points import BoundaryPoints
+from app.viewer.scene.marks.world.surroundings import Surroundings
+from app.viewer.scene.marks.world.walls import Walls
 
 
 class Parts:
@@ -65,7 +65,7 @@ class Parts:
         """Whether the flock has left its box."""
         return self._room[0].is_open
 
-    def draw_room(self, picture: Picture) -> Changes:
+    def draw_box(self, picture: Picture) -> Changes:
         """Bring floor, edges and obstacles up to date: nodes come and go."""
         return [change for part in self._room for change in part.draw(picture)]
 

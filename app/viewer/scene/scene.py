@@ -7,19 +7,19 @@ from collections.abc import Callable
 import numpy as np
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
-from app.viewer.frame import Frame
 from app.viewer.scene.beside import Beside, meant, sights
-from app.viewer.scene.calm import Calm
-from app.viewer.scene.colouring import legend
-from app.viewer.scene.gizmo import Dragged, Grabbed, LeaderGizmo
-from app.viewer.scene.handles import Handles
-from app.viewer.scene.look import Look
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.draw.picture import Changes, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.hands.gizmo import Dragged, Grabbed, LeaderGizmo
+from app.viewer.scene.marks.hands.handles import Handles
+from app.viewer.scene.marks.world.surroundings import Fog, set_light
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.picking import slack
-from app.viewer.scene.picture import Changes, picture
-from app.viewer.scene.stage import Stage
-from app.viewer.scene.surroundings import Fog, set_light
-from app.viewer.scene.viewpoints import Sight, Viewpoints
+from app.viewer.scene.shown.debounce import Debounce
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 
 Clicked = Callable[[int | None, np.ndarray, np.ndarray, bool], None]
 
@@ -36,7 +36,7 @@ class Scene:
         self._parts = Parts(scene, root)
         self._beside = Beside(scene)
         self._fog = Fog(scene)
-        self._calm = Calm()
+        self._debounce = Debounce()
         self._gizmo = LeaderGizmo(scene, root)
         self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
@@ -49,13 +49,13 @@ class Scene:
 
         Call it from one thread, at most about 30 times a second.
         """
-        frame = self._calm.calmed(frame)
+        frame = self._debounce.debounced(frame)
         shown = picture(frame, look, Stage.of(frame))
         second = frame.beside
         other = None if second is None else picture(second, look, Stage.of(second))
         with self._server.atomic():
             changes: Changes = self._gizmo.draw(shown) + self.handles.draw(shown)
-            changes += self._parts.draw_room(shown) + self._beside.draw_room(shown, other)
+            changes += self._parts.draw_box(shown) + self._beside.draw_box(shown, other)
             is_open = self._parts.is_open or self._beside.is_open
             self._fog.draw(shown.stage, is_open, 1 if other is None else 2)
         changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)

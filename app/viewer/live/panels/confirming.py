@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import viser
 from viser._gui_handles import GuiModalHandle
 
-from app.viewer.live.room import Room
+from app.viewer.live.session import Session
 from app.viewer.panels.style import block
-from app.viewer.values import show
+from app.viewer.web.values import show
 
 ASKED = "The terminal that runs <i>flockscope live lab</i> shows the code."
 NO_CODE = "A code is six digits."
@@ -22,14 +22,14 @@ class Question:
 
     modal: GuiModalHandle
     code: viser.GuiTextHandle
-    said: viser.GuiHtmlHandle
+    message: viser.GuiHtmlHandle
 
 
 class Confirming:
     """A question in the browser that wants to arm, at most one in each."""
 
-    def __init__(self, room: Room):
-        self.room = room
+    def __init__(self, session: Session):
+        self.session = session
         self.open: dict[int, Question] = {}
         """By browser."""
 
@@ -40,14 +40,14 @@ class Confirming:
             return
         modal = client.gui.add_modal("Arm?")
         with modal:
-            client.gui.add_html(block(question(list(self.room.lab.cars))))
+            client.gui.add_html(block(question(list(self.session.lab.cars))))
             code = client.gui.add_text("Code", "", hint="Six digits, as the terminal shows them")
-            said = client.gui.add_html(block(line(ASKED)))
+            message = client.gui.add_html(block(line(ASKED)))
             cancel = client.gui.add_button("Cancel", color="gray")
             arm = client.gui.add_button(
                 "Arm", icon=viser.Icon.STEERING_WHEEL, color="green", hint="The cars drive at once"
             )
-        self.open[number] = Question(modal, code, said)
+        self.open[number] = Question(modal, code, message)
 
         async def cancelled(_event: viser.GuiEvent) -> None:
             self.close(number)
@@ -63,15 +63,15 @@ class Confirming:
         question = self.open.get(number)
         if question is None:
             return
-        verdict = self.room.arm_by_code(question.code.value, f"browser {number}")
+        verdict = self.session.arm_by_code(question.code.value, f"browser {number}")
         show(question.code, "")
         if verdict in ("right", "off"):
             self.close(number)
         elif verdict == "no code":
-            question.said.content = block(line(f"{NO_CODE} {ASKED}"))
+            question.message.content = block(line(f"{NO_CODE} {ASKED}"))
         else:
-            words = f"<b>Wrong code.</b> {tries(self.room.code.left)} for all browsers together."
-            question.said.content = block(line(words))
+            words = f"<b>Wrong code.</b> {tries(self.session.code.left)} for all browsers together."
+            question.message.content = block(line(words))
 
     def close(self, number: int) -> None:
         """Take the question away from a browser."""

@@ -12,8 +12,8 @@ from datetime import datetime
 
 import viser
 
-from app.live.events import Event
-from app.viewer.live.room import Room
+from app.live.control.events import Event
+from app.viewer.live.session import Session
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, block
 
 LATEST = 60
@@ -38,10 +38,10 @@ COLUMNS = ("at", "tick", "kind", "car", "words", "cause", "asked", "note")
 
 
 class LogPanel:
-    """The log of a room, of all its openings."""
+    """The log of a session, of all its openings."""
 
-    def __init__(self, gui: viser.GuiApi, room: Room):
-        self.room = room
+    def __init__(self, gui: viser.GuiApi, session: Session):
+        self.session = session
         self.shown = -1
         save = gui.add_button("Download all (CSV)", icon=viser.Icon.DOWNLOAD, color="gray")
         self.list = gui.add_html(block(listed([])))
@@ -50,12 +50,12 @@ class LogPanel:
     async def send(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             name = f"flockscope-events-{datetime.now():%Y-%m-%d-%H%M%S}.csv"
-            content = as_csv(list(self.room.events)).encode()
+            content = as_csv(list(self.session.events)).encode()
             event.client.send_file_download(name, content, save_immediately=True)
 
     def refresh(self) -> None:
         """Show what is new."""
-        events = self.room.events
+        events = self.session.events
         if len(events) != self.shown:
             self.shown = len(events)
             self.list.content = block(listed(events[-LATEST:]) + left_out(events.dropped))

@@ -1,76 +1,62 @@
-"""Numbers of a room as it runs: cards, a table of its cars, and the key to the colours."""
+"""What the monitors tell of a room as it runs: cards, and a table of its cars."""
 
 from __future__ import annotations
 
 import html
 import math
 
-import numpy as np
-import viser
-
-from app.live.injected import Injection
-from app.live.look import Look
-from app.viewer.frame import Frame
-from app.viewer.live.course import Course
+from app.live.control.status import Status
 from app.viewer.live.panels.plots import colours
-from app.viewer.panels.style import block, cards, key
-from app.viewer.scene import palette
+from app.viewer.live.readings import RoomReadings
+from app.viewer.panels.monitors import CARDS, KEY
+from app.viewer.panels.style import grid
+from app.viewer.scene.draw import palette
+from app.viewer.scene.shown.frame import Frame
 
 DASH = "–"
 
 
-class LiveMonitors:
-    """The top of the left panel."""
-
-    def __init__(self, gui: viser.GuiApi):
-        self.cards = gui.add_html(cards({"loop": DASH}))
-        self.cars = gui.add_html("", visible=False)
-        self.key = gui.add_html("")
-
-    def refresh(
-        self,
-        look: Look,
-        frame: Frame,
-        course: Course,
-        plan: Injection,
-        browsers: int,
-        chosen: int | None,
-    ) -> None:
-        """Show the latest of everything; `chosen` is the row of the car that was clicked."""
-        self.cards.content = cards(numbers(look, course, plan, browsers))
-        self.cars.visible = True
-        self.cars.content = block(cars(look, frame, course, chosen))
-
-    def colours(self, colour: str, legend: list[tuple[str, str]]) -> None:
-        """Say what the colours mean."""
-        entries = [(html.escape(words), css) for words, css in legend]
-        self.key.content = block(
-            f'<div class="fs-head">Colour: {html.escape(colour)}</div>{key(entries)}'
-        )
+BLOCKS = (CARDS, "cars", KEY)
+"""From the top down."""
 
 
-def numbers(look: Look, course: Course, plan: Injection, browsers: int) -> dict[str, str]:
+def contents(
+    status: Status,
+    frame: Frame,
+    readings: RoomReadings,
+    browsers: int,
+    chosen: int | None,
+) -> dict[str, str]:
+    """The latest of everything by its block, HTML; `chosen` is the row of the clicked car."""
+    return {
+        CARDS: grid(numbers(status, readings, browsers)),
+        "cars": cars(status, frame, readings, chosen),
+    }
+
+
+def numbers(status: Status, readings: RoomReadings, browsers: int) -> dict[str, str]:
     """The cards, name -> text."""
     told = {
-        "loop": milliseconds(look.period.median),
-        "worst": milliseconds(look.period.worst),
-        "latency": milliseconds(look.latency.median),
-        "least distance": length(last(course.least)),
+        "loop": milliseconds(status.period.median),
+        "worst": milliseconds(status.period.worst),
+        "latency": milliseconds(status.latency.median),
+        "least distance": length(readings.least.newest),
     }
-    if plan.path == "circle":
-        lags = [value for lag in course.lags.values() if math.isfinite(value := last(lag))]
+    if readings.plan.path == "circle":
+        lags = [lag.newest for lag in readings.lags.values()]
+        lags = [one for one in lags if math.isfinite(one)]
         told["mean lag"] = degrees(sum(lags) / len(lags)) if lags else DASH
-    told["ticks missed"] = str(look.missed)
-    if look.dropped:
-        told["frames not sent"] = str(look.dropped)
+    told["ticks missed"] = str(status.missed)
+    if status.dropped:
+        told["frames not sent"] = str(status.dropped)
     return told | ({"browsers": str(browsers)} if browsers > 1 else {})
 
 
-def cars(look: Look, frame: Frame, course: Course, chosen: int | None) -> str:
+def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | None) -> str:
     """A table of all cars: state, age of the pose, speed, what is sent, lag."""
     live = frame.live
     rows = {} if live is None else {name: row for row, name in enumerate(live.names)}
-    ink = colours([*(car.name for car in look.cars), *(one.name for one in look.companions)])
+    ink = colours([*(car.name for car in status.cars), *(one.name for one in status.companions)])
 
     def line(name: str, state: str, *cells: str) -> str:
         row = rows.get(name)
@@ -79,27 +65,22 @@ def cars(look: Look, frame: Frame, course: Course, chosen: int | None) -> str:
         speed = DASH if row is None else f"{frame.speed[row]:.2f}"
         age, *sent = cells
         told = [age, speed, *sent]
-        if course.lags:
-            lag = last(course.lags.get(name, np.empty(0)))
+        if readings.lags:
+            lag = readings.lags[name].newest if name in readings.lags else math.nan
             told.append(f'<span style="color:{ink[name]}">{degrees(lag)}</span>')
         tail = "".join(f"<td>{cell}</td>" for cell in told)
         return f'<tr{marked}><td title="{state}">{dot}</i>{html.escape(name)}</td>{tail}</tr>'
 
     made = [
         line(car.name, car.state, aged(car.age), share(car.sent[0]), share(car.sent[1]))
-        for car in look.cars
+        for car in status.cars
     ]
-    made += [line(one.name, "simulated", DASH, share(one.steer), DASH) for one in look.companions]
+    made += [line(one.name, "simulated", DASH, share(one.steer), DASH) for one in status.companions]
     return (
         '<div class="fs-head">Cars</div><table class="fs-cars"><tr><th>car</th><th>age</th>'
-        f"<th>m/s</th><th>steer</th><th>thr.</th>{'<th>lag</th>' if course.lags else ''}</tr>"
+        f"<th>m/s</th><th>steer</th><th>thr.</th>{'<th>lag</th>' if readings.lags else ''}</tr>"
         f"{''.join(made)}</table>"
     )
-
-
-def last(values: np.ndarray) -> float:
-    """The newest value; NaN if there is none."""
-    return float(values[-1]) if len(values) else math.nan
 
 
 def milliseconds(seconds: float) -> str:

@@ -9,15 +9,19 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.viewer.live.course import Course
-from app.viewer.panels.plots import HEIGHT, PADDING, draw
-from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, VIOLET, block, key
+from app.viewer.live.readings import RoomReadings
+from app.viewer.measuring.time_series import TimeSeries
+from app.viewer.panels.chart import Chart, Curve
+from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, VIOLET, key
 
 WINDOW = 60.0
 """Seconds that are plotted."""
 CURVES = (BLUE, ORANGE, GREEN, VIOLET, RED, "#0b7285", "#a61e4d", "#5c940d")
 """Colours of the cars' curves, in turn."""
-DASH = (6.0, 5.0)
+LIMIT = (True, 1.2)
+"""How what stays the same is drawn: dashed, and thin."""
+X = uplot.Scale(time=False)
+"""Seconds since the room was opened."""
 
 
 class LivePlots:
@@ -26,109 +30,85 @@ class LivePlots:
     def __init__(self, gui: viser.GuiApi, rate: float):
         """`rate` is that of the loop, Hz."""
         self.due = 1000.0 / rate
-        self.times = Chart(gui, floor=True, most=4.0 * self.due)
-        self.lags = Chart(gui)
-        self.least = Chart(gui, floor=True)
+        self.times, self.lags, self.least = Chart(gui), Chart(gui), Chart(gui)
 
-    def refresh(self, course: Course, names: Sequence[str], length: float) -> None:
+    def refresh(self, readings: RoomReadings, names: Sequence[str], length: float) -> None:
         """Draw what there is of the cars of these names, which are so long (m)."""
-        all_times = course.times
-        if not len(all_times):
+        at, _ = readings.loop.arrays(WINDOW)
+        if not len(at):
             return
-        recent = all_times >= all_times[-1] - WINDOW
-        ago = all_times[recent] - all_times[-1]
+        level = np.ones(len(at))
 
-        def cut(values: np.ndarray) -> np.ndarray:
-            return values[recent]
+        def curve(colour: str, series: TimeSeries) -> Curve:
+            return Curve(colour, at_times(at, *series.arrays(WINDOW)))
 
-        level = np.ones(len(ago))
-        self.times.show(
+        show(
+            self.times,
             "Loop and latency, ms",
-            ago,
+            at,
             {
-                "median": (BLUE, cut(course.loop), False),
-                "worst": (ORANGE, cut(course.worst), False),
-                "latency": (GREEN, cut(course.latency), False),
-                "due": (GREY, self.due * level, True),
+                "median": curve(BLUE, readings.loop),
+                "worst": curve(ORANGE, readings.worst),
+                "latency": curve(GREEN, readings.latency),
+                "due": Curve(GREY, self.due * level, *LIMIT),
             },
+            floor=True,
+            most=4.0 * self.due,
         )
-        ink = colours(names)
-        self.lags.show(
+        ink, lags = colours(names), readings.lags
+        show(
+            self.lags,
             "Phase lag behind the injected car, deg",
-            ago,
-            {
-                name: (ink[name], cut(course.lags[name]), False)
-                for name in names
-                if name in course.lags
-            },
+            at,
+            {name: curve(ink[name], lags[name]) for name in names if name in lags},
         )
-        self.least.show(
+        show(
+            self.least,
             "Least distance of two cars, m",
-            ago,
+            at,
             {
-                "least": (BLUE, cut(course.least), False),
-                "a car's length": (RED, length * level, True),
+                "least": curve(BLUE, readings.least),
+                "a car's length": Curve(RED, length * level, *LIMIT),
             },
+            floor=True,
         )
 
 
-Curve = tuple[str, np.ndarray, bool]
-"""Colour, values and whether it is dashed."""
+def show(
+    chart: Chart,
+    title: str,
+    at: np.ndarray,
+    curves: dict[str, Curve],
+    floor: bool = False,
+    most: float = np.inf,
+) -> None:
+    """Draw what is known of curves at times `at`, s, under a title and their key.
+
+    The vertical axis begins at 0 if `floor`, and does not go beyond `most`.
+    """
+    known = {name: one for name, one in curves.items() if np.isfinite(one.values).any()}
+    if not known:
+        chart.show("", at, (), X, uplot.Scale())
+        return
+    entries = [(html.escape(name), one.colour) for name, one in known.items()]
+    chart.show(
+        f'<div class="fs-head">{html.escape(title)}</div>{key(entries)}',
+        at,
+        list(known.values()),
+        X,
+        uplot.Scale(range=around([np.minimum(one.values, most) for one in known.values()], floor)),
+    )
 
 
-class Chart:
-    """One chart with its title and key; hidden while it has no curve."""
+def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values at some of the times `at` as values at all of them, NaN where there is none.
 
-    def __init__(self, gui: viser.GuiApi, floor: bool = False, most: float = np.inf):
-        """`floor`: the vertical axis begins at 0; it does not go beyond `most`."""
-        self.floor = floor
-        self.most = most
-        self.names: tuple[str, ...] = ()
-        self.bounds = (0.0, 1.0)
-        self.head = gui.add_html("", visible=False)
-        nothing = np.zeros(1)
-        self.plot = gui.add_uplot(
-            (nothing, nothing),
-            (uplot.Series(label="s"), uplot.Series(label="nothing")),
-            scales=scales(self.bounds),
-            axes=(uplot.Axis(size=26), uplot.Axis(size=44)),
-            legend=uplot.Legend(show=False),
-            height=HEIGHT,
-            padding=PADDING,
-            visible=False,
-        )
-
-    def show(self, title: str, ago: np.ndarray, curves: dict[str, Curve]) -> None:
-        """Draw curves, name -> how, over the seconds before now, all of one length."""
-        known = {name: one for name, one in curves.items() if np.isfinite(one[1]).any()}
-        self.plot.visible = self.head.visible = bool(known)
-        if not known:
-            return
-        self.head.content = block(
-            f'<div class="fs-head">{html.escape(title)}</div>'
-            + key([(html.escape(name), colour) for name, (colour, _, _) in known.items()])
-        )
-        columns = reaching_back(ago, *(values for _, values, _ in known.values()))
-        bounds = around(
-            [np.minimum(values, self.most) for _, values, _ in known.values()], self.floor
-        )
-        if bounds != self.bounds:
-            self.bounds = bounds
-            self.plot.scales = scales(bounds)
-        if tuple(known) != self.names:
-            self.names = tuple(known)
-            self.plot.data = columns
-            self.plot.series = series(known)
-        draw(self.plot, columns)
-
-
-def scales(bounds: tuple[float, float]) -> dict[str, uplot.Scale]:
-    """The last minute across, and what is given upwards; a chart cannot tell it where some values
-    are not known."""
-    return {
-        "x": uplot.Scale(time=False, range=(-WINDOW, 0.0)),
-        "y": uplot.Scale(range=bounds),
-    }
+    >>> at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
+    array([nan,  7., nan])
+    """
+    found, there = np.full(len(at), np.nan), np.isin(times, at)
+    found[np.searchsorted(at, times[there])] = values[there]
+    return found
 
 
 def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
@@ -145,28 +125,6 @@ def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
     decade = 10.0 ** np.floor(np.log10(span))
     step = decade * (0.5 if span < 2.5 * decade else 1.0 if span < 5.0 * decade else 2.5)
     return float(step * np.floor(low / step)), float(step * (np.floor(high / step) + 1.0))
-
-
-def reaching_back(ago: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Columns of a chart that begin a whole window ago, with nothing where nothing is known.
-
-    >>> reaching_back(np.array([-1.0, 0.0]), np.array([7.0, 8.0]))
-    (array([-60.,  -1.,   0.]), array([nan,  7.,  8.]))
-    """
-    if ago[0] <= -WINDOW:
-        return ago, *values
-    return np.append(-WINDOW, ago), *(np.append(np.nan, one) for one in values)
-
-
-def series(curves: dict[str, Curve]) -> tuple[uplot.Series, ...]:
-    """How the curves are drawn."""
-    made = [uplot.Series(label="s")]
-    for name, (colour, _, dashed) in curves.items():
-        one = uplot.Series(label=name, stroke=colour, width=2, points={"show": False})
-        if dashed:
-            one["dash"], one["width"] = DASH, 1.2
-        made.append(one)
-    return tuple(made)
 
 
 def colours(names: Sequence[str]) -> dict[str, str]:

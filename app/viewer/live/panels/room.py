@@ -7,16 +7,17 @@ import time
 
 import viser
 
-from app.live.injected import Injection
+from app.live.control.injected import Injection
+from app.live.control.limits import CarLimits
+from app.live.control.status import Status
 from app.live.kinds import SIMULATED
-from app.live.lab import Lab
-from app.live.limits import CarLimits
-from app.live.look import Look
+from app.live.laboratory.lab import Lab
+from app.live.operating.choices import Choices
 from app.viewer.live.panels.state import whose
-from app.viewer.live.room import Room
-from app.viewer.live.room_state import RoomState
+from app.viewer.live.session import Session
+from app.viewer.live.session_state import SessionState
 from app.viewer.panels.style import block, table
-from app.viewer.values import show
+from app.viewer.web.values import show
 
 EMULATED = '<div class="fs-quiet">Emulated cars have a link of their own.</div>'
 OBEYED = 1.0
@@ -27,25 +28,22 @@ CHANGED = '<div class="fs-note">Chosen, but not open yet: press Open.</div>'
 class RoomPanel:
     """Choices that take effect with a button, while the cars are not armed, and facts."""
 
-    def __init__(
-        self, gui: viser.GuiApi, room: Room, sources: dict[str, str], links: dict[str, str]
-    ):
-        """`sources` and `links` are those of `app.live.choices`."""
-        self.room = room
-        self.offered = sources
+    def __init__(self, gui: viser.GuiApi, session: Session, choices: Choices):
+        self.session = session
+        self.choices = choices
         self.shown_run = -1
         self.asked = 0.0
         """When simulated cars were last asked for, s."""
         self.source = gui.add_dropdown(
             "Source",
-            tuple(sources),
-            initial_value=room.state.source,
+            tuple(choices.sources),
+            initial_value=session.state.source,
             hint="Where the poses come from",
         )
         self.link = gui.add_dropdown(
             "Link",
-            tuple(links),
-            initial_value=room.state.link,
+            tuple(choices.links),
+            initial_value=session.state.link,
             hint="How commands reach the cars. Dry run: nothing is sent. Emulated cars have a link "
             "of their own, whatever is chosen here",
         )
@@ -57,51 +55,51 @@ class RoomPanel:
             color="blue",
             hint="Closes the room and opens it with this source and this link",
         )
-        most = room.lab.simulated.most
+        most = choices.lab.simulated.most
         self.companions = gui.add_slider(
             "Simulated cars",
             0,
             max(1, most),
             1,
-            room.lab.simulated.cars,
+            choices.lab.simulated.cars,
             hint="Simulated cars beside the real ones, in the same world: they hear each other",
             visible=most > 0,
         )
         self.facts = gui.add_html("")
-        self.limits = gui.add_html(block(limited(room.lab)))
+        self.limits = gui.add_html(block(limited(choices.lab)))
         self.open.on_click(self.opened)
         self.companions.on_update(self.accompanied)
 
     async def opened(self, event: viser.GuiEvent) -> None:
-        self.room.choose(source=self.source.value, link=self.link.value, cause=whose(event))
+        self.session.choose(source=self.source.value, link=self.link.value, cause=whose(event))
 
     async def accompanied(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.asked = time.monotonic()
-            self.room.accompany(self.companions.value, whose(event))
+            self.session.accompany(self.companions.value, whose(event))
 
-    def refresh(self, state: RoomState, look: Look | None, armed: bool) -> None:
+    def refresh(self, state: SessionState, status: Status | None, armed: bool) -> None:
         """Show what is open."""
-        if state.run != self.shown_run and state.status != "opening":
+        if state.run != self.shown_run and state.phase != "opening":
             self.shown_run = state.run
             show(self.source, state.source)
             show(self.link, state.link)
-        if look is not None and time.monotonic() > self.asked + OBEYED:
-            show(self.companions, len(look.companions))
+        if status is not None and time.monotonic() > self.asked + OBEYED:
+            show(self.companions, len(status.companions))
         for control in (self.source, self.link, self.open):
             control.disabled = armed
-        self.emulated.visible = self.offered[self.source.value] == SIMULATED
+        self.emulated.visible = self.choices.sources[self.source.value] == SIMULATED
         chosen = (self.source.value, self.link.value) != (state.source, state.link)
         self.changed.visible = chosen and not armed
         self.open.label = "Open" if chosen else "Open again"
-        self.facts.content = block(facts(state, look, self.room.lab.injected))
+        self.facts.content = block(facts(state, status, self.choices.lab.injected))
 
 
-def facts(state: RoomState, look: Look | None, plan: Injection) -> str:
+def facts(state: SessionState, status: Status | None, plan: Injection) -> str:
     """What the injected car does, and what is recorded where."""
     rows = {"injected car": injected(plan)}
-    if look is not None and look.injected is not None:
-        rows["it is at"] = f"({look.injected.x:.2f}, {look.injected.y:.2f}) m"
+    if status is not None and status.injected is not None:
+        rows["it is at"] = f"({status.injected.x:.2f}, {status.injected.y:.2f}) m"
     rows["recorded in"] = state.recording or "nothing is recorded"
     escaped = {name: html.escape(words) for name, words in rows.items()}
     return f'<div class="fs-head">In the room</div>{table(escaped)}'

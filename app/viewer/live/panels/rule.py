@@ -9,26 +9,26 @@ from typing import Any
 
 import viser
 
-from agents.declare import Declared, declared
-from app.live.squashing_driver import NOT_SIMULATED
+from agents.models.declare import Declared, declared
+from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state import whose
-from app.viewer.live.room import Room
-from app.viewer.live.room_state import RoomState
+from app.viewer.live.session import Session
+from app.viewer.live.session_state import SessionState
 from app.viewer.panels.parameters import add_control, meanings, sides
 from app.viewer.panels.style import block
-from app.viewer.values import show
+from app.viewer.web.values import show
 
 
 class RulePanel:
-    """Sliders, switches and choices that act on the running loop; the rule only while it stands."""
+    """Sliders, switches and choices that act on the running loop; the rule only while not armed."""
 
-    def __init__(self, gui: viser.GuiApi, room: Room, rules: tuple[str, ...]):
+    def __init__(self, gui: viser.GuiApi, session: Session, rules: tuple[str, ...]):
         self.gui = gui
-        self.room = room
+        self.session = session
         self.rule = gui.add_dropdown(
             "Rule",
             rules,
-            initial_value=room.state.rule,
+            initial_value=session.state.rule,
             hint="What drives the cars. Another one can be chosen while they are not armed; the "
             "room is then opened again",
         )
@@ -38,17 +38,17 @@ class RulePanel:
         self.controls: dict[str, Any] = {}
         self.shown: tuple[int, str] = (-1, "")
         """The opening and the model whose controls there are."""
-        self.told: dict[str, Any] = {}
+        self.shown_values: dict[str, Any] = {}
         """The values as they were shown last."""
 
     async def chosen(self, event: viser.GuiEvent) -> None:
-        if event.client is not None and self.rule.value != self.room.state.rule:
-            self.room.choose(rule=self.rule.value, cause=whose(event))
+        if event.client is not None and self.rule.value != self.session.state.rule:
+            self.session.choose(rule=self.rule.value, cause=whose(event))
 
-    def refresh(self, state: RoomState, armed: bool) -> None:
-        """Follow the room: other controls for another rule, values as the loop has them."""
+    def refresh(self, state: SessionState, armed: bool) -> None:
+        """Follow the session: other controls for another rule, values as the loop has them."""
         self.rule.disabled = armed
-        if state.status != "opening" and not armed and self.rule.value != state.rule:
+        if state.phase != "opening" and not armed and self.rule.value != state.rule:
             show(self.rule, state.rule)
         if state.model is None:
             return
@@ -56,11 +56,11 @@ class RulePanel:
             self.shown = state.run, state.model.name
             self.rebuild(state)
         for name, control in self.controls.items():
-            if name in state.values and self.told.get(name) != state.values[name]:
+            if name in state.values and self.shown_values.get(name) != state.values[name]:
                 show(control, state.values[name])
-        self.told = dict(state.values)
+        self.shown_values = dict(state.values)
 
-    def rebuild(self, state: RoomState) -> None:
+    def rebuild(self, state: SessionState) -> None:
         """Controls for what of the model's parameters may be changed in a real room."""
         assert state.model is not None
         for child in tuple(self.folder._children.values()):
@@ -83,7 +83,7 @@ class RulePanel:
                 for one in part:
                     self.controls[one.name] = self.control(one, state.values[one.name])
             self.gui.add_html(block(meanings(own)))
-        self.told = dict(state.values)
+        self.shown_values = dict(state.values)
 
     def control(self, one: Declared, value: Any) -> Any:
         """The control of one parameter; it goes back to what the loop has if that refuses."""
@@ -92,12 +92,12 @@ class RulePanel:
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
                 value = made.value
-                answer = self.room.tune(one.name, value, whose(event))
+                answer = self.session.tune(one.name, value, whose(event))
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
             if answer.cancelled() or answer.exception() is not None or answer.result() != value:
-                made.value = self.room.state.values.get(one.name, value)
+                made.value = self.session.state.values.get(one.name, value)
 
         made.on_update(changed)
         return made

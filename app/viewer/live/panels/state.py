@@ -1,4 +1,4 @@
-"""The top of the panel, which is always in view: how the room stands, and the buttons that count.
+"""The top of the panel, which is always in view: the banner, and the buttons that count.
 
 The emergency stop works in every state and from the moment that the button goes down.
 """
@@ -9,11 +9,11 @@ import html
 
 import viser
 
-from app.live.look import Look
+from app.live.control.status import Status
+from app.viewer.live.banner import Banner, banner_of
 from app.viewer.live.panels.confirming import Confirming
-from app.viewer.live.room import Room
-from app.viewer.live.room_state import RoomState
-from app.viewer.live.standing import Standing, standing
+from app.viewer.live.session import Session
+from app.viewer.live.session_state import SessionState
 from app.viewer.panels.style import block
 
 STEADY = 5.0
@@ -26,9 +26,9 @@ class StatePanel:
     The stop is on top and never moves.
     """
 
-    def __init__(self, gui: viser.GuiApi, room: Room):
-        self.room = room
-        self.confirming = Confirming(room)
+    def __init__(self, gui: viser.GuiApi, session: Session):
+        self.session = session
+        self.confirming = Confirming(session)
         self.stop = gui.add_button(
             "EMERGENCY STOP",
             icon=viser.Icon.HAND_STOP,
@@ -69,33 +69,33 @@ class StatePanel:
         self.again.on_click(self.opened_again)
 
     async def stopped(self, event: viser.GuiEvent) -> None:
-        self.room.emergency(whose(event))
+        self.session.emergency(whose(event))
 
     async def arming(self, event: viser.GuiEvent) -> None:
-        now = standing(self.room.state, self.room.look)
+        now = banner_of(self.session.state, self.session.status)
         if not now.armable:
-            self.room.notices.put("; ".join(("cannot be armed now", *now.reasons)))
+            self.session.notices.put("; ".join(("cannot be armed now", *now.reasons)))
         elif event.client is not None:
             self.confirming.ask(event.client)
 
     async def disarmed(self, event: viser.GuiEvent) -> None:
-        self.room.ask("disarm", whose(event))
+        self.session.ask("disarm", whose(event))
 
     async def reset_asked(self, event: viser.GuiEvent) -> None:
-        self.room.ask("reset", whose(event))
+        self.session.ask("reset", whose(event))
 
     async def opened_again(self, event: viser.GuiEvent) -> None:
-        self.room.reopen(whose(event))
+        self.session.reopen(whose(event))
 
-    def refresh(self, state: RoomState, look: Look | None) -> None:
-        """Show how the room stands now."""
-        now = standing(state, look)
-        self.banner.content = block(banner(now))
+    def refresh(self, state: SessionState, status: Status | None) -> None:
+        """Show the state of the cars."""
+        now = banner_of(state, status)
+        self.banner.content = block(banner_html(now))
         self.arm.visible = now.kind == "safe"
         self.arm.disabled = not now.armable
         self.disarm.visible = now.kind in ("running", "held up")
-        self.reset.visible = now.kind == "emergency" and state.status == "open"
-        self.again.visible = now.kind == "failed" and state.status == "failed"
+        self.reset.visible = now.kind == "emergency" and state.phase == "open"
+        self.again.visible = now.kind == "failed" and state.phase == "failed"
         if now.kind != "safe" or not state.browsers_arm:
             self.confirming.withdraw()
 
@@ -105,8 +105,8 @@ def whose(event: viser.GuiEvent) -> str:
     return f"browser {event.client_id}"
 
 
-def banner(now: Standing) -> str:
-    """How a room stands, as HTML in the colour of it."""
+def banner_html(now: Banner) -> str:
+    """A banner as HTML, in the colour of its kind."""
     reasons = "".join(f"<li>{html.escape(reason)}</li>" for reason in now.reasons)
     listed = f"<ul>{reasons}</ul>" if reasons else ""
     return (

@@ -1,0 +1,78 @@
+"""A point mass: Newton's second law and nothing else, but for a largest speed if one is set.
+
+The velocity changes first and the position follows it (semi-implicit Euler), so that a flock under
+forces that come from a potential keeps its energy over long runs.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.engine.block import Moved
+from agents.models.declare import Body, Parameters, parameter
+from worlds.compiled import compiled
+
+
+class PointMass(Parameters):
+    """Parameters of the point mass."""
+
+    m: float = parameter(
+        1.0,
+        "Mass: what the wished force is divided by",
+        symbol="m",
+        unit="kg",
+        low=0.001,
+        high=1000.0,
+        step=0.1,
+        source="Newton's second law",
+    )
+    dt: float = parameter(
+        0.01,
+        "Time of a tick",
+        symbol="\\Delta t",
+        unit="s",
+        low=0.0001,
+        high=1.0,
+        step=0.01,
+        source="ours",
+    )
+    v_max: float = parameter(
+        0.0,
+        "Largest speed; 0: none",
+        symbol="v_{max}",
+        unit="m/s",
+        low=0.0,
+        high=1000.0,
+        step=0.1,
+        source="ours",
+    )
+
+
+@compiled
+def move(me, near, surroundings, want, p, out):
+    """v += dt F / m, |v| <= v_max where that is set, x += dt v. At rest the heading is kept."""
+    h = p.dt / p.m
+    vx = me.speed * me.ux + h * want.x
+    vy = me.speed * me.uy + h * want.y
+    vz = me.speed * me.uz + h * want.z
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    if speed == 0.0:
+        return Moved(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
+    ux, uy, uz = vx / speed, vy / speed, vz / speed
+    if p.v_max > 0.0:
+        speed = min(speed, p.v_max)
+    way = p.dt * speed
+    return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
+
+
+BODY = Body(
+    name="point-mass",
+    title="Point mass",
+    source="Newton's second law",
+    parameters=PointMass,
+    move=move,
+    takes="acceleration",
+    stride=lambda p: p.v_max * p.dt,
+    lasts=lambda p: p.dt,
+    unit="s",
+)

@@ -1,0 +1,292 @@
+"""Checks that every model has to pass, built in or not, with few agents and few ticks.
+
+Each check states a fact about a model in its own world or in empty space. It returns None, raises
+`Skipped` for a model to which it does not apply, or `Failed` with what was seen instead.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.models.calling import Fault
+from agents.models.declare import declared
+from agents.models.model import Model
+from worlds.obstacles import Disc
+from worlds.world import World
+
+AGENTS, TICKS = 12, 5
+ROUNDING = 1e-9
+"""How far numbers may be apart that differ by the order of sums only."""
+ANGLE = 2.1
+"""By how much a flock is turned, rad: no part of a full turn."""
+FAR = 400.0
+"""Where the one obstacle of an empty world stands, for models whose loop is that of solid worlds,
+in lengths of their reach."""
+
+
+class Skipped(Exception):
+    """The check does not apply to this model."""
+
+
+class Failed(Exception):
+    """The model does not pass the check."""
+
+
+def demand(holds: Any, seen: str) -> None:
+    """Raise Failed with what was seen, unless it holds."""
+    if not holds:
+        raise Failed(seen)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The result of one check."""
+
+    check: str
+    fact: str
+    result: Literal["holds", "fails", "does not apply"]
+    reason: str = ""
+
+
+def at_home(model: Model, **given: Any) -> Flock:
+    """A small flock of a model in the model's own world."""
+    return Flock(model.name, **{"agents": AGENTS, "rng": 7, **given})
+
+
+def empty_space(model: Model, dim: int | None = None) -> World:
+    """A world with nothing in sight; with a solid far away if the model's own world has solids.
+
+    The loop for worlds with something solid in them is another one than that for worlds without.
+    """
+    home = at_home(model, agents=1)
+    reach = max(home.reach, home.sight)
+    side = (40.0 * reach,) * (dim or home.world.dim)
+    far = Disc(centre=(FAR * reach, FAR * reach), radius=0.5 * reach)
+    return World(
+        "empty space", side, ("open",) * len(side), obstacles=(far,) if home.world.is_solid else ()
+    )
+
+
+def crowd(model: Model, dim: int | None = None, agents: int = AGENTS) -> dict[str, np.ndarray]:
+    """A start in empty space, with every agent near others and no two of them touching."""
+    home = at_home(model, agents=1)
+    apart = max(home.reach / 4.0, model.spacing or 0.0, 1.5 * size_of(home))
+    rng = np.random.default_rng(11)
+    dim = dim or home.world.dim
+    side = int(np.ceil(agents ** (1.0 / dim)))
+    places = np.stack(np.meshgrid(*[np.arange(side)] * dim), -1).reshape(-1, dim)[:agents]
+    position = 3.0 * home.reach + apart * (places + rng.uniform(-0.15, 0.15, places.shape))
+    heading = rng.normal(size=position.shape)
+    heading /= np.linalg.norm(heading, axis=1)[:, None]
+    informed = np.arange(agents) < model.informed
+    return {"position": position, "heading": heading, "informed": informed}
+
+
+def size_of(flock: Flock) -> float:
+    """The diameter of a flock's bodies, length; 0 for points."""
+    name = flock.model.body.size
+    return float(getattr(flock.parameters, name)) if name else 0.0
+
+
+def quiet(model: Model) -> dict[str, float]:
+    """Settings without noise."""
+    return {one.name: 0.0 for one in declared(model.parameters) if one.noise}
+
+
+def in_space(model: Model, start: dict[str, np.ndarray] | None = None, **given: Any) -> Flock:
+    """A flock in empty space, by default the crowd."""
+    start = crowd(model) if start is None else start
+    return Flock(model.name, start=start, world=empty_space(model), **{"rng": 7, **given})
+
+
+def demand_same(one: Flock, other: Flock, seen: str) -> None:
+    """Raise Failed unless two flocks are the same to the bit."""
+    for name in ("position", "heading", "speed"):
+        demand(np.array_equal(getattr(one, name), getattr(other, name)), f"{seen}: another {name}")
+    same = np.array_equal(one.signals(), other.signals(), equal_nan=True)
+    demand(same, f"{seen}: other signals")
+
+
+def demand_sound(flock: Flock, seen: str) -> None:
+    """Raise Failed unless positions are finite, headings unit vectors and speeds >= 0."""
+    for name in ("position", "heading", "speed"):
+        demand(np.isfinite(getattr(flock, name)).all(), f"{seen}: a {name} that is no number")
+    length = np.linalg.norm(flock.heading, axis=1)
+    demand(np.allclose(length, 1.0, atol=1e-6), f"{seen}: a heading of length {worst(length, 1.0)}")
+
+
+def worst(values: np.ndarray, wanted: float) -> float:
+    """The value that is furthest from the wanted one."""
+    return float(values[np.argmax(np.abs(values - wanted))]) if len(values) else wanted
+
+
+def threads(model: Model) -> None:
+    """One thread and two give the same bits."""
+    one, two = in_space(model), in_space(model, threads=2)
+    two.split_from = 1
+    for flock in (one, two):
+        flock.run(TICKS)
+    demand_same(one, two, "two threads")
+
+
+def order(model: Model) -> None:
+    """All at once, it makes no difference in which order agents act."""
+    whole, single = in_space(model), in_space(model)
+    for _ in range(2):
+        whole.run(1)
+        for row in np.random.default_rng(3).permutation(AGENTS):
+            single.step_member(int(row))
+    demand_same(whole, single, "another order")
+
+
+def saved(model: Model) -> None:
+    """A run that is saved and loaded goes on to the bit."""
+    flock = at_home(model)
+    flock.run(TICKS)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "state.parquet"
+        flock.save(path)
+        again = Flock.load(path)
+    for one in (flock, again):
+        one.run(TICKS)
+    demand_same(flock, again, "the saved run")
+
+
+def plain(model: Model) -> None:
+    """Run as plain Python it gives the same numbers up to rounding."""
+    compiled, python = in_space(model), in_space(model, interpret=True)
+    for flock in (compiled, python):
+        flock.run(2)
+    demand_close(python, compiled.position, compiled.heading, "plain Python")
+
+
+def demand_close(flock: Flock, position: np.ndarray, heading: np.ndarray, seen: str) -> None:
+    """Raise Failed unless a flock is where it should be, up to rounding."""
+    scale = max(1.0, float(np.abs(position).max()))
+    off = float(np.abs(flock.position - position).max()) / scale
+    demand(off < ROUNDING, f"{seen}: positions {off:.2g} apart")
+    off = float(np.abs(flock.heading - heading).max())
+    demand(off < ROUNDING, f"{seen}: headings {off:.2g} apart")
+
+
+def symmetric(model: Model, name: str, there: Callable, turned: Callable) -> None:
+    """Raise Failed unless moved agents move alike; `there` moves places, `turned` headings."""
+    if name not in model.symmetries:
+        raise Skipped(f"{model.name} declares that a {name} makes a difference")
+    start = crowd(model)
+    moved = {**start, "position": there(start["position"]), "heading": turned(start["heading"])}
+    here, other = (in_space(model, one, **quiet(model)) for one in (start, moved))
+    for flock in (here, other):
+        flock.run(TICKS)
+    demand_close(other, there(here.position), turned(here.heading), name)
+
+
+def shift(model: Model) -> None:
+    """Shifted in empty space, agents do the same."""
+    symmetric(model, "shift", lambda x: x + 0.7, lambda u: u)
+
+
+def rotation(model: Model) -> None:
+    """Turned about the vertical, agents do the same, turned."""
+    c, s = np.cos(ANGLE), np.sin(ANGLE)
+
+    def turned(x: np.ndarray) -> np.ndarray:
+        return np.column_stack([c * x[:, 0] - s * x[:, 1], s * x[:, 0] + c * x[:, 1], *x[:, 2:].T])
+
+    symmetric(model, "rotation", turned, turned)
+
+
+def mirror(model: Model) -> None:
+    """Mirrored, agents do the same, mirrored."""
+
+    def turned(x: np.ndarray) -> np.ndarray:
+        return x * ([1.0, -1.0] if x.shape[1] == 2 else [1.0, -1.0, 1.0])
+
+    symmetric(model, "mirror", turned, turned)
+
+
+def inside(model: Model) -> None:
+    """In the model's own world, agents stay in the box and out of what is solid."""
+    flock = at_home(model)
+    for _ in range(4):
+        flock.run(TICKS)
+        demand_sound(flock, "at home")
+        demand(flock.stray() is None, str(flock.stray()))
+    for axis in np.flatnonzero(flock.world.wraps):
+        x = flock.position[:, axis]
+        demand((x >= 0.0).all() and (x < flock.world.size[axis]).all(), "out of the box")
+
+
+def alone(model: Model) -> None:
+    """A flock of one agent runs, and so does one that all agents have left."""
+    flock = at_home(model, agents=1, informed=0)
+    flock.run(TICKS)
+    demand_sound(flock, "one agent")
+    flock.members[0].remove()
+    flock.run(TICKS)
+    demand(len(flock.ids) == 0, "somebody came into an empty flock")
+
+
+def one_spot(model: Model) -> None:
+    """Agents that all start in one spot have finite positions afterwards."""
+    start = crowd(model)
+    start["position"] = np.repeat(start["position"][:1], AGENTS, axis=0)
+    flock = in_space(model, start)
+    flock.run(TICKS)
+    demand_sound(flock, "all in one spot")
+
+
+def other_dimensions(model: Model) -> None:
+    """In all dimensions that it is declared for, positions stay finite."""
+    for dim in model.dimensions:
+        world, start = empty_space(model, dim), crowd(model, dim)
+        at_hand = dim == at_home(model, agents=1).world.dim  # another loop takes long to compile
+        flock = Flock(model.name, start=start, world=world, rng=7, interpret=not at_hand)
+        flock.run(2)
+        demand_sound(flock, f"in {dim}-D")
+
+
+def bounds(model: Model) -> None:
+    """With any one parameter at an end of its range, positions stay finite."""
+    for one in declared(model.parameters):
+        ends = (False, True) if one.kind == "switch" else one.choices or (one.low, one.high)
+        for value in ends:
+            flock = in_space(model, None, **{one.name: value})
+            flock.run(2)
+            demand_sound(flock, f"{one.name} = {value}")
+
+
+CHECKS: dict[str, Callable[[Model], None]] = {
+    "threads": threads,
+    "order": order,
+    "saved": saved,
+    "plain": plain,
+    "shift": shift,
+    "rotation": rotation,
+    "mirror": mirror,
+    "inside": inside,
+    "alone": alone,
+    "one spot": one_spot,
+    "dimensions": other_dimensions,
+    "bounds": bounds,
+}
+
+
+def outcome(model: Model, name: str) -> Outcome:
+    """Run a check. Raises Refusal for a model that cannot be run at all."""
+    check = CHECKS[name]
+    fact = (check.__doc__ or "").splitlines()[0]
+    try:
+        check(model)
+    except Skipped as reason:
+        return Outcome(name, fact, "does not apply", str(reason))
+    except (Failed, Fault, ArithmeticError) as reason:
+        return Outcome(name, fact, "fails", str(reason))
+    return Outcome(name, fact, "holds")

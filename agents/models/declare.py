@@ -1,0 +1,342 @@
+"""How rules and bodies declare themselves, and their parameters with symbol, unit and range.
+
+Sliders, command-line options, checks, error messages and documentation are all read from these
+declarations; nothing about a rule is written twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
+
+from worlds.compiled import Entry
+from worlds.refusal import Refusal, unknown
+
+
+def parameter(
+    default: Any,
+    description: str,
+    *,
+    symbol: str,
+    source: str,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "1",
+    step: float | None = None,
+    noise: bool = False,
+) -> Any:
+    """A parameter's declaration: default, range [low, high], unit, symbol and source.
+
+    Booleans and choices (`Literal`) have no range. `step` is the slider's. `noise` says that it is
+    the strength of something random, which 0 takes away.
+    """
+    return Field(
+        default,
+        ge=low,
+        le=high,
+        description=description,
+        json_schema_extra={
+            "symbol": symbol,
+            "unit": unit,
+            "source": source,
+            "step": step,
+            "noise": noise,
+        },
+    )
+
+
+class Parameters(BaseModel):
+    """Parameters of a rule or a body. Unknown names and values out of range are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+@dataclass(frozen=True)
+class Declared:
+    """One parameter as a viewer, a command line or a page of documentation needs it."""
+
+    name: str
+    symbol: str
+    unit: str
+    description: str
+    source: str
+    default: Any
+    kind: Literal["number", "switch", "choice"]
+    low: float | None
+    high: float | None
+    step: float | None
+    choices: tuple[str, ...]
+    noise: bool
+
+    @property
+    def allowed(self) -> str:
+        """What values are allowed, in words: `[0, 6.283] rad`, `on or off`, `one of a, b`."""
+        if self.kind == "switch":
+            return "true or false"
+        if self.kind == "choice":
+            return "one of " + ", ".join(self.choices)
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"[{self.low:g}, {self.high:g}]{unit}"
+
+
+def declared(model: type[Parameters]) -> list[Declared]:
+    """The declared parameters of a model, in order."""
+    return [describe(name, field) for name, field in model.model_fields.items()]
+
+
+def describe(name: str, field: FieldInfo) -> Declared:
+    """One field of a parameter model as a `Declared`."""
+    extra = field.json_schema_extra
+    assert isinstance(extra, dict), f"{name} is not made with parameter()"
+    low = next((m.ge for m in field.metadata if hasattr(m, "ge")), None)
+    high = next((m.le for m in field.metadata if hasattr(m, "le")), None)
+    choices: tuple[str, ...] = ()
+    kind: Literal["number", "switch", "choice"] = "number"
+    if field.annotation is bool:
+        kind = "switch"
+    elif get_origin(field.annotation) is Literal:
+        kind, choices = "choice", get_args(field.annotation)
+    return Declared(
+        name,
+        str(extra["symbol"]),
+        str(extra["unit"]),
+        field.description or "",
+        str(extra["source"]),
+        field.default,
+        kind,
+        low,
+        high,
+        extra["step"],  # type: ignore[arg-type]
+        choices,
+        bool(extra["noise"]),
+    )
+
+
+def checked(model: type[Parameters], values: dict[str, Any], origin: str = "") -> Parameters:
+    """The values as a parameter model.
+
+    Raises Refusal naming the parameter, its value, what is allowed and `origin`, where it came
+    from.
+    """
+    where = f" ({origin})" if origin else ""
+    for name in values:
+        if name not in model.model_fields:
+            raise unknown("parameter", name, model.model_fields, origin)
+    try:
+        return model(**values)
+    except ValidationError as error:
+        name = str(error.errors()[0]["loc"][0])
+        one = describe(name, model.model_fields[name])
+        unit = "" if one.unit == "1" or one.kind != "number" else f" {one.unit}"
+        raise Refusal(
+            f"{name} = {values[name]!r}{unit} is outside {one.allowed}{where}"
+            if one.kind == "number" and isinstance(values[name], int | float)
+            else f"{name} = {values[name]!r} is not allowed: it must be {one.allowed}{where}"
+        ) from None
+
+
+def as_floats(parameters: Parameters) -> dict[str, float]:
+    """Parameters as the compiled code has them: a switch as 0 or 1, a choice as its index."""
+    made = {}
+    for one in declared(type(parameters)):
+        value = getattr(parameters, one.name)
+        made[one.name] = float(one.choices.index(value) if one.kind == "choice" else value)
+    return made
+
+
+Wished = Literal["heading", "acceleration", "velocity"]
+"""What a rule may wish for and a body take."""
+
+
+Symmetry = Literal["shift", "rotation", "mirror"]
+ALL_ALIKE: tuple[Symmetry, ...] = ("shift", "rotation", "mirror")
+"""What space has no preferred place, direction or side for."""
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A zone around an agent, from the one before it outwards to a radius."""
+
+    name: str
+    radius: Callable[[Any], float]
+    """Outer radius (length) from the parameters."""
+    all_round: bool = False
+    """Whether agents outside of the field of view are noticed there too."""
+
+
+OF_RULES = ("perceive", "decide", "show", "remember", "prepare", "weigh", "explain")
+OF_BODIES = ("move", "measure", "touches", "passes", "explain")
+"""The compiled functions of a rule, and of a body."""
+
+
+def demand_compiled(title: str, part: Any, names: Sequence[str]) -> None:
+    """Raise TypeError if a function of a rule or a body is not made with `compiled`."""
+    for name in names:
+        function = getattr(part, name)
+        if function is not None and not isinstance(function, Entry):
+            raise TypeError(f"{title}: {name} is not @compiled")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What an agent wants: one file, one declaration. `decide` reads like the paper."""
+
+    name: str
+    title: str
+    summary: str
+    """One or two sentences for a person who chooses a model."""
+    equation: str
+    """The equation in LaTeX, for the documentation."""
+    source: str
+    """Where it is from, in words; papers are cited by how `agents.models.sources` names them."""
+    parameters: type[Parameters]
+    decide: Callable
+    """Compiled: (me, near, surroundings, p) -> Wish."""
+    wish: Wished = "heading"
+    """What `decide` answers; a body takes one kind of wish."""
+    reach: str = "r"
+    """Name of the parameter that is the largest distance at which agents notice each other."""
+    together: str = ""
+    """Name of the parameter within which agents are of one group; by default `reach`."""
+    dimensions: tuple[int, ...] = (2, 3)
+    signals: tuple[str, ...] = ()
+    """What agents tell each other beside position and heading; rows of `near.signal`."""
+    show: Callable | None = None
+    """Compiled: (me, p, out). Signals that follow from the agent's own state."""
+    remember: Callable | None = None
+    """Compiled: (me, near, p, out). Signals for the next tick."""
+    memory: tuple[str, ...] = ()
+    """What an agent keeps to itself, in the order of `me.memory`; 0 at the start."""
+    places: tuple[str, ...] = ()
+    """Points in that memory, NAME_x and NAME_y of each; an agent heads for the last of them."""
+    places_while: str = ""
+    """Which of the memory is 1.0 while these points count."""
+    hunters: str = ""
+    """The signal that is 1.0 for agents that hunt the others."""
+    perceive: Callable | None = None
+    """Compiled: (me, near, surroundings, p). Brings `me.memory` up to date, before `decide`."""
+    prepare: Callable | None = None
+    """Compiled: (flock, space, grid, slots, p, tick). What needs the whole flock, once a tick."""
+    weigh: Callable | None = None
+    """Compiled: (me, near, p, out). How much it listens to each of the block; None: 1 each."""
+    forces: tuple[str, ...] = ()
+    """The terms that a wished acceleration or velocity is the sum of."""
+    explain: Callable | None = None
+    """Compiled: (me, near, surroundings, p, out). The forces one by one, out (len(forces), 3)."""
+    sees_obstacles: bool = False
+    """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
+    sees_points: bool = False
+    """Whether `near` shall hold the boundary points of obstacles within reach."""
+    zones: tuple[Zone, ...] = ()
+    """Where it does what, from the inside out."""
+    view: str = ""
+    """Name of the parameter that is the full angle (deg) of its field of view."""
+    informed: int = 0
+    """Information agents unless the user says otherwise."""
+    led: bool = True
+    """Whether there may be information agents."""
+    bibtex: str = ""
+    """Entries of its own, for a source that `agents.models.sources` does not have."""
+    converges: bool = False
+    """Whether the flock is meant to converge to the information agent's heading."""
+    symmetries: tuple[Symmetry, ...] = ALL_ALIKE
+    """What makes no difference to agents in empty space, noise apart: `agents.conformance`."""
+
+    def __post_init__(self) -> None:
+        demand_compiled(f"rule {self.name!r}", self, OF_RULES)
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """What makes a body a car: which of its signals are what; empty where it has no such signal.
+
+    Its size is that of its parameters `length` and `width`, if it has them.
+    """
+
+    length: float = 0.22
+    """Of the body of one without that parameter, m."""
+    width: float = 0.12
+    fresh: str = ""
+    """1.0 until it has moved once; its other signals count from then on."""
+    steering: str = ""
+    """Angle of its front wheels, rad, to the left positive."""
+    pace: str = ""
+    """Speed, m/s."""
+    stuck: str = ""
+    """Time for which it has not got on, s; below 0 while it backs out for that."""
+    wheel: str = ""
+    """The command sent last: angle of the wheels, rad. A real car can obey a body that has it."""
+    throttle: str = ""
+    """The command sent last: share of full throttle."""
+
+
+def one_tick(parameters: Parameters) -> float:  # noqa: ARG001 - the signature of `Body.lasts`
+    """Time is counted in ticks."""
+    return 1.0
+
+
+@dataclass(frozen=True)
+class Body:
+    """How an agent can move: turns what is wanted into the next position."""
+
+    name: str
+    title: str
+    source: str
+    parameters: type[Parameters]
+    move: Callable
+    """Compiled: (me, near, surroundings, want, p, out) -> Moved; `out` receives its signals."""
+    takes: Wished = "heading"
+    """What it is given to follow: a rule's wish."""
+    signals: tuple[str, ...] = ()
+    """What bodies tell each other; they follow the rule's signals."""
+    size: str = ""
+    """Name of the parameter that is its diameter; a point by default."""
+    touches: Callable | None = None
+    """Compiled: (me, near, surroundings, p) -> 1.0 where it touches another agent, 2.0
+    where it touches what is solid, else 0.0; an agent that touches something crashes. None: it is
+    a point."""
+    measures: tuple[str, ...] = ()
+    """What is measured of each agent within the pass."""
+    measure: Callable | None = None
+    """Compiled: (me, near, p, out). Measures it, on the flock as the tick finds it."""
+    begins: Callable[[Any, np.random.Generator, int], np.ndarray] | None = None
+    """Speeds (n,) at the start, from the parameters; None: 0."""
+    deafens: bool = False
+    """Whether its last signal is 1.0 for agents whose heading counts and 0.0 for others."""
+    sees_obstacles: bool = False
+    """Whether it keeps clear of obstacles and solid edges, whatever the rule wants."""
+    stops: bool = False
+    """Whether it stops where a step would take it into a solid that the rule or the body sees; else
+    it slides along."""
+    passes: Callable | None = None
+    """Compiled: (p) -> whether it goes through what is solid, as the words of its paper have it.
+    None: never."""
+    passes_with: str = ""
+    """The setting with which it does, such as `guard = false`."""
+    stride: Callable[[Any], float] | None = None
+    """How far from what is solid it starts at least, from the parameters: as far as it may go in
+    the first tick. None: half its `size`."""
+    sight: str = ""
+    """Name of the parameter that is how far it notices obstacles; by default the rule's `reach`."""
+    forces: tuple[str, ...] = ()
+    """The terms that its velocity is the sum of."""
+    explain: Callable | None = None
+    """Compiled: (me, near, surroundings, p, out). The forces one by one, out (len(forces), 3)."""
+    lasts: Callable[[Any], float] = one_tick
+    """The time that a tick stands for, from the parameters."""
+    unit: str = "ticks"
+    """Unit of that time."""
+    symmetries: tuple[Symmetry, ...] = ALL_ALIKE
+    """What makes no difference to it in empty space, noise apart."""
+    vehicle: Vehicle | None = None
+    """What there is to a car; None: it is none."""
+    family: str = ""
+    """With which models it is listed in the documentation: vicsek, mission, else as its rule is."""
+
+    def __post_init__(self) -> None:
+        demand_compiled(f"body {self.name!r}", self, OF_BODIES)

@@ -1,0 +1,157 @@
+"""A model: a rule, the body that carries it out, and what a flock of it starts with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from pydantic import create_model
+
+from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
+from agents.engine.layers import UNKNOWN
+from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A rule and a body under one name, with one set of parameters.
+
+    Raises TypeError if the body cannot take what the rule wishes.
+    """
+
+    rule: Rule
+    body: Body
+    suffix: str = ""
+    """Put behind the rule's name, to tell models of one rule apart."""
+    title_suffix: str = ""
+    summary_suffix: str = ""
+    defaults: Mapping[str, Any] = field(default_factory=dict)
+    """Defaults that differ from those of the rule and the body."""
+    world: str = "wrap"
+    """The world that it is at home in."""
+    dim: int | None = None
+    """The dimensions that it starts in, where its world fits several."""
+    spacing: float | None = None
+    """At the start, least distance between agents and of agents to what is solid, length."""
+    agents: int = 100
+    """How many ordinary agents a flock has unless the user says otherwise."""
+    charts: tuple[tuple[str, ...], ...] = ()
+    """The observables that are plotted of it unless the user says otherwise, in three charts; none:
+    what `agents.observables.catalogue` has for flocks of its kind."""
+
+    def __post_init__(self):
+        if self.rule.wish != self.body.takes:
+            raise TypeError(
+                f"rule {self.rule.name} wishes {self.rule.wish}, but the body {self.body.name} "
+                f"takes {self.body.takes}"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name on the command line and in a spec."""
+        return self.rule.name + self.suffix
+
+    @property
+    def title(self) -> str:
+        """Name for people."""
+        return self.rule.title + self.title_suffix
+
+    @property
+    def summary(self) -> str:
+        """What it does, in a sentence or two."""
+        return self.rule.summary + self.summary_suffix
+
+    @property
+    def dimensions(self) -> tuple[int, ...]:
+        """Dimensions in which it is defined."""
+        return self.rule.dimensions
+
+    @property
+    def informed(self) -> int:
+        """Information agents unless the user says otherwise."""
+        return self.rule.informed
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """What agents tell each other: the rule's signals, then the body's."""
+        return self.rule.signals + self.body.signals
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The rows of a flock's memory: signals, what agents keep to themselves, measures."""
+        return self.signals + self.rule.memory + self.body.measures
+
+    @cached_property
+    def beginning(self) -> np.ndarray:
+        """What the columns begin at: layers unknown, all heard, nothing remembered or measured."""
+        rule, body = self.rule, self.body
+        lengths = len(rule.signals), len(body.signals), len(rule.memory), len(body.measures)
+        return np.repeat([UNKNOWN, 1.0, 0.0, np.nan], lengths)
+
+    @property
+    def sees_obstacles(self) -> bool:
+        """Whether it steers clear of obstacles by itself."""
+        return self.rule.sees_obstacles or self.body.sees_obstacles
+
+    @property
+    def symmetries(self) -> tuple[Symmetry, ...]:
+        """What makes no difference to its agents in empty space, noise apart."""
+        return tuple(one for one in self.rule.symmetries if one in self.body.symmetries)
+
+    def meets(self, solid: bool) -> int:
+        """What its agents do where a step enters a solid, of `agents.engine.hold`.
+
+        Those that do not see what is solid bounce off it; in a world without they need not ask.
+        """
+        if not self.sees_obstacles:
+            return BOUNCES if solid else PASSES
+        return STOPS if self.body.stops else SLIDES
+
+    @cached_property
+    def parameters(self) -> type[Parameters]:
+        """The parameters of the rule and of the body, as one model."""
+        bases = (self.body.parameters, self.rule.parameters)
+        own: dict[str, Any] = {}
+        for name, value in self.defaults.items():
+            base = next(b for b in bases if name in b.model_fields)
+            changed = copy(base.model_fields[name])
+            changed.default = value
+            own[name] = (changed.annotation, changed)
+        return create_model(self.name, __base__=bases, **own)
+
+    def passing(self, parameters: Parameters) -> str:
+        """The setting with which its agents go through what is solid, or an empty string."""
+        passes = self.body.passes
+        if passes is None:
+            return ""
+        floats = SimpleNamespace(**as_floats(parameters))
+        return self.body.passes_with if passes.py_func(floats) else ""  # type: ignore[attr-defined]
+
+    def parts(self, dim: int, solid: bool) -> dict[str, Any]:
+        """What makes its loop in `dim` dimensions, in a world where something is solid or not."""
+        rule, body = self.rule, self.body
+        return {
+            "DIM": dim,
+            "SIGNALS": len(self.signals),
+            "PRIVATE": len(rule.memory),
+            "HEADS": rule.wish == "heading",
+            "DEAFENS": body.deafens,
+            "SEES_POINTS": rule.sees_points,
+            "MEASURES": len(body.measures),
+            "CRASHES": body.touches is not None,
+            "MEETS": self.meets(solid),
+            "perceive": rule.perceive,
+            "decide": rule.decide,
+            "show": rule.show,
+            "remember": rule.remember,
+            "prepare": rule.prepare,
+            "measure": body.measure,
+            "touches": body.touches,
+            "passes": body.passes,
+            "move": body.move,
+        }

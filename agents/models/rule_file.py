@@ -1,0 +1,62 @@
+"""A file of an author with a `RULE` or a `MODEL`, used as it is, without a package."""
+
+from __future__ import annotations
+
+import hashlib
+import linecache
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+
+from worlds.reading import read_text
+from worlds.refusal import Refusal
+
+NAMES = ("MODEL", "RULE")
+"""Names that a file is searched for, in this order."""
+
+
+def thing_in(path: str | Path) -> object:
+    """The `MODEL`, or else the `RULE`, of a Python file, which is run for it.
+
+    Modules beside it can be imported. Raises Refusal naming the file, and the line, for one that
+    cannot be read, has a fault in it, or has neither.
+    """
+    file = Path(path)
+    text = read_text(repr(str(path)), file)
+    digest = hashlib.sha256(f"{file.resolve()}\0{text}".encode()).hexdigest()[:16]
+    module = sys.modules.get(name := f"rule_file_{digest}") or run(file, text, name)
+    found = [vars(module)[one] for one in NAMES if one in vars(module)]
+    if not found:
+        raise Refusal(f"{file.name} has neither a RULE nor a MODEL ({path})")
+    return found[0]
+
+
+def run(file: Path, text: str, name: str) -> ModuleType:
+    """Run the file as a module. Raises Refusal."""
+    whole = str(file.resolve())
+    module = ModuleType(name)
+    module.__file__ = whole
+    linecache.checkcache(whole)
+    sys.modules[name] = module  # where its classes look up the names in their annotations
+    sys.path.insert(0, str(file.resolve().parent))
+    try:
+        exec(compile(text, whole, "exec"), module.__dict__)
+    except (Exception, SystemExit) as error:
+        del sys.modules[name]
+        raise fault_in(file, whole, error) from error
+    finally:
+        sys.path.pop(0)
+    return module
+
+
+def fault_in(file: Path, whole: str, error: BaseException) -> Refusal:
+    """What is wrong with a file that could not be run: file, line and reason."""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == whole]
+    line, reason = (lines[-1] if lines else None), f"{type(error).__name__}: {error}"
+    if isinstance(error, SyntaxError) and error.filename == whole:
+        line, reason = error.lineno, f"{error.msg}"
+    elif isinstance(error, Refusal):
+        reason = str(error)
+    return Refusal(f"{file}, line {line}: {' '.join(reason.split())[:300]}")

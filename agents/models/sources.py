@@ -1,0 +1,189 @@
+"""The papers that rules and bodies come from, as BibTeX.
+
+A declaration names its source in words, `Liu et al. 2021, (5)`; a paper is cited by a model whose
+sources have the paper's words in them. A rule from elsewhere brings its own entries in `bibtex`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from agents.models.model import Model
+
+
+class Paper(NamedTuple):
+    """A source of models."""
+
+    named: str
+    """Pattern of the words by which declarations name it."""
+    bibtex: str
+
+
+PAPERS = (
+    Paper(
+        r"Vicsek et al\. 1995",
+        r"""@article{vicsek1995,
+  author  = {Vicsek, Tam{\'a}s and Czir{\'o}k, Andr{\'a}s and Ben-Jacob, Eshel and Cohen, Inon and
+             Shochet, Ofer},
+  title   = {Novel Type of Phase Transition in a System of Self-Driven Particles},
+  journal = {Physical Review Letters},
+  volume  = {75},
+  number  = {6},
+  pages   = {1226--1229},
+  year    = {1995},
+  doi     = {10.1103/PhysRevLett.75.1226},
+}""",
+    ),
+    Paper(
+        r"Liu et al\. 2021",
+        r"""@article{liu2021,
+  author  = {Liu, Xingyu and Yan, Chao and Zhou, Han and Chang, Yuan and Xiang, Xiaojia and
+             Tang, Dengqing},
+  title   = {Towards Flocking Navigation and Obstacle Avoidance for Multi-{UAV} Systems through
+             Hierarchical Weighting {Vicsek} Model},
+  journal = {Aerospace},
+  volume  = {8},
+  number  = {10},
+  pages   = {286},
+  year    = {2021},
+  doi     = {10.3390/aerospace8100286},
+}""",
+    ),
+    Paper(
+        r"Liu et al\. 2021, .*reference 16",
+        r"""@article{liu2021drones,
+  author  = {Liu, Xingyu and Xiang, Xiaojia and Chang, Yuan and Yan, Chao and Zhou, Han and
+             Tang, Dengqing},
+  title   = {Hierarchical Weighting {Vicsek} Model for Flocking Navigation of Drones},
+  journal = {Drones},
+  volume  = {5},
+  pages   = {74},
+  year    = {2021},
+}""",
+    ),
+    Paper(
+        r"Olfati-Saber 2006",
+        r"""@article{olfatisaber2006,
+  author  = {Olfati-Saber, Reza},
+  title   = {Flocking for Multi-Agent Dynamic Systems: Algorithms and Theory},
+  journal = {IEEE Transactions on Automatic Control},
+  volume  = {51},
+  number  = {3},
+  pages   = {401--420},
+  year    = {2006},
+  doi     = {10.1109/TAC.2005.864190},
+}""",
+    ),
+    Paper(
+        r"Wu et al\. 2023",
+        r"""@misc{wu2023,
+  author = {Wu, Jianhui and Ji, Yuanfa and Sun, Xiyan and Liang, Weibin},
+  title  = {Obstacle Boundary Point and Expected Velocity-Based Flocking of Multiagents with
+            Obstacle Avoidance},
+  year   = {2023},
+  note   = {Research article, published 20 February 2023},
+}""",
+    ),
+    Paper(
+        r"Reynolds 1987",
+        r"""@article{reynolds1987,
+  author  = {Reynolds, Craig W.},
+  title   = {Flocks, Herds and Schools: A Distributed Behavioral Model},
+  journal = {ACM SIGGRAPH Computer Graphics},
+  volume  = {21},
+  number  = {4},
+  pages   = {25--34},
+  year    = {1987},
+  doi     = {10.1145/37402.37406},
+}""",
+    ),
+    Paper(
+        r"Reynolds (1987, )?1999",
+        r"""@inproceedings{reynolds1999,
+  author    = {Reynolds, Craig W.},
+  title     = {Steering Behaviors for Autonomous Characters},
+  booktitle = {Proceedings of the Game Developers Conference},
+  pages     = {763--782},
+  year      = {1999},
+}""",
+    ),
+    Paper(
+        r"Couzin et al\. 2002",
+        r"""@article{couzin2002,
+  author  = {Couzin, Iain D. and Krause, Jens and James, Richard and Ruxton, Graeme D. and
+             Franks, Nigel R.},
+  title   = {Collective Memory and Spatial Sorting in Animal Groups},
+  journal = {Journal of Theoretical Biology},
+  volume  = {218},
+  number  = {1},
+  pages   = {1--11},
+  year    = {2002},
+  doi     = {10.1006/jtbi.2002.3065},
+}""",
+    ),
+    Paper(
+        r"Vasarhelyi et al\. 2018",
+        r"""@article{vasarhelyi2018,
+  author  = {V{\'a}s{\'a}rhelyi, G{\'a}bor and Vir{\'a}gh, Csaba and Somorjai, Gerg{\H{o}} and
+             Nepusz, Tam{\'a}s and Eiben, Agoston E. and Vicsek, Tam{\'a}s},
+  title   = {Optimized Flocking of Autonomous Drones in Confined Environments},
+  journal = {Science Robotics},
+  volume  = {3},
+  number  = {20},
+  pages   = {eaat3536},
+  year    = {2018},
+  doi     = {10.1126/scirobotics.aat3536},
+}""",
+    ),
+    Paper(
+        r"SwarmLab",
+        r"""@inproceedings{soria2020,
+  author    = {Soria, Enrica and Schiano, Fabrizio and Floreano, Dario},
+  title     = {{SwarmLab}: a {Matlab} Drone Swarm Simulator},
+  booktitle = {IEEE/RSJ International Conference on Intelligent Robots and Systems},
+  pages     = {8005--8011},
+  year      = {2020},
+  doi       = {10.1109/IROS45743.2020.9340854},
+}""",
+    ),
+    Paper(
+        r"\bthesis\b",
+        r"""@misc{flappingwing,
+  title = {Research on Self-organization Behavior of the Bionic Flapping-wing Air Vehicle Cluster
+           Based on Local Information Interaction},
+  note  = {Bachelor thesis, in Chinese},
+}""",
+    ),
+    Paper(
+        r"Jacobs and Koessler",
+        r"""@misc{jacobs,
+  author = {Jacobs, Alex T. and Koessler, Jeffrey H.},
+  title  = {Flocking Cars: Dynamic Behavior in Simulation \& Implementation},
+  note   = {University of Arizona, ECE 516 Introduction to Robotics},
+}""",
+    ),
+)
+
+
+def cite(model: Model) -> list[str]:
+    """BibTeX entries of a model's sources, its rule's own first; none if no paper is named."""
+    brought = entries(model.rule.bibtex)
+    return [*brought, *papers_in((model.rule.source, model.body.source))]
+
+
+def papers_in(sources: Iterable[str]) -> list[str]:
+    """The known papers that these words name, in their order.
+
+    >>> [entry.partition(",")[0] for entry in papers_in(["Reynolds 1987, 1999; our own"])]
+    ['@article{reynolds1987', '@inproceedings{reynolds1999']
+    """
+    text = "\n".join(sources)
+    found = ((re.search(paper.named, text), paper.bibtex) for paper in PAPERS)
+    return [bibtex for at, bibtex in sorted((m.start(), b) for m, b in found if m)]
+
+
+def entries(bibtex: str) -> list[str]:
+    """The entries of a text of BibTeX, each of which begins a line with `@`."""
+    return [entry.strip() for entry in re.split(r"^(?=@)", bibtex, flags=re.MULTILINE)[1:]]

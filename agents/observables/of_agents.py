@@ -1,0 +1,57 @@
+"""What is measured of each agent of a flock: numbers that the laboratory can colour by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from worlds.plug_ins import plug_ins
+
+
+@dataclass(frozen=True)
+class OfAgents:
+    """One number for each agent."""
+
+    name: str
+    title: str
+    unit: str
+    measure: Callable[[Any], np.ndarray]
+    """Takes a flock, gives (N,) floats; NaN where an agent has none."""
+
+
+def neighbours(flock: Any) -> np.ndarray:
+    """How many agents are within reach of each, (N,)."""
+    return np.bincount(flock.links().ravel(), minlength=len(flock.ids)).astype(float)
+
+
+BUILT_IN = {
+    one.name: one
+    for one in (OfAgents("neighbours", "Agents within reach of each", "agents", neighbours),)
+}
+
+
+def brought(_: str, thing: object) -> tuple[str, OfAgents]:
+    """The colouring that an entry point brings. Raises TypeError if it is none."""
+    if not isinstance(thing, OfAgents):
+        raise TypeError(f"an OfAgents is needed, not {type(thing).__name__}")
+    return thing.name, thing
+
+
+OF_AGENTS = BUILT_IN | plug_ins("flockscope.colourings", brought, BUILT_IN)
+"""All of them: the built-in ones, then those of other packages, which replace none of these."""
+
+
+def measurable(columns: tuple[str, ...]) -> tuple[str, ...]:
+    """What each agent of a flock has a number of: `OF_AGENTS`, and its model's `columns`."""
+    return tuple(dict.fromkeys([*OF_AGENTS, *columns]))
+
+
+def measured(flock: Any, name: str) -> np.ndarray | None:
+    """The number of each agent by name, (N,); None for what this flock does not have."""
+    if name in OF_AGENTS:
+        values = np.asarray(OF_AGENTS[name].measure(flock), dtype=float)
+        return values if values.shape == (len(flock.ids),) else None
+    return flock.signal(name) if name in flock.model.columns else None

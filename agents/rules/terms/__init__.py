@@ -1,0 +1,1 @@
+"""What the decisions of several rules are made of: sums over neighbours, fields, escapes."""

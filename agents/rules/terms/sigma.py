@@ -1,0 +1,291 @@
+"""What two agents of Olfati-Saber do to each other: sigma-norm, bump, action function, consensus.
+
+Everything is smooth, written without a branch and without a call into a library, so that the sum
+over a neighbourhood block becomes vector instructions. Equations are numbered as in Wu et al. 2023,
+who repeat those of Olfati-Saber 2006.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.engine.block import adjacent
+from agents.models.declare import Parameters, parameter
+from worlds.compiled import compiled
+
+PACE = 0
+"""The signal that tells an agent's speed; with its heading it makes its velocity p_j."""
+QUARTER = 0.25 * math.pi
+
+FORCES = (
+    "alpha gradient",
+    "alpha consensus",
+    "beta gradient",
+    "beta consensus",
+    "gamma",
+)
+"""The terms of the control input u_i (7), m/s^2."""
+
+
+class Interaction(Parameters):
+    """Parameters that both rules share: lattice, potential and gains."""
+
+    r: float = parameter(
+        6.0,
+        "Distance within which agents and obstacles are noticed",
+        symbol="r",
+        unit="m",
+        low=0.5,
+        high=30.0,
+        step=0.5,
+        source="Wu et al. 2023, (3), table 3",
+    )
+    d: float = parameter(
+        4.0,
+        "Distance that agents want to keep to each other",
+        symbol="d",
+        unit="m",
+        low=0.2,
+        high=30.0,
+        step=0.25,
+        source="Wu et al. 2023, (8), table 3",
+    )
+    eps: float = parameter(
+        0.5,
+        "How soon the sigma-norm goes over from the square of a distance to the distance",
+        symbol="\\varepsilon",
+        low=0.01,
+        high=10.0,
+        step=0.05,
+        source="Wu et al. 2023, (8), table 3",
+    )
+    h: float = parameter(
+        0.2,
+        "Share of the range from which influence fades out",
+        symbol="h",
+        low=0.0,
+        high=0.99,
+        step=0.05,
+        source="Wu et al. 2023, (9), table 3",
+    )
+    a: float = parameter(
+        2.0,
+        "Strength of the attraction",
+        symbol="a",
+        unit="m/s^2",
+        low=0.1,
+        high=100.0,
+        step=0.5,
+        source="Wu et al. 2023, (8), table 3",
+    )
+    b: float = parameter(
+        20.0,
+        "Strength of the repulsion; at least a for a push stronger than the pull",
+        symbol="b",
+        unit="m/s^2",
+        low=0.1,
+        high=100.0,
+        step=0.5,
+        source="Wu et al. 2023, (8), table 3",
+    )
+    c1a: float = parameter(
+        1.0,
+        "Gain of attraction and repulsion between agents",
+        symbol="c_1^\\alpha",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="Wu et al. 2023, (8), table 3",
+    )
+    c2a: float = parameter(
+        1.0,
+        "Gain of the agreement on a velocity",
+        symbol="c_2^\\alpha",
+        unit="1/s",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="Wu et al. 2023, (8), table 3",
+    )
+    c1b: float = parameter(
+        1.0,
+        "Gain of the repulsion from obstacles",
+        symbol="c_1^\\beta",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="Wu et al. 2023, (10), table 3",
+    )
+    c2b: float = parameter(
+        1.0,
+        "Gain of the agreement with the velocity that an obstacle suggests",
+        symbol="c_2^\\beta",
+        unit="1/s",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="Wu et al. 2023, (10), table 3",
+    )
+    c1g: float = parameter(
+        1.0,
+        "Gain of the pull to the gamma agent",
+        symbol="c_1^\\gamma",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="Wu et al. 2023, (11), table 3",
+    )
+    c2g: float = parameter(
+        1.0,
+        "Gain of the agreement with the velocity of the gamma agent",
+        symbol="c_2^\\gamma",
+        unit="1/s",
+        low=0.0,
+        high=50.0,
+        step=0.1,
+        source="Wu et al. 2023, (11), table 3",
+    )
+
+
+@compiled
+def stretch(d2, eps):
+    """sqrt(1 + eps |z|^2) for |z|^2 = d2 >= 0: what |z|_sigma and its gradient share."""
+    return math.sqrt(1.0 + eps * d2)
+
+
+@compiled
+def sigma_norm(d2, eps):
+    """|z|_sigma for |z|^2 = d2 >= 0; its gradient is n = z / stretch(d2, eps)."""
+    return (stretch(d2, eps) - 1.0) / eps
+
+
+@compiled
+def bump(z, h):
+    """rho_h(z) (9) for z >= 0: 1 up to h, then falling smoothly to 0 at 1.
+
+    1/2 (1 + cos 2y) = cos^2 y = (1 - 2 sin^2 (y / 2))^2, with the sine of fdlibm on [0, pi / 4].
+    """
+    t = (z - h) / (1.0 - h)
+    t = t if t > 0.0 else 0.0
+    y = QUARTER * (t if t < 1.0 else 1.0)
+    w = y * y
+    s = y + y * w * (
+        -1.66666666666666324348e-01
+        + w
+        * (
+            8.33333333332248946124e-03
+            + w
+            * (
+                -1.98412698298579493134e-04
+                + w
+                * (
+                    2.75573137070700676789e-06
+                    + w * (-2.50507602534068634195e-08 + w * 1.58969099521155010221e-10)
+                )
+            )
+        )
+    )
+    cosine = 1.0 - 2.0 * s * s
+    return cosine * cosine if z < 1.0 else 0.0
+
+
+@compiled
+def sigma_1(z):
+    """sigma_1(z) = z / sqrt(1 + z^2), in (-1, 1)."""
+    return z / math.sqrt(1.0 + z * z)
+
+
+@compiled
+def phi(z, a, b):
+    """phi(z) (8): from -b far below 0 over 0 at z = 0 to a far above."""
+    c = math.fabs(a - b) / math.sqrt(4.0 * a * b)
+    return 0.5 * ((a + b) * sigma_1(z + c) + (a - b))
+
+
+@compiled
+def phi_alpha(s, p):
+    """phi_alpha(s) (8) at the sigma-norm s of a distance; < 0 repels."""
+    return bump(s / sigma_norm(p.r * p.r, p.eps), p.h) * phi(
+        s - sigma_norm(p.d * p.d, p.eps), p.a, p.b
+    )
+
+
+@compiled
+def push(d2, p):
+    """phi_alpha(|z|_sigma) / stretch and rho_h(|z|_sigma / r_alpha), for |z|^2 = d2.
+
+    The first, times the vector z to the other, is phi_alpha(|z|_sigma) n of (8). The two quotients
+    of n and of sigma_1 are one division.
+    """
+    c = math.fabs(p.a - p.b) / math.sqrt(4.0 * p.a * p.b)
+    wide = stretch(d2, p.eps)
+    s = (wide - 1.0) / p.eps
+    rho = bump(s / sigma_norm(p.r * p.r, p.eps), p.h)
+    x = s - sigma_norm(p.d * p.d, p.eps) + c
+    root = math.sqrt(1.0 + x * x)
+    return rho * 0.5 * ((p.a + p.b) * x + (p.a - p.b) * root) / (root * wide), rho
+
+
+@compiled
+def level(d2, alarm, d, tau_a, tau_e, tau_s):
+    """eta(|z|) (12) for |z|^2 = d2: tau_s nearer than `alarm`, tau_e up to d, tau_a beyond."""
+    far = tau_e if d2 <= d * d else tau_a
+    return tau_s if d2 < alarm * alarm else far
+
+
+@compiled
+def show(me, p, out):
+    """The signal that neighbours receive: the agent's speed."""
+    out[PACE] = me.speed
+
+
+@compiled
+def flockmates(me, near, p, alarm, tau_a, tau_e, tau_s):
+    """The sums of (8) and (13) over the neighbours: gradient (x, y, z) and consensus (x, y, z).
+
+    The weights eta of (13) are 1 where all three tau are 1. Gains are not in it.
+    """
+    vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
+    pace = near.signal[PACE]
+    fx = fy = fz = cx = cy = cz = 0.0
+    for j in range(near.n):
+        dx = near.x[j] - me.x
+        dy = near.y[j] - me.y
+        dz = near.z[j] - me.z
+        d2 = dx * dx + dy * dy + dz * dz
+        seen = 1.0 if (d2 > 0.0) & (d2 <= p.r * p.r) else 0.0
+        force, rho = push(d2, p)
+        f = seen * level(d2, alarm, p.d, tau_a, tau_e, tau_s) * force
+        w = seen * rho
+        fx += f * dx
+        fy += f * dy
+        fz += f * dz
+        cx += w * (pace[j] * near.ux[j] - vx)
+        cy += w * (pace[j] * near.uy[j] - vy)
+        cz += w * (pace[j] * near.uz[j] - vz)
+    return fx, fy, fz, cx, cy, cz
+
+
+@compiled
+def weigh(me, near, p, out):
+    """a_ij = rho_h(|q_j - q_i|_sigma / r_alpha), how much an agent heeds the velocity of others."""
+    for j in range(near.n):
+        dx = near.x[j] - me.x
+        dy = near.y[j] - me.y
+        dz = near.z[j] - me.z
+        _, rho = push(dx * dx + dy * dy + dz * dz, p)
+        out[j] = adjacent(me, near, j, p.r) * rho
+
+
+@compiled
+def has_goal(surroundings):
+    """Whether there is a gamma agent."""
+    return surroundings.route.shape[0] > 0
+
+
+@compiled
+def written(force, out):
+    """Write the rows (x, y, z) of FORCES into out (5, 3)."""
+    for row in range(5):
+        for axis in range(3):
+            out[row, axis] = force[row][axis]

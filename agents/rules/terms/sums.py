@@ -1,0 +1,101 @@
+"""A rule that is a sum over its neighbours, written once: what is listened to follows from it.
+
+`mean_heading` makes a rule of how much each neighbour weighs, `sum_of` one of the forces between
+two. What they return goes into a `Rule`: `Rule(..., **mean_heading(weight))`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from agents.engine.block import Wish
+from worlds.compiled import compiled
+
+
+def mean_heading(weight: Callable) -> dict[str, Any]:
+    """`decide` and `weigh` of a rule that takes a weighted mean of headings, its own weighing 1.
+
+    `weight(me, near, j, p)`, compiled, is how much agent j counts, 0 for those that are no
+    neighbours; agents that are not heard count nothing.
+    """
+
+    @compiled
+    def decide(me, near, surroundings, p):
+        n = me.own_weight
+        x, y, z = n * me.ux, n * me.uy, n * me.uz
+        for j in range(near.n):
+            a = weight(me, near, j, p) * near.heard[j]
+            x += a * near.ux[j]
+            y += a * near.uy[j]
+            z += a * near.uz[j]
+            n += a
+        if n == 0.0:
+            return Wish(0.0, 0.0, 0.0)
+        return Wish(x / n, y / n, z / n)
+
+    @compiled
+    def weigh(me, near, p, out):
+        for j in range(near.n):
+            out[j] = weight(me, near, j, p) * near.heard[j]
+
+    return {"decide": decide, "weigh": weigh}
+
+
+def sum_of(**terms: Callable) -> dict[str, Any]:
+    """`decide`, `forces` and `explain` of a rule that adds up forces between two agents, by name.
+
+    Each of `terms`, at least one, is compiled: `term(me, near, j, p) -> Wish`, the force of agent j
+    on itself, (0, 0, 0) for those that are no neighbours.
+    """
+    decide = explain = None
+    for row, term in enumerate(terms.values()):
+        decide = added(decide, term)
+        explain = explained(explain, term, row)
+    forces = tuple(name.replace("_", " ") for name in terms)
+    return {"decide": decide, "explain": explain, "forces": forces, "wish": "acceleration"}
+
+
+@compiled
+def nothing(me, near, surroundings, p):
+    """No force."""
+    return Wish(0.0, 0.0, 0.0)
+
+
+@compiled
+def nothing_explained(me, near, surroundings, p, out):
+    """No force to explain."""
+
+
+def added(before: Callable | None, term: Callable) -> Callable:
+    """The force of the terms `before` and of one more."""
+    first = nothing if before is None else before
+
+    @compiled
+    def decide(me, near, surroundings, p):
+        so_far = first(me, near, surroundings, p)
+        x, y, z = so_far.x, so_far.y, so_far.z
+        for j in range(near.n):
+            force = term(me, near, j, p)
+            x += force.x
+            y += force.y
+            z += force.z
+        return Wish(x, y, z)
+
+    return decide
+
+
+def explained(before: Callable | None, term: Callable, row: int) -> Callable:
+    """The forces of the terms `before`, and of one more in a row of `out` (forces, 3)."""
+    first = nothing_explained if before is None else before
+
+    @compiled
+    def explain(me, near, surroundings, p, out):
+        first(me, near, surroundings, p, out)
+        for j in range(near.n):
+            force = term(me, near, j, p)
+            out[row, 0] += force.x
+            out[row, 1] += force.y
+            out[row, 2] += force.z
+
+    return explain

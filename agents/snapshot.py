@@ -1,0 +1,202 @@
+"""A flock frozen at a tick: what observables, the inspector, recordings and pictures take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from agents.engine.arrays import Arrays
+from agents.models.declare import Parameters
+from agents.models.model import Model
+from agents.observables.checks import is_finite, leave_out, whole_rows
+from agents.observables.components import groups_within
+from agents.observables.layers import layers
+from agents.observables.neighbours import links
+from agents.state.crashes import Crashes, active, crashes
+from agents.state.rows import chosen
+from worlds.mission import along_route
+from worlds.refusal import Refusal, unknown
+from worlds.world import World
+
+
+class State:
+    """What follows from a model, its parameters, a world and the agents' arrays at one tick.
+
+    A flock has it as it is now, a `Snapshot` as it was.
+
+    Attributes
+    ----------
+    position, heading: (N, dim) float64, length and unit vectors. speed: (N,), length/tick.
+    informed: (N,) bool, information agents. ids: (N,) int, identities, which no row ever shares.
+    tick: int, ticks done. seed: int. parameters: those of the rule and the body.
+    """
+
+    model: Model
+    world: World
+    parameters: Parameters
+    arrays: Arrays
+    tick: int
+    seed: int
+
+    @property
+    def position(self) -> np.ndarray:
+        """(N, dim), length."""
+        return self.arrays.position
+
+    @property
+    def heading(self) -> np.ndarray:
+        """(N, dim), unit vectors."""
+        return self.arrays.heading
+
+    @property
+    def speed(self) -> np.ndarray:
+        """(N,), length/tick."""
+        return self.arrays.speed
+
+    @property
+    def informed(self) -> np.ndarray:
+        """(N,) bool: information agents."""
+        return self.arrays.informed
+
+    @property
+    def ids(self) -> np.ndarray:
+        """(N,) int: identities."""
+        return self.arrays.ids
+
+    @property
+    def dt(self) -> float:
+        """The time that a tick stands for, in the model's unit of time."""
+        return float(self.model.body.lasts(self.parameters))
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the start, tick * dt."""
+        return self.tick * self.dt
+
+    @property
+    def reach(self) -> float:
+        """The largest distance at which agents notice each other, length."""
+        return float(getattr(self.parameters, self.model.rule.reach))
+
+    @property
+    def together(self) -> float:
+        """The distance within which agents are of one group, length."""
+        return float(getattr(self.parameters, self.model.rule.together or self.model.rule.reach))
+
+    @property
+    def sight(self) -> float:
+        """The largest distance at which agents notice obstacles, length."""
+        return float(getattr(self.parameters, self.model.body.sight or self.model.rule.reach))
+
+    @property
+    def reference(self) -> np.ndarray | None:
+        """The heading that the flock is meant to take, (dim,); None for the mean of the flock."""
+        if not self.model.rule.converges or not self.informed.any():
+            return None
+        return self.heading[np.argmax(self.informed)]
+
+    def goal_at(self, ticks) -> np.ndarray:
+        """Positions of the gamma agent at ticks (T,), (T, dim), length. Raises Refusal."""
+        mission = self.world.mission
+        if mission is None or mission.goal is None:
+            raise Refusal(f"the world {self.world.name!r} has no goal")
+        return along_route(mission.goal, np.asarray(ticks) * self.dt)
+
+    @property
+    def can_crash(self) -> bool:
+        """Whether agents that touch something crash."""
+        return self.model.body.touches is not None
+
+    @property
+    def active(self) -> np.ndarray:
+        """Which agents have not crashed, (N,) bool."""
+        return active(self.arrays)
+
+    @property
+    def crashes(self) -> Crashes:
+        """Who has crashed so far: when, where and against what."""
+        return crashes(self.arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot(State):
+    """A flock at one tick, or some of its agents; links, groups and layers are found once.
+
+    `Flock.snapshot` takes it. Nobody writes to its arrays any more.
+    """
+
+    model: Model
+    world: World
+    parameters: Parameters
+    seed: int
+    tick: int
+    arrays: Arrays
+    next_id: int
+    """The identity that the next agent will have."""
+    with_signals: bool = False
+    """Whether it holds what agents tell each other at this tick, and not at the one before."""
+    whole: Snapshot | None = None
+    """The snapshot of which these are some of the agents."""
+
+    @property
+    def crashes(self) -> Crashes:
+        """Who had crashed: when, where and against what; of the whole flock."""
+        return crashes((self.whole or self).arrays)
+
+    def links(self) -> np.ndarray:
+        """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
+        return self._links
+
+    def group_labels(self) -> np.ndarray:
+        """The connected group within `together` of each agent, int (N,), 0 the largest."""
+        return self._group_labels
+
+    def layers(self) -> np.ndarray:
+        """Hops from an information agent plus 1, int (N,); N + 1 unknown."""
+        return self._layers
+
+    @cached_property
+    def _links(self) -> np.ndarray:
+        return links(self.position, self.reach, self.world.size, self.world.images)
+
+    @cached_property
+    def _group_labels(self) -> np.ndarray:
+        return groups_within(self.position, self.together, self.world.size, self.world.images)
+
+    @cached_property
+    def _layers(self) -> np.ndarray:
+        return layers(self._links, self.informed)
+
+    def signal(self, name: str) -> np.ndarray:
+        """A signal, memory or measure of the agents, one of `model.columns`: a copy (N,).
+
+        A layer of N + 1 is unknown. Raises Refusal for a name that is none, and for what agents
+        tell each other in a snapshot that was taken without.
+        """
+        model = self.model
+        if name not in model.columns:
+            raise unknown("signal", name, model.columns)
+        if name in model.signals and not self.with_signals:
+            raise Refusal(f"{name} is not in this snapshot: take it with signals=True")
+        values = self.arrays.memory[model.columns.index(name)]
+        return np.where(np.isinf(values), len(values) + 1.0, values)
+
+    def of(self, rows: np.ndarray) -> Snapshot:
+        """The agents of some rows, as if there were no others."""
+        return replace(self, arrays=chosen(self.arrays, rows), whole=self.whole or self)
+
+    def measurable(self) -> Snapshot:
+        """The agents that observables see: those that have not crashed.
+
+        Agents whose position, heading or speed is no number are left out too, and a warning says
+        how many (`agents.observables.checks.LeftOut`).
+        """
+        there = self.active
+        arrays = self.position, self.heading, self.speed
+        if not all(is_finite(array) for array in arrays):
+            whole = whole_rows(*arrays)
+            leave_out(int((there & ~whole).sum()), int(there.sum()), "agents")
+            there = there & whole
+        return self if there.all() else self.of(np.flatnonzero(there))

@@ -1,0 +1,1 @@
+"""The arrays of a flock: how they start, are joined and chosen, who crashed, who is astray."""

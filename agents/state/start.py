@@ -1,0 +1,258 @@
+"""The start of a flock: positions and headings at tick 0, random from the seed or given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from worlds.checks import demand_free, demand_in_box
+from worlds.mission import StartRegion
+from worlds.queries.clearance import clearance
+from worlds.refusal import Refusal, unknown
+from worlds.world import World
+
+THETA_D = np.pi / 4
+"""Heading of the information UAV (rad), theta^d of Liu et al. 2021, section 3.1."""
+
+
+TRIES = 300
+"""How often agents that do not fit are tried elsewhere before a start is refused."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Positions and headings at tick 0, with speeds and information agents; rows are agents."""
+
+    position: np.ndarray
+    heading: np.ndarray
+    informed: np.ndarray
+    speed: np.ndarray
+
+
+def random_headings(rng: np.random.Generator, n: int, dim: int) -> np.ndarray:
+    """n unit vectors, uniform on the circle or the sphere, (n, dim)."""
+    if dim == 2:
+        theta = rng.uniform(0.0, 2.0 * np.pi, n)
+        return np.column_stack([np.cos(theta), np.sin(theta)])
+    vector = rng.normal(size=(n, 3))
+    return vector / np.linalg.norm(vector, axis=1, keepdims=True)
+
+
+def goal_heading(dim: int) -> np.ndarray:
+    """The heading that information agents know, a unit vector (dim,)."""
+    if dim == 2:
+        return np.array([np.cos(THETA_D), np.sin(THETA_D)])
+    return np.full(3, 3.0**-0.5)
+
+
+def random_start(
+    world: World,
+    agents: int,
+    informed: int,
+    rng: np.random.Generator,
+    spacing: float | None = None,
+    gap: float = 0.0,
+) -> Start:
+    """`agents` ordinary and `informed` information agents, as Liu et al. 2021, section 3.1.
+
+    Positions are uniform in the box and headings uniform; the first information agent is in the
+    corner (0, 0), and all of them head for theta^d. Rows are numbered along space, so that agents
+    near each other start near each other in memory; the information agents come first. No agent
+    starts inside an obstacle, or nearer than `gap` to one; with `spacing`, ordinary agents keep
+    that distance to each other and to what is solid. A world with a mission may have a start region
+    of its own, where all are spread alike. Raises Refusal where there is no room.
+    """
+    n = agents + informed
+    if world.mission is not None and world.mission.start is not None:
+        return mission_start(world, n, informed, rng, spacing, gap)
+    position = free_positions(world, agents, rng, spacing or 0.0, gap)
+    heading = random_headings(rng, agents, world.dim)
+    position = position[along_space(position, np.array(world.size))]
+    first = free_positions(world, informed, rng)
+    if not world.is_solid:
+        first[:1] = 0.0
+    know = np.tile(goal_heading(world.dim), (informed, 1))
+    return Start(
+        np.concatenate([first, position]),
+        np.concatenate([know, heading]),
+        np.arange(n) < informed,
+        np.zeros(n),
+    )
+
+
+def free_positions(
+    world: World, n: int, rng: np.random.Generator, spacing: float = 0.0, gap: float = 0.0
+) -> np.ndarray:
+    """n positions uniform in the box where nothing is solid, (n, dim).
+
+    They keep at least `spacing` to each other and to what is solid, and `gap` to the latter. Raises
+    Refusal.
+    """
+    low, size = np.array(world.low), np.array(world.size)
+    return spread(world, low, size, n, spacing, rng, max(gap, spacing))
+
+
+def spread(
+    world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float = 0.0
+) -> np.ndarray:
+    """n positions uniform in the box [low, low + size), clear of what is solid, (n, dim).
+
+    They keep at least `spacing` to each other and `gap` to what is solid. Raises Refusal if they do
+    not fit, with the number that does.
+    """
+    before = rng.bit_generator.state
+    position, fit = tried(world, low, size, n, spacing, rng, gap)
+    if fit == n:
+        return position
+    again = np.random.Generator(type(rng.bit_generator)())
+    found = -1
+    while fit and found != fit:
+        again.bit_generator.state = before
+        found, fit = fit, tried(world, low, size, fit, spacing, again, gap)[1]
+    apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
+    off = f", {gap:g} from them" if gap > 0.0 else ""
+    fits = f"{fit} fit" if fit > 1 else ("1 fits" if fit else "not even one fits")
+    raise Refusal(
+        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
+        f"the obstacles of {world.name}{off}: {fits}"
+    )
+
+
+def tried(
+    world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float
+) -> tuple[np.ndarray, int]:
+    """Positions as `spread` asks for them, (n, dim), and how many of the last ones are good."""
+    position = rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
+    bad = np.zeros(n, bool)
+    for _ in range(TRIES):
+        bad = np.zeros(n, bool)
+        if world.is_solid:
+            bad |= clearance(world, position) <= gap
+        if spacing > 0.0:
+            bad |= too_close(world, position, spacing)
+        if not bad.any():
+            break
+        position[bad] = rng.uniform(0.0, 1.0, (int(bad.sum()), world.dim)) * size + low
+    return position, n - int(bad.sum())
+
+
+def too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
+    """Rows that are nearer than `spacing` to a row before them, (N,) bool."""
+    if world.images.any():
+        # A side of 0 is one without images.
+        round_ = np.where(world.images, world.size, 0.0)
+        tree = cKDTree(np.where(world.images, position % world.size, position), boxsize=round_)
+    else:
+        tree = cKDTree(position)
+    pairs = tree.query_pairs(spacing, output_type="ndarray")
+    close = np.zeros(len(position), bool)
+    close[pairs.max(axis=1)] = True
+    return close
+
+
+def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lower corner and sides of a start region for n agents, (dim,) each, length."""
+    low = np.array(region.low)
+    if region.density is None:
+        return low, np.array(region.high) - low
+    return low, np.full(len(low), (n / region.density) ** (1.0 / len(low)))
+
+
+def mission_start(
+    world: World,
+    n: int,
+    informed: int,
+    rng: np.random.Generator,
+    spacing: float | None = None,
+    gap: float = 0.0,
+) -> Start:
+    """A start from the mission's region; the first `informed` agents head for the first waypoint.
+
+    The region's spacing holds unless `spacing` is given. Raises Refusal where there is no room.
+    """
+    mission = world.mission
+    assert mission is not None
+    region = mission.start
+    assert region is not None
+    low, size = start_box(region, n)
+    if spacing is None:
+        position = spread(world, low, size, n, region.spacing, rng, gap)
+    else:
+        position = spread(world, low, size, n, spacing, rng, max(gap, spacing))
+    position[informed:] = position[informed:][along_space(position[informed:] - low, size)]
+    speed = np.zeros(n)
+    heading = random_headings(rng, n, world.dim)
+    if region.speed_low is not None and region.speed_high is not None:
+        velocity = rng.uniform(region.speed_low, region.speed_high, (n, world.dim))
+        speed = np.linalg.norm(velocity, axis=1)
+        moves = speed > 0.0
+        heading[moves] = velocity[moves] / speed[moves, None]
+    if mission.path is not None:
+        way = np.array(mission.path.waypoints[0]) - position[:informed]
+        heading[:informed] = way / np.linalg.norm(way, axis=1, keepdims=True)
+    else:
+        heading[:informed] = goal_heading(world.dim)
+    return Start(position, heading, np.arange(n) < informed, speed)
+
+
+def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """An order of the rows in which near agents are near each other: by strips of the box."""
+    n, dim = position.shape
+    strips = max(1.0, (n / 4.0) ** (1.0 / dim))
+    cell = np.floor(position / size * strips)
+    return np.lexsort(cell.T)
+
+
+def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) -> Start:
+    """A start from arrays: `position` and `heading` (N, dim), `speed` and `informed` (N,) or none.
+
+    Positions are in the box along axes that wrap or are solid, and outside of obstacles unless
+    agents go through these (`passing`). Headings are brought to length 1; speeds are >= 0, and 0 if
+    none are given. Raises Refusal naming the array, the row and the value where something is no
+    finite number, has no direction, is where no agent can be, or does not fit.
+    """
+    for name in arrays:
+        if name not in ("position", "heading", "speed", "informed"):
+            raise unknown("start array", name, ("position", "heading", "speed", "informed"))
+    for name in ("position", "heading"):
+        if name not in arrays:
+            raise Refusal(f"start has no {name!r}: position and heading, both (N, dim), are needed")
+    position = rows("position", arrays["position"], world.dim)
+    demand_in_box(world, position, passing)
+    if not passing:
+        demand_free(world, position)
+    heading = rows("heading", arrays["heading"], world.dim)
+    if len(position) != len(heading):
+        raise Refusal(f"start has {len(position)} positions but {len(heading)} headings")
+    if len(position) < 1:
+        raise Refusal("start has 0 agents: at least 1 is needed")
+    informed = np.asarray(arrays.get("informed", np.zeros(len(position), bool)))
+    if informed.shape != (len(position),):
+        raise Refusal(f"start array 'informed' has shape {informed.shape}, not ({len(position)},)")
+    length = np.linalg.norm(heading, axis=1, keepdims=True)
+    if (length == 0.0).any():
+        row = int(np.flatnonzero(length == 0.0)[0])
+        raise Refusal(f"heading of row {row} is a zero vector: a heading needs a direction")
+    speed = np.asarray(arrays.get("speed", np.zeros(len(position))), float)
+    if speed.shape != (len(position),) or not (np.isfinite(speed) & (speed >= 0.0)).all():
+        raise Refusal(f"start array 'speed' must be {len(position)} finite numbers >= 0")
+    return Start(position, heading / length, informed.astype(bool), speed)
+
+
+def rows(name: str, values: object, dim: int) -> np.ndarray:
+    """`values` as a float array (N, dim) of finite numbers. Raises Refusal."""
+    try:
+        array = np.array(values, float)
+    except (TypeError, ValueError):
+        raise Refusal(f"start array {name!r} is not an array of numbers") from None
+    if array.ndim != 2 or array.shape[1] != dim:
+        raise Refusal(f"start array {name!r} has shape {array.shape}, not (N, {dim})")
+    if not np.isfinite(array).all():
+        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        value = array[row].tolist()
+        raise Refusal(f"{name} of row {row} is {value}: every component must be a finite number")
+    return array

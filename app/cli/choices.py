@@ -1,0 +1,156 @@
+"""What there is to choose from: a row for each thing of each kind, and tables of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from worlds.counting import counted
+
+Rows = list[dict[str, Any]]
+WIDE = 80
+"""Columns of the overview, and of what is said of one thing."""
+
+
+def models() -> Rows:
+    """All models."""
+    from agents.catalogue import MODELS
+
+    return [
+        {
+            "name": one.name,
+            "title": one.title,
+            "dimensions": list(one.dimensions),
+            "informed": one.informed,
+            "world": one.world,
+            "agents": one.agents,
+            "wish": one.rule.wish,
+            "body": one.body.name,
+            "time_unit": one.body.unit,
+            "sees_obstacles": one.sees_obstacles,
+            "forces": list(one.rule.forces + one.body.forces),
+            "summary": one.summary,
+            "source": one.rule.source,
+        }
+        for one in MODELS.values()
+    ]
+
+
+def parameters() -> Rows:
+    """All parameters, each once, with the models that have them."""
+    from agents.catalogue import MODELS
+    from agents.models.declare import declared
+
+    found: dict[tuple, dict[str, Any]] = {}
+    for model in MODELS.values():
+        for one in declared(model.parameters):
+            row = found.setdefault(
+                (one.name, one.default, one.allowed, one.description),
+                {
+                    "name": one.name,
+                    "symbol": one.symbol,
+                    "default": one.default,
+                    "allowed": one.allowed,
+                    "unit": one.unit,
+                    "models": [],
+                    "description": one.description,
+                    "source": one.source,
+                },
+            )
+            row["models"].append(model.name)
+    return list(found.values())
+
+
+def worlds() -> Rows:
+    """The built-in worlds."""
+    from worlds.layout import layout_names, read_layout
+
+    return [{"name": name, "title": read_layout(name).get("title", "")} for name in layout_names()]
+
+
+def observables() -> Rows:
+    """All observables."""
+    from agents.observables.catalogue import OBSERVABLES
+
+    return [
+        {"name": one.name, "unit": one.unit, "range": str(one.range), "title": one.title}
+        for one in OBSERVABLES.values()
+    ]
+
+
+def papers() -> Rows:
+    """Tables and figures that `flockscope paper` repeats."""
+    from app.experiments.experiment import experiment_names, read_experiment
+
+    made = [read_experiment(name) for name in experiment_names()]
+    return [{"name": one.name, "title": one.title, "source": one.source} for one in made]
+
+
+KINDS = {
+    "models": models,
+    "parameters": parameters,
+    "worlds": worlds,
+    "observables": observables,
+    "papers": papers,
+}
+ON_SCREEN = {
+    "models": ("name", "what it does"),
+    "parameters": ("name", "default", "allowed", "models", "description"),
+}
+"""Columns for people; JSON has all of them."""
+ARTICLES = {
+    "heading": "a heading",
+    "acceleration": "an acceleration",
+    "velocity": "a velocity",
+}
+
+
+def names() -> dict[str, list[str]]:
+    """The names of each kind of things."""
+    from agents.catalogue import MODELS
+    from agents.observables.catalogue import OBSERVABLES
+    from app.experiments.experiment import experiment_names
+    from worlds.layout import layout_names
+
+    parameters = {one: None for model in MODELS.values() for one in model.parameters.model_fields}
+    return {
+        "models": list(MODELS),
+        "worlds": layout_names(),
+        "observables": list(OBSERVABLES),
+        "papers": list(experiment_names()),
+        "parameters": list(parameters),
+    }
+
+
+def show(made: dict[str, Rows]) -> None:
+    """Print tables for people."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    for kind, rows in made.items():
+        columns = ON_SCREEN.get(kind) or tuple(rows[0])
+        table = Table(*columns, title=kind, title_justify="left", box=SIMPLE_HEAD)
+        table.columns[0].no_wrap = True
+        for row in rows:
+            told = {**row, "what it does": in_words(row)} if kind == "models" else row
+            table.add_row(*(cell(told[name]) for name in columns))
+        console.print(table)
+
+
+def in_words(model: dict[str, Any]) -> str:
+    """What a model is and does, and where it is at home."""
+    dimensions = ", ".join(f"{dim}-D" for dim in model["dimensions"])
+    return (
+        f"{model['title']} ({dimensions}; {counted(model['agents'], 'agent')} in "
+        f"{model['world']}; wishes {ARTICLES[model['wish']]})\n[dim]{model['summary']}[/dim]"
+    )
+
+
+def cell(value: Any) -> str:
+    """A value as a cell shows it."""
+    if isinstance(value, list):
+        return ", ".join(cell(one) for one in value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"{value:g}" if isinstance(value, float) else str(value)

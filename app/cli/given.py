@@ -1,0 +1,151 @@
+"""The run that a command line asks for: a spec file, options over it, `--set` over both."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from agents.spec import KEYS, OPTIONS, Option, Spec, several
+from app.experiments.lines import place
+from app.settings import assignment, numbers
+from worlds.reading import read_text, toml
+from worlds.refusal import Refusal, shortened, unknown
+from worlds.world import World
+
+Asked = dict[str, Any]
+"""Options of a run, by name; None for those that are not given."""
+NAMED = re.compile(r"unknown (?:parameter|key) '([^']*)'|unknown (\w+)|(\w+)")
+"""What a refusal is about."""
+
+
+def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The command with every option of a run; it is given them as `asked`."""
+
+    @wraps(command)
+    def called(**given: Any) -> Any:
+        asked = {name: given.pop(name) for name in OPTIONS}
+        if asked["size"] is not None:
+            sides = numbers("--size", asked["size"])
+            asked["size"] = sides[0] if len(sides) == 1 else tuple(sides)
+        return command(asked=asked, **given)
+
+    signature = inspect.signature(command, eval_str=True)
+    options: list[inspect.Parameter] = []
+    for one in signature.parameters.values():
+        mine = map(parameter, OPTIONS, OPTIONS.values()) if one.name == "asked" else [one]
+        options += [own.replace(kind=inspect.Parameter.KEYWORD_ONLY) for own in mine]
+    called.__signature__ = signature.replace(parameters=options)  # type: ignore[attr-defined]
+    return called
+
+
+def parameter(name: str, option: Option) -> inspect.Parameter:
+    """An option of a run as Typer has it; what it may be is checked with the run."""
+    kind = str if name == "size" else option.kind
+    choices = f"{', '.join(option.words)}. " if option.words else ""
+    default = Spec.model_fields[name].default
+    default = OPEN.get(name, "the model's own") if default is None else default
+    made = typer.Option(help=f"{choices}{option.help}. \\[default: {default}]")
+    return inspect.Parameter(
+        name,
+        inspect.Parameter.KEYWORD_ONLY,
+        default=None,
+        annotation=Annotated[kind | None, made],
+    )
+
+
+OPEN = {"seed": "drawn; in the laboratory 1", "size": "the world's own", "dim": "the world's own"}
+"""What options come to that are not given and that no model has."""
+
+
+class Origins(dict[str, str]):
+    """Where each value of a run comes from: an option, or a line of a file."""
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """Refusals raised within say where the value is from that they are about."""
+        try:
+            yield
+        except Refusal as refusal:
+            text = str(refusal)
+            found = NAMED.match(text)
+            key = found[found.lastindex or 0] if found else ""
+            if key == "dim" and key not in self:
+                key = "world"
+            origin = self.get(key, "")
+            if not origin or origin in text:
+                raise
+            raise Refusal(f"{text} ({origin})") from None
+
+
+def given(
+    model: str | None, asked: Asked, settings: list[str], file: Path | None = None
+) -> tuple[Spec, Origins]:
+    """The run, and where its values are from. Raises Refusal naming what is wrong and where."""
+    values, origins = ({}, Origins()) if file is None else read(file)
+    changed, said = set_by(settings)
+    for key, value in {"model": model, **asked}.items():
+        if value is not None:
+            values[key], origins[key] = value, f"--{key}" if key != "model" else "MODEL"
+    origins.update(said)
+    if "model" not in values:
+        raise Refusal("which MODEL? `flockscope list models` names them; or give --spec or --state")
+    layout = values.pop("layout", None)
+    with origins.named():
+        if layout is not None and asked.get("world") is None:
+            values["world"] = carried(layout, values, origins["layout"])
+        parameters = {**values.pop("parameters", {}), **changed}
+        return Spec(**values, parameters=parameters), origins
+
+
+def set_by(settings: list[str]) -> tuple[dict[str, Any], Origins]:
+    """The parameters of `--set NAME=VALUE`, and where they are from. Raises Refusal."""
+    parameters = dict(map(assignment, settings))
+    return parameters, Origins({name: f"--set {name}" for name in parameters})
+
+
+def read(path: Path) -> tuple[dict[str, Any], Origins]:
+    """The values of a spec file, whole or in part. Raises Refusal naming file and line."""
+    text = read_text(repr(str(path)), path)
+    values = toml(text, str(path))
+    origins = Origins({key: place(path, text, key) for key in values})
+    for key in values:
+        if key not in KEYS:
+            raise unknown("key", key, KEYS, origins[key])
+    if values.pop("start", "random") != "random":
+        raise Refusal(
+            "start = 'given': a run from given arrays goes on only from its saved state, with "
+            f"--state ({origins['start']})"
+        )
+    for key in ("versions", "parameters"):
+        table = values.get(key, {})
+        if not isinstance(table, dict) or any(isinstance(v, dict | list) for v in table.values()):
+            raise Refusal(f"{key} is not a table of single values ({origins[key]})")
+    for name in values.get("parameters", {}):
+        origins[name] = place(path, text, name, "parameters")
+    origins["layout"] = f"layout in {path}"
+    return values, origins
+
+
+def carried(layout: Any, values: dict[str, Any], origin: str) -> World:
+    """The world that a spec carries with it. Raises Refusal naming the spec."""
+    from worlds.checks import demand_sound
+    from worlds.layout import world_from_layout
+
+    if not isinstance(layout, dict):
+        raise Refusal(f"layout = {shortened(layout)} is not a table ({origin})")
+    size, dim = values.pop("size", None), values.pop("dim", None)
+    if dim is None and several(size):
+        dim = len(size)
+    try:
+        made = world_from_layout(layout, values.get("world", "layout"), dim, size)
+        demand_sound(made)
+    except Refusal as refusal:
+        raise Refusal(f"{refusal} ({origin})") from None
+    return made

@@ -1,0 +1,39 @@
+"""`flockscope live emulate`: a laboratory in software, to try everything without hardware."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def emulate(
+    file: Annotated[
+        Path | None, typer.Argument(help="The laboratory's file. \\[default: an example]")
+    ] = None,
+    arm: Annotated[bool, typer.Option("--arm", help="Arm once every car is seen.")] = False,
+    record: Annotated[
+        Path | None, typer.Option(help="Record poses, commands and events in this new folder.")
+    ] = None,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="UDP port that the cars hear; 0: a free one.")
+    ] = 0,
+    seconds: Annotated[float, typer.Option(help="Leave after so long; 0: never.")] = 0.0,
+    json_asked: Annotated[
+        bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Only the summary.")] = False,
+) -> None:
+    """Drive emulated cars: the laboratory's file, with cars and cameras in software.
+
+    Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
+    """
+    from app.cli.live.run import conduct
+    from app.live.kinds import SIMULATED
+    from app.live.operating.choices import laboratory
+    from app.live.operating.driven import open_driven
+
+    link = f"{SIMULATED}?port={port}" if port else SIMULATED
+    lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
+    conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)

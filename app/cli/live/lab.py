@@ -1,0 +1,74 @@
+"""`flockscope live lab`: a laboratory of real or emulated cars in the browser."""
+
+from __future__ import annotations
+
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.rule_option import Rules
+from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
+
+if TYPE_CHECKING:
+    from app.viewer.live.page import LivePage
+
+
+def lab(
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="The laboratory's file; without one, an example with emulated cars."),
+    ] = None,
+    source: Annotated[
+        str | None,
+        typer.Option(help="Another source: one that the file names, or `emulated cars`."),
+    ] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(help="Record each opening of the room in a new folder in this one."),
+    ] = None,
+    port: Port = 8080,
+    host: Host = "127.0.0.1",
+    allow_host: AllowHost = None,
+    open_browser: OpenBrowser = True,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print no events.")] = False,
+) -> None:
+    """Open a laboratory of cars in the browser. Nothing moves before it is armed.
+
+    Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
+    other key is the emergency stop, r resets it, d disarms, q leaves.
+    """
+    from app.live.kinds import EMULATED
+    from app.live.operating.choices import laboratory
+    from app.viewer.web.origin import allowed
+
+    names = tuple(allowed(name) for name in allow_host or ())
+    choices = laboratory(file, EMULATED if file is None and source is None else source)
+
+    def opening() -> LivePage:
+        from app.viewer.live.page import LivePage
+
+        return LivePage(choices, host, port, record, allow=names)
+
+    serve(opening, open_browser, quiet)
+
+
+def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
+    """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
+    from app.cli.live.console import SessionConsole
+    from app.cli.stopping import Stopping
+
+    with Stopping() as stopping:
+        page = opening()
+        try:
+            leaving = "q or Ctrl-C stops the cars and leaves"
+            announce(page.host, page.port, leaving, "see and stop the cars, and change the rule")
+            typer.echo(f"a browser arms with the code {page.session.code.digits}", err=True)
+            if open_browser:
+                webbrowser.open(page.address)
+            SessionConsole(page.session, stopping, not quiet).operate()
+        finally:
+            page.close()

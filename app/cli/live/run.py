@@ -1,0 +1,87 @@
+"""`flockscope live run`: drive the cars of a laboratory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.live.options import LinkName, SourceName
+from app.cli.outcome import as_json
+from app.cli.rule_option import Rules
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from app.live.laboratory.lab import Lab
+    from app.live.operating.ends import Opener
+
+
+def run(
+    file: Annotated[Path, typer.Argument(help="The laboratory's file, LAB.toml.")],
+    arm: Annotated[
+        bool, typer.Option("--arm", help="Arm once every car is seen and nothing is amiss.")
+    ] = False,
+    record: Annotated[
+        Path | None, typer.Option(help="Record poses, commands and events in this new folder.")
+    ] = None,
+    source: SourceName = None,
+    link: LinkName = None,
+    dry: Annotated[bool, typer.Option("--dry", help="Send nothing: the link is `dry`.")] = False,
+    seconds: Annotated[float, typer.Option(help="Leave after so long; 0: never.")] = 0.0,
+    json_asked: Annotated[
+        bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
+    ] = False,
+    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
+    quiet: Annotated[bool, typer.Option("--quiet", help="Only the summary.")] = False,
+) -> None:
+    """Drive the cars of a laboratory. Nothing moves before it is armed.
+
+    Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
+    """
+    from app.live.operating.choices import laboratory
+    from app.live.operating.driven import open_driven
+
+    if dry and link:
+        raise Refusal(f"--dry and --link {link!r} exclude each other")
+    lab = laboratory(file, source, link).lab
+    if dry:
+        lab = lab.altered("--dry", link="dry")
+    conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)
+
+
+def conduct(
+    lab: Lab,
+    opener: Opener,
+    arm: bool,
+    record: Path | None,
+    seconds: float,
+    json_asked: bool,
+    quiet: bool,
+) -> None:
+    """Run a laboratory from the terminal. Raises Refusal."""
+    if not 0.0 <= seconds < 1e6:
+        raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
+
+    def report(words: str) -> None:
+        if not quiet:
+            typer.echo(words, err=True)
+
+    report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
+    from app.cli.live.operate import OperatorConsole, closing
+    from app.cli.stopping import Stopping
+    from app.live.operating.flock_driver import FlockDriver
+    from app.live.operating.operator import Operator
+
+    with Stopping() as stopping:
+        FlockDriver(lab, report)  # compiled here, so that the loop need not wait for it
+        operator = Operator(lab, opener, record)
+        terminal = OperatorConsole(operator, stopping, seconds, arm, json_asked, not quiet)
+        try:
+            terminal.operate()
+        finally:
+            operator.close()
+    made = terminal.summary()
+    if record is not None:
+        made["recording"] = str(record)
+    typer.echo(as_json(made) if json_asked else closing(made))

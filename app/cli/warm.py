@@ -1,0 +1,77 @@
+"""`flockscope warm`: compile models before a class, so that none of them is waited for."""
+
+from __future__ import annotations
+
+import json
+import time
+import warnings
+from typing import Annotated
+
+import typer
+
+from app.cli.rule_option import Rules, by_name
+
+
+def by_names(models: list[str] | None) -> list[str] | None:
+    """The names of models, those of files among them. Raises Refusal."""
+    return [str(by_name(model)) for model in models] if models else None
+
+
+def warm(
+    models: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="MODEL...",
+            help="Models, see `flockscope list`, or files; by default all of them.",
+            callback=by_names,
+        ),
+    ] = None,
+    rule: Rules = None,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+) -> None:
+    """Compile models and what is measured of them, each in its own world.
+
+    What is compiled is kept on this machine, and is done anew only for another version.
+    """
+    from agents.catalogue import MODELS, model
+    from app.cli.progress import Progress
+
+    names = [model(name).name for name in models or rule or MODELS]
+    made = []
+    with Progress("compiling", quiet) as progress:
+        for place, name in enumerate(names):
+            progress.at(place / len(names), text=name)
+            before, seconds = compiled(name)
+            made.append({"model": name, "before": before, "seconds": seconds})
+            if not json_asked:
+                typer.echo(in_words(name, before, seconds))
+    if json_asked:
+        typer.echo(json.dumps(made))
+
+
+def compiled(name: str) -> tuple[bool, float]:
+    """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
+    from agents.flock import Flock
+    from agents.observables.catalogue import OBSERVABLES
+    from app.experiments.workers.kernels import compile_loop
+
+    begun = time.perf_counter()
+    flock = Flock(name, agents=3, rng=0)
+    before = flock.is_compiled
+    compile_loop(flock, None)
+    flock.warm()
+    with warnings.catch_warnings(action="ignore"):
+        for one in OBSERVABLES.values():
+            if one.over is None and one.applies(flock):
+                flock.observe(one.name)
+    return before, round(time.perf_counter() - begun, 2)
+
+
+def in_words(model: str, before: bool, seconds: float) -> str:
+    """A line for people.
+
+    >>> in_words("vem", before=False, seconds=4.2)
+    'vem               compiled in 4.2 s'
+    """
+    return f"{model:16}  {'was compiled' if before else f'compiled in {seconds:.1f} s'}"

@@ -1,0 +1,63 @@
+"""What a row of an experiment overrides of its world's mission: the start, the goal's speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from pydantic import Field
+
+from app.strict import Strict
+from worlds.refusal import Refusal
+from worlds.world import World
+
+
+class Ranks(Strict):
+    """Places on a plane for the first agents, with normal noise that follows from the seed."""
+
+    places: tuple[tuple[float, float], ...] = Field(min_length=1)
+    """Where they stand, the first agents at the first places; length."""
+    off: float = Field(0.0, ge=0.0)
+    """Standard deviation of their places along each axis, length."""
+    heading: float
+    """Which way they look, deg, anticlockwise from the x axis."""
+    turned: float = Field(0.0, ge=0.0)
+    """Standard deviation of their headings, deg."""
+    speed: float = Field(0.0, ge=0.0)
+    """Length per unit of time."""
+
+    def start(self, agents: int, seed: int) -> dict[str, np.ndarray]:
+        """Positions, headings and speeds of so many agents. Raises Refusal if places lack."""
+        if agents > len(self.places):
+            raise Refusal(f"agents = {agents}, but only {len(self.places)} have a place to start")
+        rng = np.random.default_rng(seed)
+        off = self.off * rng.normal(size=(agents, 2))
+        angle = np.radians(self.heading + self.turned * rng.normal(size=agents))
+        return {
+            "position": np.array(self.places[:agents], float) + off,
+            "heading": np.column_stack([np.cos(angle), np.sin(angle)]),
+            "speed": np.full(agents, self.speed),
+        }
+
+
+class Overrides(Strict):
+    """What a row overrides of the world's mission."""
+
+    ranks: Ranks | None = None
+    """Where agents start; None: at random in the world's own region."""
+    speed: float | None = Field(default=None, gt=0.0)
+    """Speed of the goal along its route; None: the world's own."""
+
+
+PLAIN = Overrides()
+"""Nothing is overridden."""
+
+
+def with_goal_speed(world: World, overrides: Overrides) -> World:
+    """The world with the goal at the speed of the overrides. Raises Refusal if it has no goal."""
+    if overrides.speed is None:
+        return world
+    if world.mission is None or world.mission.goal is None:
+        raise Refusal(f"speed = {overrides.speed:g}: the world {world.name!r} has no goal")
+    goal = world.mission.goal.model_copy(update={"speed": overrides.speed})
+    return replace(world, mission=world.mission.model_copy(update={"goal": goal}))

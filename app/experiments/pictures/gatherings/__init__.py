@@ -1,0 +1,1 @@
+"""Pictures of flocks in a box: groups, polarisation, crashes."""

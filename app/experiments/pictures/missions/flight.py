@@ -1,0 +1,30 @@
+"""One run of an experiment flown again for a picture, with all of its positions."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from agents import Flock
+from agents.mission import MissionRecord, fly
+from app.experiments.experiment import Case, Experiment
+from app.experiments.kinds.mission import Mission
+from app.experiments.trial import flock_of
+
+FRAMES = 1500
+"""Positions kept of a run, about."""
+
+
+class Flight(NamedTuple):
+    """A flock at the end of its mission, and how it went."""
+
+    flock: Flock
+    record: MissionRecord
+
+
+def flown(experiment: Experiment, case: Case, seed: int) -> Flight:
+    """Fly the run of a case with that seed."""
+    settings = experiment.settings
+    assert isinstance(settings, Mission)
+    flock = flock_of(case, seed)
+    ticks = round(settings.limit / flock.dt)
+    return Flight(flock, fly(flock, ticks, every=max(1, ticks // FRAMES)))

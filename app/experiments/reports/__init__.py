@@ -1,0 +1,1 @@
+"""The outcome of an experiment for people: tables, JSON, a CSV file."""

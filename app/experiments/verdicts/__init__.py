@@ -1,0 +1,1 @@
+"""Measured beside published: statistics, verdicts, and claims in words."""

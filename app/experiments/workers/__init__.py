@@ -1,0 +1,1 @@
+"""Runs on all cores: compiled first, the longest first, with the time still needed."""

@@ -1,0 +1,218 @@
+"""Safety: a pure state machine between the rule and the link that decides what may be sent.
+
+It has no clock, no thread and no device: it is told the time, the newest frame and what the rule
+wants, and answers what may be sent. Every stop has its reason:
+
+======== ================================================================ =====================
+kind     when                                                             the cars
+======== ================================================================ =====================
+unseen   a car was not seen for longer than `stale`                       run on once it is seen
+asleep   a car was unseen, or the loop stood still, longer than long_gap  wait to be armed again
+frozen   a car does not go where its commands take it                     wait to be armed again
+leap     a car is seen where it cannot be, for longer than `stale`        wait to be armed again
+fence    a car is at the fence or beyond it                               wait to be armed again
+rule     the rule failed                                                  wait to be armed again
+======== ================================================================ =====================
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from app.live.control.area import Area
+from app.live.control.arm import Arm, OperatorRequest
+from app.live.control.limits import CarLimits, Limits
+from app.live.control.pose import MocapFrame, Sighting
+from app.live.control.seen import Seen
+from app.live.control.travel import Travel
+from app.live.links.link import EMERGENCY, RUN, STOP
+
+LONGEST_STEP = 0.05
+"""Seconds that the steering may change in at most between two commands."""
+STILL = (0.0, 0.0)
+Command = tuple[float, float]
+"""Steering and throttle in [-1, 1]; left and forwards are positive."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why the cars do not run."""
+
+    kind: str
+    words: str
+    car: str = ""
+    """The car that it is about; empty: all."""
+    holds: bool = True
+    """Whether it takes the arming away."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What may be sent to the cars."""
+
+    mode: int
+    """0 stop, 1 run, 2 emergency stop."""
+    commands: dict[str, Command]
+    """By car, all cars; no throttle unless the mode is run."""
+    reasons: tuple[Reason, ...]
+    """Why they do not run, or could not be armed."""
+    held: bool = False
+    """Whether this verdict took the arming away."""
+
+
+class Safety:
+    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick."""
+
+    def __init__(
+        self,
+        limits: Limits,
+        area: Area,
+        cars: Mapping[str, CarLimits],
+        bodies: Mapping[str, str] | None = None,
+    ):
+        self.limits = limits
+        self.area = area
+        self.cars = dict(cars)
+        self.arm = Arm()
+        self.seen = Seen(bodies or {name: name for name in cars}, self.cars, limits.leap)
+        self.travels = {name: Travel(car, limits.frozen) for name, car in self.cars.items()}
+        self.sent: dict[str, Command] = dict.fromkeys(self.cars, STILL)
+        self.before: float | None = None
+        """The time of the last verdict, s."""
+
+    def see(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
+        """Take the newest frame; the last poses of all bodies seen within `stale` seconds.
+
+        While unarmed every pose is accepted, also that of a car that is carried.
+        """
+        if self.seen.take(now, frame, believing=self.arm.state != "armed"):
+            for name, pose in self.seen.fresh.items():
+                if name in self.travels:
+                    self.travels[name].see(now, pose)
+        return self.seen.sightings(now, self.limits.stale)
+
+    def ask(self, now: float, request: OperatorRequest) -> bool:
+        """Carry out a request; whether it changed anything. Raises Refusal if it cannot arm."""
+        faults = self.faults(now) if request.action == "arm" else []
+        changed = self.arm.take(request, [fault.words for fault in faults])
+        if changed and request.action == "arm":
+            for travel in self.travels.values():
+                travel.forget(now)
+            self.before = now
+        return changed
+
+    def faults(self, now: float) -> list[Reason]:
+        """Why the cars cannot run, as far as their poses show."""
+        return [*self.unseen(now), *self.leaping(now), *self.beyond()]
+
+    def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> Verdict:
+        """What may be sent at `now` (s), given the rule's (steer, throttle) by car.
+
+        A car without a command gets no throttle. `failed` says how the rule failed, if it did.
+        """
+        found = self.faults(now)
+        found += [Reason("rule", f"the rule failed: {failed}")] if failed else nonsense(wanted)
+        if self.arm.state == "armed":
+            found += self.asleep(now) + self.standing(now)
+        held = self.arm.state == "armed" and any(reason.holds for reason in found)
+        if held:
+            self.arm.take(OperatorRequest("hold", "safety"))
+        if self.arm.state == "emergency":
+            mode = EMERGENCY
+        else:
+            mode = RUN if self.arm.state == "armed" and not found else STOP
+        self.command(now, wanted if mode == RUN else {})
+        return Verdict(mode, dict(self.sent), tuple(found), held)
+
+    def command(self, now: float, wanted: Mapping[str, Command]) -> None:
+        """The commands to send, within the limits; without one the wheels stay as they are."""
+        step = min(max(now - self.before, 0.0), LONGEST_STEP) if self.before is not None else 0.0
+        self.before = now
+        for name, car in self.cars.items():
+            steered, _ = self.sent[name]
+            self.sent[name] = limited(car, wanted.get(name, (steered, 0.0)), steered, step)
+            self.travels[name].drive(now, self.sent[name][1])
+
+    def unseen(self, now: float) -> list[Reason]:
+        """Cars that were not seen for too long; short gaps pass by themselves."""
+        found = []
+        for name in self.cars:
+            age = self.seen.age(name, now)
+            if age > self.limits.stale:
+                since = "was never seen" if math.isinf(age) else f"was last seen {age:.2f} s ago"
+                found.append(Reason("unseen", f"{name} {since}", name, holds=False))
+        return found
+
+    def asleep(self, now: float) -> list[Reason]:
+        """Gaps so long that the cars must be armed again."""
+        longest = self.limits.long_gap
+        found = [
+            Reason("asleep", f"{name} was unseen for more than {longest:g} s", name)
+            for name in self.cars
+            if self.seen.age(name, now) > longest
+        ]
+        if self.before is not None and now - self.before > longest:
+            found.append(Reason("asleep", f"the loop stood still for {now - self.before:.2f} s"))
+        return found
+
+    def leaping(self, now: float) -> list[Reason]:
+        """Cars whose body has for too long been seen where they cannot be."""
+        return [
+            Reason(
+                "leap", f"{name} is seen {far:.2f} m from where it was: is it another car?", name
+            )
+            for name, far in self.seen.leaps.items()
+            if self.seen.age(name, now) > self.limits.stale
+        ]
+
+    def beyond(self) -> list[Reason]:
+        """Cars at the fence or beyond it."""
+        found = []
+        for name in self.cars:
+            last = self.seen.last.get(name)
+            if last is not None and self.area.inside(last.pose.x, last.pose.y) <= 0.0:
+                at = f"({last.pose.x:.2f}, {last.pose.y:.2f}) m"
+                found.append(Reason("fence", f"{name} is at the fence: {at}", name))
+        return found
+
+    def standing(self, now: float) -> list[Reason]:
+        """Cars that do not move as commanded."""
+        for travel in self.travels.values():
+            travel.advance(now)
+        still = [name for name, travel in self.travels.items() if travel.stands()]
+        if len(still) > 1 and len(still) == len(self.cars):
+            return [
+                Reason("frozen", "no car goes where it is told: tracking is frozen or the link cut")
+            ]
+        return [
+            Reason(
+                "frozen",
+                f"{name} does not go where it is told: it is stuck, its tracking frozen or its "
+                "link cut",
+                name,
+            )
+            for name in still
+        ]
+
+
+def nonsense(wanted: Mapping[str, Command]) -> list[Reason]:
+    """Commands that are no finite numbers."""
+    return [
+        Reason("rule", f"the rule wants steer = {steer}, throttle = {throttle} of {name}", name)
+        for name, (steer, throttle) in wanted.items()
+        if not (math.isfinite(steer) and math.isfinite(throttle))
+    ]
+
+
+def limited(car: CarLimits, wanted: Command, steered: float, step: float) -> Command:
+    """A command within the limits of a car; its steering turns at most `steering_rate` step.
+
+    >>> limited(CarLimits(throttle=0.5), (1.0, 2.0), 0.0, 0.01)
+    (0.08, 0.5)
+    """
+    turn = car.steering_rate * step
+    steer = min(max(wanted[0], steered - turn), steered + turn)
+    throttle = min(max(wanted[1], -car.reverse), car.throttle)
+    return min(max(steer, -car.steer), car.steer), throttle

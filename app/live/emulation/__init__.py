@@ -1,0 +1,1 @@
+"""Cars, firmware and tracking in software."""

@@ -1,0 +1,1 @@
+"""The file of a laboratory of cars: its values and their checks."""

@@ -1,0 +1,262 @@
+"""Drives real cars with the compiled code that drives the simulated ones: same rule, same steering.
+
+It keeps a flock of the laboratory's cars. Each tick it puts them where they were seen, lets the
+flock tick once, and reads off what the flock's computer would send to its cars. What the flock then
+makes of its cars' places is thrown away: the next tick brings the true ones. Simulated cars beside
+them are further rows of the same flock, which stay where it brings them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from agents.catalogue import cars_by
+from agents.models.declare import checked
+from agents.motion import Motion
+from agents.state.rows import begun
+from agents.state.start import Start
+from app.live.control.driver import Companion
+from app.live.control.pose import Pose, Sighting
+from app.live.laboratory.lab import Lab
+from app.live.operating.companions import begin_more, demand_allowed, named, resized
+from worlds.mission import Goal, Mission
+from worlds.refusal import Refusal
+from worlds.world import World
+
+NOT_SIMULATED = {
+    "dt": None,
+    "noise_xy": 0.0,
+    "noise_yaw": 0.0,
+    "dropout": 0.0,
+    "loss": 0.0,
+    "contact": "stops",
+}
+"""What a real room has of its own and its rule therefore may not be told, and what the flock that
+decides takes for it, which goes for simulated cars too; a tick lasts as long as the loop's."""
+AT_ONCE = {"latency": 0.0, "hop": 0.0}
+"""The radio of simulated cars, unless the laboratory says otherwise; real ones have their own."""
+COMPILING = "compiling {} for this machine: about half a minute, and only this first time ..."
+"""What is said while a rule is compiled; once it is, it is kept for later starts."""
+OVER = 10
+"""Ticks over which the speed of a car is measured: noise of 0.5 mm then makes 7 mm/s."""
+
+
+class FlockDriver(Motion):
+    """A driver by a rule of the catalogue; see `app.live.control.driver`: `Tunable`, `Accompanied`.
+
+    `tell` is called with a line if the rule must be compiled. Raises Refusal if the rule is unknown
+    or cannot drive cars, for its parameters, or if the simulated cars do not fit an empty room.
+    """
+
+    def __init__(self, lab: Lab, tell: Callable[[str], object] | None = None):
+        self.lab = lab
+        self.names = sorted(lab.cars)
+        self.model = cars_by(lab.rule)
+        assert self.model.body.vehicle is not None
+        self.vehicle = self.model.body.vehicle
+        self.world = world_of(lab)
+        self.seed, self.tick, self.threads = 0, 0, 1
+        self._acted = set()
+        self.fixed = NOT_SIMULATED | {"dt": 1.0 / lab.rate}
+        fastest = max(one.speed for one in lab.cars.values())
+        self.parameters = self.agreed({"v_max": fastest} | AT_ONCE | dict(lab.parameters))
+        n = len(self.names)
+        self.place = np.full((n, 2), np.nan)
+        self.nose = np.tile((1.0, 0.0), (n, 1))
+        self.past: list[deque[tuple[float, float, float]]] = [deque() for _ in self.names]
+        self.target: tuple[float, float] | None = None
+        """Where the injected car was last, m."""
+        self.wanted = lab.simulated.cars
+        """How many simulated cars there are to be; they begin once all real ones were seen."""
+        self.begin()
+        begin_more(
+            lab, 0, lab.simulated.cars, [], self.size
+        )  # they must fit an empty room at least
+        self.warm(tell)
+        self.begin()
+
+    def begin(self) -> None:
+        """The cars as a flock that has done nothing yet."""
+        n = len(self.names)
+        still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n))
+        self._use(begun(still, self.model, 1))
+
+    def warm(self, tell: Callable[[str], object] | None) -> None:
+        """Compile, which takes up to a minute the first time, so that the loop need not."""
+        from numba.core.errors import NumbaError
+
+        if tell is not None and not self.is_compiled:
+            tell(COMPILING.format(self.model.name))
+        try:
+            self.engine.open(self.context, 0)
+        except NumbaError:
+            raise Refusal(
+                f"rule {self.model.rule.name} cannot drive cars: it needs the body that it is "
+                "declared with"
+            ) from None
+
+    def agreed(self, values: Mapping[str, Any]) -> Any:
+        """The parameters of the rule and of the car with these values. Raises Refusal."""
+        for name in values:
+            if name in NOT_SIMULATED:
+                raise Refusal(
+                    f"{name} = {values[name]} is not allowed: it is of simulated cars, and real "
+                    "ones have their own"
+                )
+        return checked(self.model.parameters, self.fixed | dict(values), "the laboratory")
+
+    def tune(self, values: Mapping[str, Any]) -> None:
+        """Change parameters while it drives. Raises Refusal, and then changes nothing."""
+        now = self.parameters.model_dump()
+        kept = {name: value for name, value in now.items() if name not in NOT_SIMULATED}
+        self.parameters = self.agreed(kept | dict(values))
+        self.context = self._make_context()
+
+    def drive(
+        self, now: float, sightings: tuple[Sighting, ...], injected: Pose | None, running: bool
+    ) -> dict[str, tuple[float, float]]:
+        """(steer, throttle) of every car that is seen, once all have been seen.
+
+        Others hear a car that is not seen where it was last. No command for anybody while there
+        is an injected car in the laboratory that is not seen. Raises
+        NoFreeSpace, once, if the simulated cars have no space to begin: there are none then.
+        """
+        seen = [sighting.name for sighting in sightings if self.found(now, sighting)]
+        if injected is not None:
+            self.target = injected.x, injected.y
+        if not self.is_placed or (injected is None and self.follows):
+            self.stand()
+            return {}
+        if self.wanted != self.simulated:
+            wanted, self.wanted = self.wanted, self.simulated  # what is refused is not tried again
+            self.have(wanted)
+            self.wanted = wanted
+        n = len(self.names)
+        self.position[:n], self.heading[:n] = self.place, self.nose
+        self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
+        self.signal_row(self.vehicle.pace)[:n] = self.speed[:n]
+        if injected is not None and self.follows:
+            self.engine.surroundings.route[0, :2] = injected.x, injected.y
+        self.advance_once(running)
+        most = math.radians(self.context.parameters.wheel_max)
+        steer = self.signal_row(self.vehicle.wheel) / most
+        throttle = self.signal_row(self.vehicle.throttle)
+        rows = [self.names.index(name) for name in seen]
+        return {self.names[row]: (float(steer[row]), float(throttle[row])) for row in rows}
+
+    def advance_once(self, running: bool) -> None:
+        """Let the flock tick; while the cars do not run, simulated ones stay where they are."""
+        if running:
+            self.advance(1)
+            return
+        n = len(self.names)
+        own = self.position[n:], self.heading[n:], self.arrays.memory[:, n:]
+        before = [column.copy() for column in own]
+        self.advance(1)
+        for column, values in zip(own, before, strict=True):
+            column[:] = values
+        self.stand()
+        # Who does not get on because it may not is not stuck.
+        self.signal_row(self.vehicle.stuck)[:] = 0.0
+
+    def stand(self) -> None:
+        """Stop the simulated cars where they are."""
+        n = len(self.names)
+        self.speed[n:] = self.signal_row(self.vehicle.pace)[n:] = 0.0
+
+    def signal_row(self, name: str) -> np.ndarray:
+        """One of the signals of all cars, real ones first; a view."""
+        return self.arrays.memory[self.model.columns.index(name)]
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is known where everybody is, or was last: each car and the injected one."""
+        return not np.isnan(self.place).any() and not (self.target is None and self.follows)
+
+    @property
+    def simulated(self) -> int:
+        """How many simulated cars there are."""
+        return len(self.ids) - len(self.names)
+
+    @property
+    def companions(self) -> tuple[Companion, ...]:
+        """The simulated cars as they are after the last tick."""
+        n = len(self.names)
+        has_moved = 1.0 - self.signal_row(self.vehicle.fresh)
+        wheels = has_moved * self.signal_row(self.vehicle.steering)
+        share = np.clip(wheels / math.radians(self.context.parameters.wheel_max), -1.0, 1.0)
+        return tuple(
+            Companion(named(number), Pose(x, y, math.atan2(uy, ux)), steer)
+            for number, ((x, y), (ux, uy), steer) in enumerate(
+                zip(
+                    self.position[n:].tolist(),
+                    self.heading[n:].tolist(),
+                    share[n:].tolist(),
+                    strict=True,
+                ),
+                1,
+            )
+        )
+
+    def accompany(self, count: int) -> None:
+        """Have so many simulated cars from now on: new ones begin where there is room, the last
+        ones leave first. Raises Refusal, and then changes nothing."""
+        demand_allowed(self.lab, count)
+        if self.is_placed:
+            self.have(count)
+        self.wanted = count
+
+    def have(self, count: int) -> None:
+        """Make it so many simulated cars. Raises NoFreeSpace, and then changes nothing."""
+        n = len(self.names)
+        kept = n + min(count, self.simulated)
+        taken = [*self.place, *self.position[n:kept]]
+        if self.target is not None:
+            taken.append(self.target)
+        more = begin_more(self.lab, kept - n, count, taken, self.size)
+        self._use(resized(self.arrays, kept, more, self.model))
+
+    @property
+    def size(self) -> float:
+        """The longest line in a car, m."""
+        body = self.context.parameters
+        return math.hypot(body.length, body.width)
+
+    @property
+    def follows(self) -> bool:
+        """Whether there is an injected car in the laboratory."""
+        return self.world.mission is not None
+
+    def found(self, now: float, sighting: Sighting) -> bool:
+        """Take down where a car is; whether it is one of ours and seen."""
+        pose = sighting.pose
+        if sighting.name not in self.names or pose is None or not sighting.valid:
+            return False
+        row = self.names.index(sighting.name)
+        self.place[row] = pose.x, pose.y
+        self.nose[row] = math.cos(pose.yaw), math.sin(pose.yaw)
+        self.past[row].append((now, pose.x, pose.y))
+        if len(self.past[row]) > OVER + 1:
+            self.past[row].popleft()
+        return True
+
+
+def pace(past: deque[tuple[float, float, float]], nose: np.ndarray) -> float:
+    """The speed (m/s) of a car along its nose over the last ticks; below 0 backwards."""
+    (before, x, y), (now, at_x, at_y) = past[0], past[-1]
+    if now <= before:
+        return 0.0
+    return float((at_x - x) * nose[0] + (at_y - y) * nose[1]) / (now - before)
+
+
+def world_of(lab: Lab) -> World:
+    """The laboratory as a flock's world: open, with the injected car as its goal."""
+    area, plan = lab.area, lab.injected
+    goal = None if plan.path == "none" else Mission(goal=Goal(route=(plan.centre,)))
+    size = tuple(high - low for low, high in zip(area.low, area.high, strict=True))
+    return World("laboratory", size, ("open", "open"), low=tuple(area.low), mission=goal)

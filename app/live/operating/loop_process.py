@@ -1,0 +1,169 @@
+"""The process of a control loop: opens its ends, ticks, and ends when its operator is gone."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.live.control.arm import UNDOING, OperatorRequest
+from app.live.control.events import Event
+from app.live.control.loop import Journal, Loop
+from app.live.control.status import Status
+from app.live.laboratory.lab import lab_from_toml
+from app.live.laboratory.parts import RecordingLimits
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from app.live.operating.ends import Opener
+
+LEAVES = ("SIGTERM", "SIGINT", "SIGHUP")
+"""Signals at which it stops the cars and leaves."""
+SWITCH = 0.0005
+"""Seconds after which another thread gives way to the loop; Python's own 5 ms is half a tick."""
+MOST_EVENTS = 100
+"""Events in one answer; the others come with the next."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the loop reports to its operator, when asked."""
+
+    status: Status | None = None
+    events: tuple[Event, ...] = ()
+    known: int = 0
+    """Number of events up to the last of these."""
+    trouble: str = ""
+    """Why the loop cannot begin."""
+
+
+@dataclass(frozen=True)
+class NumberedRequest:
+    """A request of the operator with its number."""
+
+    number: int
+    """Requests are counted: an emergency stop has a way of its own and overtakes others."""
+    request: OperatorRequest
+
+
+def serve(
+    laboratory: str, opener: Opener, recording: Path | None, line: Connection, stops: Connection
+) -> None:
+    """Run the control loop of a laboratory (its TOML) until the operator ends it or is gone.
+
+    `line` leads to the operator, both ways; `stops` brings its emergency stops.
+    """
+    leaving: list[str] = []
+    loop: Loop | None = None
+
+    def leave(number: int, _frame: object) -> None:
+        leaving.append(signal.Signals(number).name)
+        if loop is not None:
+            loop.leave(leaving[0])
+
+    for name in LEAVES:
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), leave)
+    sys.setswitchinterval(SWITCH)
+    with ExitStack() as stack:
+        try:
+            lab = lab_from_toml(laboratory, "the laboratory")
+            ends = stack.enter_context(closing(opener(lab)))
+            journal = stack.enter_context(journal_in(recording, laboratory, lab.recording))
+        except Refusal as refusal:
+            line.send(Answer(trouble=str(refusal)))
+            return
+        loop = ends.loop(lab, journal)
+        if leaving:
+            loop.leave(leaving[0])
+        arguments = (line, stops, loop)
+        threading.Thread(target=attend, args=arguments, name="operator", daemon=True).start()
+        line.send(Answer())
+        gc.collect()
+        gc.freeze()  # so that later collections are short: they look at what a run makes
+        loop.run()
+
+
+@contextmanager
+def journal_in(
+    folder: Path | None, laboratory: str, kept: RecordingLimits
+) -> Iterator[Journal | None]:
+    """A recording in a folder, or none; if it cannot be finished, the terminal says so."""
+    if folder is None:
+        yield None
+        return
+    from app.live.recording.record import Recording
+
+    with ExitStack() as stack:
+        journal = stack.enter_context(Recording(folder, laboratory, kept))
+        yield journal
+        try:
+            stack.close()
+        except Refusal as refusal:
+            print(f"flockscope: {refusal}", file=sys.stderr)
+
+
+class InOrder:
+    """Passes on to a loop the requests of two connections: one that was made before an emergency
+    stop does not undo it, though it may arrive after it."""
+
+    def __init__(self, loop: Loop):
+        self.loop = loop
+        self.stopped = 0
+        """The number of the last emergency stop."""
+
+    def ask(self, asked: NumberedRequest) -> None:
+        """Pass on a request, unless it was overtaken."""
+        if asked.request.action == "emergency":
+            self.stopped = max(self.stopped, asked.number)
+        elif asked.request.action in UNDOING and asked.number < self.stopped:
+            self.loop.overtake(asked.request)
+            return
+        self.loop.ask(asked.request)
+
+    def ask_all(self, stops: Connection) -> None:
+        """Pass on the emergency stops that have come."""
+        with suppress(EOFError, OSError):
+            while stops.poll():
+                self.ask(stops.recv())
+
+
+def attend(line: Connection, stops: Connection, loop: Loop) -> None:
+    """Pass on the operator's requests, emergency stops first, and answer it; the loop ends when the
+    operator is gone."""
+    parent = multiprocessing.parent_process()
+    watched: list[Connection | int] = [line, stops]
+    if parent is not None:
+        watched.append(parent.sentinel)
+    asking = InOrder(loop)
+    why = "the operator is gone"
+    try:
+        while line in (ready := wait(watched)) or stops in ready:
+            if stops in ready:
+                asking.ask(stops.recv())
+                continue
+            match line.recv():
+                case NumberedRequest() as asked:
+                    asking.ask(asked)
+                case (int(known), hand):
+                    loop.attended = loop.clock()
+                    if hand is not None:
+                        loop.place(*hand)  # the operator has checked that these are numbers
+                    count, new = loop.events.since(known)
+                    told = new[:MOST_EVENTS]
+                    line.send(Answer(loop.latest, tuple(told), count - len(new) + len(told)))
+                case None:
+                    why = "the operator says so"
+                    break
+    except (EOFError, OSError):
+        pass
+    asking.ask_all(stops)
+    loop.leave(why)

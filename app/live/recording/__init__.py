@@ -1,0 +1,1 @@
+"""Recordings of a laboratory: written, mended after a kill, replayed."""

@@ -1,0 +1,146 @@
+"""Recovers a recording whose process was killed, and reports the last commands to the cars."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.live.laboratory.parts import Part, part_of, parts_of
+from app.live.links.firmware import WATCHDOG
+from app.live.links.link import EMERGENCY, RUN
+from app.live.recording.record import EVERY, TABLES
+from app.live.recording.stream import finish
+from worlds.refusal import Refusal
+
+END = "end"
+"""The kind of the event that the loop writes when it has told the cars to stop and leaves."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a recording ends."""
+
+    tick: int
+    """The last one."""
+    seconds: float
+    """When that was, from the beginning of the recording, s."""
+    mode: int
+    """What the cars were told: 0 stop, 1 run, 2 emergency stop."""
+    commands: Mapping[str, tuple[float, float]]
+    """(steer, throttle) by car."""
+    end: str
+    """What the loop wrote when it left; empty if it was killed."""
+
+    @property
+    def told_to_stop(self) -> bool:
+        """Whether the last that is recorded is a stop."""
+        return self.mode != RUN
+
+    def words(self) -> str:
+        """What the cars were told last, and what stopped them."""
+        if self.end:
+            return self.end
+        mode = {RUN: "run", EMERGENCY: "emergency stop"}.get(self.mode, "stop")
+        commands = ", ".join(
+            f"{name} steer {steer:.3f} throttle {throttle:.3f}"
+            for name, (steer, throttle) in self.commands.items()
+        )
+        last = f"sent last at {self.seconds:.2f} s, tick {self.tick}: {mode}, {commands}"
+        lost = f"what was sent in the {1000 * EVERY:g} ms after it may be missing"
+        watchdog = f"{1000 * WATCHDOG:g} ms after the last command that they heard"
+        if self.told_to_stop:
+            return f"{last}; the cars had been told to stop ({lost})"
+        return (
+            f"{last}; no stop was sent after it, for the loop was killed ({lost}): the cars' own "
+            f"watchdogs had to stop them, {watchdog}"
+        )
+
+
+def recover(folder: str | Path) -> dict[str, int]:
+    """Make the tables of a recording whose process was killed; rows by table, of all its parts.
+
+    Raises Refusal if there is nothing to recover.
+    """
+    folder = Path(folder)
+    for part in unbegun(folder):
+        part.remove()
+    found: dict[str, int] = {}
+    for part in parts_of(folder):
+        for name, rows in recovered(part).items():
+            found[name] = found.get(name, 0) + rows
+    if not found:
+        raise Refusal(f"{str(folder)!r} holds nothing to recover")
+    return found
+
+
+def recovered(part: Part) -> dict[str, int]:
+    """The rows by table of what was left of a part, of which tables are made. Raises Refusal."""
+    import pyarrow as pa
+
+    found = {}
+    for name in TABLES:
+        stream = part.stream(name)
+        if not stream.exists():
+            continue
+        try:
+            found[name] = finish(stream, part.table(name))
+        except (OSError, pa.ArrowInvalid) as error:
+            raise Refusal(f"{str(stream)!r} cannot be recovered: {error}") from None
+    return found
+
+
+def unbegun(folder: Path) -> list[Part]:
+    """Later parts that a kill has left before there was anything in them."""
+    begun = parts_of(folder)
+    if not begun:
+        return []
+    after = part_of(folder, begun[-1].number + 1)
+    return [after] if after.folder.is_dir() else []
+
+
+def ending(folder: str | Path) -> Ending | None:
+    """How a recording ends, of which there are tables; None if it has no tick. Raises Refusal."""
+    parts = [part for part in parts_of(Path(folder)) if part.table("ticks").exists()]
+    for part in reversed(parts):
+        ticks = last_rows(part, "ticks", 1)
+        if not ticks:
+            continue
+        tick = ticks[0]
+        commands = {
+            row["name"]: (row["steer"], row["throttle"])
+            for row in last_rows(part, "commands", None)
+            if row["tick"] == tick["tick"]
+        }
+        ends = [row["words"] for row in last_rows(part, "events", None) if row["kind"] == END]
+        began = began_on_the_clock(part)
+        return Ending(
+            tick["tick"], tick["now"] - began, tick["mode"], commands, ends[-1] if ends else ""
+        )
+    return None
+
+
+def last_rows(part: Part, name: str, count: int | None) -> list[dict[str, Any]]:
+    """The last rows of a table, at most those of its last group. Raises Refusal."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        file = pq.ParquetFile(part.table(name))
+        for group in reversed(range(file.num_row_groups)):
+            table = file.read_row_group(group)
+            if table.num_rows:
+                first = 0 if count is None else max(table.num_rows - count, 0)
+                rows: list[dict[str, Any]] = table.slice(first).to_pylist()
+                return rows
+    except (OSError, pa.ArrowException) as error:
+        raise Refusal(f"{str(part.table(name))!r} cannot be read: {error}") from None
+    return []
+
+
+def began_on_the_clock(part: Part) -> float:
+    """When the recording of a part began, by the clock of its ticks, s. Raises Refusal."""
+    from app.live.recording.replay import meta_of
+
+    return float(meta_of(part.table("ticks"))["began_on_the_clock"])

@@ -1,0 +1,277 @@
+"""Replays a recording: the same rule behind the same safety, given its frames and requests.
+
+What comes out must be what was sent, to the bit; where it is not, a replay says so.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from agents.record import KEY
+from app.live.control.arm import Action, OperatorRequest
+from app.live.control.control import Control, Step
+from app.live.control.driver import Companion, Driver
+from app.live.control.pose import MocapFrame, Pose, Sighting
+from app.live.laboratory.lab import Lab, lab_from_toml
+from app.live.laboratory.parts import Part, parts_of
+from app.live.recording.record import TABLES
+from worlds.refusal import Refusal
+
+BATCH = 10_000
+"""Rows that are read at once."""
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Tick:
+    """One recorded tick."""
+
+    number: int
+    now: float
+    mode: int
+    requests: tuple[OperatorRequest, ...]
+    frames: tuple[MocapFrame, ...]
+    injected: Pose | None
+    wanted: dict[str, tuple[float, float]]
+    sent: dict[str, tuple[float, float]]
+    companions: tuple[Companion, ...]
+    """The simulated cars as they were after it."""
+
+
+@dataclass(frozen=True)
+class StoredRecording:
+    """A recording; its ticks are read from the disk as they are asked for."""
+
+    folder: Path
+    lab: Lab
+    began: float
+    """Seconds since 1970."""
+    began_on_the_clock: float
+    """The same moment on the clock of `now`, s."""
+    tables: tuple[str, ...]
+    """Those that recordings of its format have."""
+    parts: tuple[Part, ...]
+    """Those that are there, the oldest first."""
+
+    @property
+    def removed(self) -> str:
+        """Which of its parts are no longer there, in words; empty if it is whole."""
+        first = self.parts[0].number
+        if first == 1:
+            return ""
+        return "part 1" if first == 2 else f"parts 1 to {first - 1}"
+
+    def ticks(self) -> Iterator[Tick]:
+        """The ticks in their order."""
+        for part in self.parts:
+            tables = {name: Cursor(part.table(name)) for name in self.tables}
+            for row in rows(part.table("ticks")):
+                taken = {name: cursor.take(row["tick"]) for name, cursor in tables.items()}
+                yield tick_of(row, {"companions": [], **taken})
+
+    def events(self) -> list[Row]:
+        """All that happened."""
+        return [row for part in self.parts for row in rows(part.table("events"))]
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """The result of a replay."""
+
+    ticks: int
+    """Ticks replayed."""
+    commands: int
+    """Commands compared."""
+    differs: str
+    """The first thing that came out differently, in words; empty: all is the same to the bit."""
+
+
+def read(folder: str | Path) -> StoredRecording:
+    """Open a recording. Raises Refusal if it is none, or if it was killed and not yet recovered."""
+    folder = Path(folder)
+    demand_recording(folder)
+    parts = tuple(parts_of(folder))
+    meta = meta_of(parts[0].table("ticks"))
+    tables = tuple(name for name in TABLES if meta["format"] > 1 or name != "companions")
+    for place, part in enumerate(parts):
+        if part.number != parts[0].number + place:
+            raise Refusal(f"{str(folder)!r} has no part {part.number - 1}, but part {part.number}")
+        for name in tables:
+            if meta_of(part.table(name))["began"] != meta["began"]:
+                raise Refusal(f"{str(part.table(name))!r} is of another recording")
+    lab = lab_from_toml(meta["laboratory"], str(folder))
+    return StoredRecording(folder, lab, meta["began"], meta["began_on_the_clock"], tables, parts)
+
+
+def demand_recording(folder: Path) -> None:
+    """Refuse what is no folder of a recording. Raises Refusal."""
+    named = f"recording {str(folder)!r}"
+    if not os.path.exists(folder):
+        raise Refusal(f"{named} cannot be read: there is no such folder")
+    if not folder.is_dir():
+        raise Refusal(f"{named} cannot be read: it is no folder; `live run --record` makes one")
+    if not parts_of(folder):
+        raise Refusal(f"{named} cannot be read: the folder has no ticks.parquet, as recordings do")
+
+
+def meta_of(path: Path) -> dict[str, Any]:
+    """The metadata of a table. Raises Refusal if it is none of a recording."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    if path.with_name(path.name + ".part").exists():
+        raise Refusal(f"{str(path.parent)!r} was killed: recover it first")
+    try:
+        schema = pq.read_schema(path)
+        meta = json.loads((schema.metadata or {})[KEY])
+    except OSError as error:
+        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror or error}") from None
+    except (pa.ArrowException, KeyError, ValueError):
+        raise Refusal(f"{str(path)!r} is not a table of a laboratory's recording") from None
+    missing = [name for name in TABLES[path.stem] if name not in schema.names]
+    if missing:
+        raise Refusal(f"{str(path)!r} has no column {missing[0]!r}")
+    return meta
+
+
+def rows(path: Path) -> Iterator[Row]:
+    """The rows of a table, read as they are asked for."""
+    import pyarrow.parquet as pq
+
+    for batch in pq.ParquetFile(path).iter_batches(BATCH):
+        yield from batch.to_pylist()
+
+
+class Cursor:
+    """The rows of a table tick by tick, in the order of ticks."""
+
+    def __init__(self, path: Path):
+        self.rows = rows(path)
+        self.row = next(self.rows, None)
+
+    def take(self, tick: int) -> list[Row]:
+        """The rows of a tick; each tick can be taken once, and in order."""
+        found = []
+        while self.row is not None and self.row["tick"] <= tick:
+            if self.row["tick"] == tick:
+                found.append(self.row)
+            self.row = next(self.rows, None)
+        return found
+
+
+def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
+    """A tick of its row and of those that belong to it."""
+    return Tick(
+        row["tick"],
+        row["now"],
+        row["mode"],
+        tuple(requests(belongs["events"])),
+        tuple(frames(belongs["frames"], belongs["poses"])),
+        pose(row["injected_x"], row["injected_y"], row["injected_yaw"]),
+        {
+            one["name"]: (one["wanted_steer"], one["wanted_throttle"])
+            for one in belongs["commands"]
+            if one["wanted_steer"] is not None
+        },
+        {one["name"]: (one["steer"], one["throttle"]) for one in belongs["commands"]},
+        tuple(
+            Companion(one["name"], Pose(one["x"], one["y"], one["yaw"]), one["steer"])
+            for one in belongs["companions"]
+        ),
+    )
+
+
+def requests(events: list[Row]) -> Iterator[OperatorRequest]:
+    """The requests of a tick."""
+    for event in events:
+        if event["asked"]:
+            yield OperatorRequest(cast(Action, event["asked"]), event["cause"], event["note"])
+
+
+def frames(rows: list[Row], poses: list[Row]) -> Iterator[MocapFrame]:
+    """The frames that a tick took."""
+    for row in rows:
+        yield MocapFrame(
+            row["number"],
+            row["received"],
+            tuple(
+                Sighting(one["name"], pose(one["x"], one["y"], one["yaw"]), one["valid"])
+                for one in poses
+                if one["number"] == row["number"]
+            ),
+            row["sent"],
+        )
+
+
+def pose(x: float | None, y: float | None, yaw: float | None) -> Pose | None:
+    """A pose of three columns; None where they are null."""
+    return None if x is None or y is None or yaw is None else Pose(x, y, yaw)
+
+
+def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Step]]:
+    """What the driver behind the safety of the recording's laboratory makes of every tick.
+
+    Raises Refusal if its beginning is no longer there: all that follows depends on it.
+    """
+    if recorded.removed:
+        raise Refusal(
+            f"{str(recorded.folder)!r} cannot be replayed: {recorded.removed} of it were removed "
+            f"([recording] keeps {recorded.lab.recording.most:g} MB), and a replay needs it from "
+            "its beginning"
+        )
+    control = Control(recorded.lab.safety(), driver)
+    newest = None
+    for tick in recorded.ticks():
+        newest = tick.frames[-1] if tick.frames else newest
+        control.see(tick.now, tick.requests, newest)
+        yield tick, control.act(tick.now, tick.injected)
+
+
+def replay(folder: str | Path, make: Callable[[Lab], Driver]) -> Replayed:
+    """Replay a recording with the driver that `make` makes of its laboratory. Raises Refusal."""
+    recorded = read(folder)
+    count = compared = 0
+    for tick, step in steps(recorded, make(recorded.lab)):
+        count += 1
+        compared += len(tick.sent)
+        different = difference(tick, step)
+        if different:
+            return Replayed(count, compared, f"tick {tick.number}: {different}")
+    return Replayed(count, compared, "")
+
+
+def difference(tick: Tick, step: Step) -> str:
+    """How a replayed tick differs from the recorded one, in words; empty if in no bit."""
+    if step.verdict.mode != tick.mode:
+        return f"mode {step.verdict.mode} instead of {tick.mode}"
+    for what, then, now in (
+        ("wanted", tick.wanted, step.wanted),
+        ("sent", tick.sent, step.verdict.commands),
+    ):
+        if then.keys() != now.keys():
+            return f"{what} for {', '.join(now) or 'no car'}, not {', '.join(then) or 'no car'}"
+        for name in then:
+            if bits(then[name]) != bits(now[name]):
+                return f"{what} for {name}: {now[name]} instead of {then[name]}"
+    if len(tick.companions) != len(step.companions):
+        return f"{len(step.companions)} simulated cars instead of {len(tick.companions)}"
+    for before, made in zip(tick.companions, step.companions, strict=True):
+        if before.name != made.name or bits(numbers(before)) != bits(numbers(made)):
+            return f"{made} instead of {before}"
+    return ""
+
+
+def numbers(companion: Companion) -> tuple[float, ...]:
+    """x, y, yaw and steering of a simulated car."""
+    return companion.pose.x, companion.pose.y, companion.pose.yaw, companion.steer
+
+
+def bits(values: Sequence[float]) -> bytes:
+    """Numbers to the bit, so that 0 and -0 differ and NaN equals itself."""
+    return struct.pack(f"<{len(values)}d", *values)

@@ -1,0 +1,161 @@
+"""Agents that an obstacle has come upon: each is put on the nearest free place."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+
+from worlds.queries.clearance import clearance
+from worlds.queries.outlines import outlines, shifts
+from worlds.refusal import Refusal
+from worlds.world import World
+
+GAP = 1e-3
+"""Distance to what is solid of an agent that was put out of it, as a share of the longest side."""
+RAYS = 96
+"""Directions in which a way out is sought in three dimensions."""
+SHELLS = 48
+"""Distances at which it is looked for along each ray, before the edge is found by halving."""
+BATCH = 256
+"""Agents for which it is sought at a time."""
+HALVINGS = 12
+
+
+def set_free(world: World, position: np.ndarray) -> np.ndarray:
+    """Positions (N, dim), those inside an obstacle or beyond a solid edge put outside of it.
+
+    In the plane this is the nearest free place, GAP from what is solid; in space the nearest along
+    one of RAYS directions. No two of them are put on the same spot. The others stay where they
+    are. Raises Refusal if there is no free place.
+    """
+    if not world.is_solid or not len(position):
+        return position
+    inside = is_inside(world, position)
+    if not inside.any():
+        return position
+    freed = position.copy()
+    find = on_the_plan if world.dim == 2 else in_space
+    freed[inside] = find(world, position[inside])
+    wraps, size = world.wraps, np.array(world.size)
+    return np.where(wraps & inside[:, None], np.mod(freed, size), freed)
+
+
+def is_inside(world: World, position: np.ndarray) -> np.ndarray:
+    """Which positions (N, dim) are in an obstacle or beyond a solid edge, (N,) bool."""
+    if world.dim == 3:
+        return clearance(world, position) <= 0.0
+    solid = np.array([edge == "solid" for edge in world.edges])
+    low, high = np.array(world.low), np.array(world.low) + world.size
+    inside = (((position <= low) | (position >= high)) & solid).any(axis=1)
+    solids = [
+        outline if by == (0.0, 0.0) else shapely.transform(outline, lambda at, by=by: at + by)
+        for obstacle in world.obstacles
+        for outline, _, _ in obstacle.spans()
+        for by in [shift[:2] for shift in shifts(world)]
+    ]
+    # One by one: to unite them would take longer than anything else here.
+    tree = shapely.STRtree(shapely.points(position))
+    inside[tree.query(solids, predicate="covers")[1]] = True
+    return inside
+
+
+def on_the_plan(world: World, position: np.ndarray) -> np.ndarray:
+    """The nearest free places to (M, 2). Raises Refusal."""
+    gap = GAP * max(world.size)
+    free, places = free_area(world, gap), shapely.points(position)
+    found = nearest(free, places, world)
+    for attempt in range(1, len(position) + 1):
+        again = repeated(found)
+        if not again.any():
+            return found
+        # Several in one corner: all but the first go a little farther out.
+        found[again] = nearest(free_area(world, gap * (1.0 + attempt)), places[again], world)
+    return found
+
+
+def free_area(world: World, gap: float) -> shapely.Geometry:
+    """Where agents may be: at least `gap` from all that is solid."""
+    low, high = np.array(world.low), np.array(world.low) + world.size
+    solids = shapely.union_all(list(outlines(world, math.inf).values()))
+    reach = np.array(world.size)
+    if not solids.is_empty:
+        x, y, u, v = solids.bounds
+        reach = reach + np.maximum(low - (x, y), np.array((u, v)) - high).clip(0.0)
+    room = np.array(
+        [
+            {"solid": -gap, "wrap": 0.5 * side, "open": far + gap}[edge]
+            for edge, side, far in zip(world.edges, world.size, reach, strict=True)
+        ]
+    )
+    low, high = low - room, high + room
+    if (low >= high).any():
+        return shapely.Polygon()
+    return shapely.box(*low, *high).difference(shapely.buffer(solids, gap))
+
+
+def nearest(free: shapely.Geometry, places: np.ndarray, world: World) -> np.ndarray:
+    """The points of an area nearest to places, (M, 2). Raises Refusal if there is no area."""
+    if free.is_empty:
+        raise Refusal(f"no free place would be left for the agents in {world.name}")
+    lines = shapely.shortest_line(places, free)
+    return shapely.get_coordinates(lines)[1::2]
+
+
+def repeated(position: np.ndarray) -> np.ndarray:
+    """Rows (M, dim) that say what an earlier row says, (M,) bool."""
+    _, first = np.unique(position, axis=0, return_index=True)
+    again = np.ones(len(position), bool)
+    again[first] = False
+    return again
+
+
+def in_space(world: World, position: np.ndarray) -> np.ndarray:
+    """Free places near (M, 3), each the nearest along a ray. Raises Refusal."""
+    parts = [
+        along_rays(world, position[first : first + BATCH], first)
+        for first in range(0, len(position), BATCH)
+    ]
+    return np.concatenate(parts)
+
+
+def along_rays(world: World, position: np.ndarray, number: int) -> np.ndarray:
+    """The nearest free places along RAYS directions, (M, 3), for rows from `number` on.
+
+    No two rows have the same rays, so that no two come out on the same spot.
+    """
+    ways = np.array([directions(RAYS, number + row) for row in range(len(position))])
+    gap = GAP * max(world.size)
+    reach = 2.0 * (max(world.size) + float(np.abs(position - world.low).max()))
+
+    def is_free(distance: np.ndarray) -> np.ndarray:
+        """Whether the places at distances (M, R) along the rays are free."""
+        places = position[:, None] + distance[..., None] * ways
+        return (clearance(world, places.reshape(-1, 3)) > gap).reshape(distance.shape)
+
+    low, high = np.zeros(ways.shape[:2]), np.full(ways.shape[:2], np.inf)
+    before = 0.0
+    for far in np.geomspace(gap, reach, SHELLS):
+        out = is_free(np.full(low.shape, far)) & np.isinf(high).all(axis=1)[:, None]
+        low[out], high[out], before = before, far, far
+        if np.isfinite(high).any(axis=1).all():
+            break
+    else:
+        raise Refusal(f"no free place would be left for the agents in {world.name}")
+    for _ in range(HALVINGS):
+        middle = np.where(np.isfinite(high), 0.5 * (low + high), 0.0)
+        out = is_free(middle) & np.isfinite(high)
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+    rows, first = np.arange(len(position)), np.argmin(high, axis=1)
+    return position + high[rows, first][:, None] * ways[rows, first]
+
+
+def directions(count: int, turn: int) -> np.ndarray:
+    """Unit vectors spread evenly over the sphere, the axes first, (count + 6, 3)."""
+    rank = np.arange(count) + 0.5
+    rise = 1.0 - 2.0 * rank / count
+    azimuth = np.pi * (1.0 + math.sqrt(5.0)) * rank + turn
+    flat = np.sqrt(1.0 - rise**2)
+    even = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), rise])
+    return np.concatenate([np.eye(3), -np.eye(3), even])

@@ -1,0 +1,297 @@
+"""The laboratory: a flock that runs, a picture of it, and panels to steer it, in a browser."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import viser
+
+from agents.catalogue import MODELS
+from agents.flock import Flock
+from agents.observables.of_agents import measurable
+from agents.spec import Spec
+from app.viewer.editing.layout_file import LARGEST
+from app.viewer.lab.panels.crashes import CrashLists
+from app.viewer.lab.panels.downloads import Downloads
+from app.viewer.lab.panels.guide import Guide
+from app.viewer.lab.panels.inspector import Inspector
+from app.viewer.lab.panels.monitors import BLOCKS, contents
+from app.viewer.lab.panels.more import MoreNumbers
+from app.viewer.lab.panels.plots import Plots
+from app.viewer.lab.panels.run import RunPanel
+from app.viewer.lab.panels.setup import SetupPanel
+from app.viewer.lab.panels.view import FlockView
+from app.viewer.lab.panels.world import WorldPanel
+from app.viewer.measuring.readings import Readings
+from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.monitors import Monitors
+from app.viewer.panels.parameters import ParametersPanel
+from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.run.home import at_home, lively_speed
+from app.viewer.run.picture import Wanted
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.state import State
+from app.viewer.run.steering import leader, usable_pose
+from app.viewer.scene.drawing import Drawing
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
+from app.viewer.web.addresses import here
+from app.viewer.web.notices import Notices
+from app.viewer.web.origin import Allowed
+from app.viewer.web.server import close_server, open_server
+from app.viewer.web.serving.front import Front
+from app.viewer.web.uploads import accept_uploads
+from app.viewer.web.values import show
+
+
+class Laboratory:
+    """Serves one flock to any number of browsers; all see the same run.
+
+    `allow`: names by which browsers may reach it beside this machine's own. Raises Refusal if the
+    port is busy.
+    """
+
+    def __init__(
+        self,
+        spec: Spec | None = None,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        speed: float | None = None,
+        running: bool = True,
+        allow: tuple[Allowed, ...] = (),
+        beside: Spec | None = None,
+        threads: int = 1,
+    ):
+        self.server = open_server(host, port, Front(allow=allow))
+        accept_uploads(self.server, LARGEST)
+        self.host = host
+        spec = spec or at_home()
+        self.simulation = Simulation(
+            spec,
+            beside,
+            speed or lively_speed(spec),
+            running,
+            build=partial(Flock, threads=threads),
+        )
+        self.notices = Notices(self.server, self.simulation.notices)
+        self.scene = Scene(self.server)
+        self.selected: int | None = None
+        self.selected_beside = False
+        self.wanted = Wanted()
+        self.watched: frozenset[str] = frozenset()
+        self.furnish()
+        self.listen()
+        self.drawing = Drawing(self.scene, self.latest, self.browsers, self.want, self.refresh)
+        self.drawing.start()
+
+    @property
+    def port(self) -> int:
+        """The port that it serves on."""
+        return self.server.get_port()
+
+    @property
+    def address(self) -> str:
+        """Where a browser on this machine finds it."""
+        return here(self.host, self.port)
+
+    def close(self) -> None:
+        """Stop drawing, running and serving."""
+        self.drawing.close()
+        self.simulation.close()
+        close_server(self.server)
+
+    def furnish(self) -> None:
+        """Build the panels."""
+        gui = self.server.gui
+        dress(gui, "flockscope")
+        state = self.simulation.state
+        run_place = gui.add_folder(None)
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Rule"):
+            self.parameters = ParametersPanel(gui, self.simulation)
+        with tabs.add_tab("Setup"):
+            self.setup = SetupPanel(gui, state)
+        with tabs.add_tab("World"):
+            self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
+        with tabs.add_tab("View"):
+            self.view = FlockView(gui, Look(), self.point)
+        with tabs.add_tab("Save"):
+            Downloads(gui, self.simulation)
+        with run_place:
+            self.run = RunPanel(gui, self.simulation, self.setup)
+        guide = gui.add_button("Guide", icon=viser.Icon.BOOK, color="gray")
+        guide.on_click(self.guide_clicked)
+        left = gui.add_panel()
+        with left.add_tab("Monitors", viser.Icon.CHART_LINE):
+            self.monitors = Monitors(gui, BLOCKS, "tick")
+            self.plots = Plots(gui)
+            self.crashes = CrashLists(gui, self.show_crash)
+            self.more = MoreNumbers(gui)
+        dock(gui, left)
+        self.guide = Guide()
+        self.inspector = Inspector(gui, lambda: self.select(None))
+
+    def listen(self) -> None:
+        """Connect clicks, drags and keys."""
+        self.server.on_client_connect(self.settle)
+        self.scene.on_clicked(self.clicked)
+        self.scene.handles.on_dragged(self.world.dragged)
+        self.scene.on_leader_dragged(self.steer)
+        self.view.steer.on_update(self.steering_switched)
+        add_hotkeys(
+            self.server.gui,
+            {
+                "space": lambda _: self.simulation.toggle(),
+                "T": lambda _: self.simulation.step(),
+                "R": lambda _: self.simulation.reset(),
+                "N": lambda _: self.run.set_up(),
+                "pageup": lambda _: self.run.change_speed(1),
+                "pagedown": lambda _: self.run.change_speed(-1),
+                "1": lambda client: self.point(client, "top-down"),
+                "2": lambda client: self.point(client, "perspective"),
+                "3": lambda client: self.point(client, "side"),
+                "F": lambda client: self.point(client, "follow"),
+                "C": lambda _: self.view.next_colour(),
+                "L": lambda _: self.switch_links(),
+                "H": self.show_guide,
+                "Z": lambda _: self.world.undo(),
+                "Y": lambda _: self.world.redo(),
+                "delete": lambda _: self.world.delete(),
+                "escape": lambda _: self.world.drop_tool(),
+            },
+        )
+
+    # What browsers ask for.
+
+    async def guide_clicked(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            self.show_guide(event.client)
+
+    def show_guide(self, client: viser.ClientHandle) -> None:
+        """Open the guide to the running model in one browser."""
+        self.guide.show(client, self.simulation.state.spec.model)
+
+    async def steering_switched(self, _event: viser.GuiEvent) -> None:
+        self.scene.show_leader_gizmo(self.view.steer.value)
+
+    def clicked(
+        self, row: int | None, origin: np.ndarray, direction: np.ndarray, beside: bool = False
+    ) -> None:
+        """A click into the picture: for the tool of the World tab, or on an agent or obstacle.
+
+        `beside` says that it is in the second flock's room; the ray is in that one's world.
+        """
+        if self.world.clicked(origin, direction):
+            return
+        self.select(row, beside)
+        if row is None:
+            self.world.select_at(origin, direction)
+        else:
+            self.world.select(0)
+
+    def select(self, row: int | None, beside: bool = False) -> None:
+        """Inspect an agent, of the flock beside if so; None for none."""
+        self.selected, self.selected_beside = row, beside and row is not None
+
+    def switch_links(self) -> None:
+        """Show links, or hide them."""
+        links = self.view.form["links"]
+        show(links, not links.value)
+
+    def point(self, client: viser.ClientHandle, camera: str) -> None:
+        """Point one browser's camera."""
+        if camera == "follow" and self.selected is not None:
+            self.scene.follow(client, self.selected, int(self.selected_beside))
+        else:
+            self.scene.camera(client, camera)
+
+    async def settle(self, client: viser.ClientHandle) -> None:
+        """Point a new browser's camera again when its panels have taken their places."""
+
+        def point() -> bool:
+            frame = self.simulation.frame
+            if frame is not None:
+                self.point(client, "top-down" if frame.dim == 2 else "perspective")
+            return frame is not None
+
+        settle(client, point)
+
+    def steer(self, position: np.ndarray, heading: np.ndarray) -> None:
+        """Put the information agent where it was dragged, within the world."""
+        frame = self.simulation.frame
+        row = leader(frame)
+        if frame is None or row is None:
+            return
+        pose = usable_pose(frame, position, heading)
+        if pose is not None:
+            self.simulation.place(row, *pose)
+
+    def show_crash(self, client: viser.ClientHandle, row: int, beside: bool) -> None:
+        """Inspect an agent that has crashed, and point one browser's camera at it."""
+        self.select(row, beside)
+        self.scene.follow(client, row, int(beside))
+
+    # What the drawing thread asks for.
+
+    def latest(self) -> tuple[Frame | None, Look]:
+        """The newest frame, and how to draw it."""
+        return self.simulation.frame, self.view.look()
+
+    def want(self) -> None:
+        """Tell browsers what the simulation has to say, and the simulation what is wanted."""
+        self.notices.tell()
+        self.world.refresh()
+        look = self.view.look()
+        wanted = Wanted(
+            layers=look.colour == "layer",
+            groups=look.colour == "group",
+            measured=look.measured,
+            links=look.links,
+            points=look.points,
+            row=self.selected,
+            beside=self.selected_beside,
+        )
+        if wanted != self.wanted:
+            self.wanted = wanted
+            self.simulation.want(wanted)
+
+    def refresh(self) -> None:
+        """Bring the panels up to date."""
+        state, readings = self.simulation.state, self.simulation.readings
+        self.run.refresh(state)
+        self.setup.catch_up(state.spec)
+        self.setup.refresh(state)
+        self.parameters.refresh(state)
+        if self.drawing.drawn is None or readings is None:
+            return
+        frame, look = self.drawing.drawn
+        self.measure(state, frame, readings)
+        self.view.offer(measurable(MODELS[state.spec.model].columns))
+        self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
+        if self.selected_beside and frame.beside is None:
+            self.select(None)
+        looked_at = frame.beside if self.selected_beside and frame.beside else frame
+        self.inspector.refresh(looked_at, self.selected)
+        if self.selected is not None and looked_at.inspected is None:
+            self.simulation.look_again()
+
+    def measure(self, state: State, frame: Frame, readings: Readings) -> None:
+        """Show what has been measured, and say what is to be."""
+        beside = None if frame.beside is None else self.simulation.readings_beside
+        self.plots.refresh(readings, frame, beside)
+        self.more.offer(self.plots.offered)
+        last = self.plots.last
+        self.monitors.show(
+            contents(state, frame, readings, self.browsers(), beside, self.more, last)
+        )
+        self.crashes.refresh(readings, beside)
+        watched = self.plots.names | self.more.names
+        if watched != self.watched:
+            self.watched = watched
+            self.simulation.watch(watched)
+
+    def browsers(self) -> int:
+        """Number of browsers that watch."""
+        return len(self.server.get_clients())

@@ -1,0 +1,229 @@
+"""What takes effect at Setup: the model, its size, its world."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable
+from typing import Any
+
+import viser
+
+from agents.catalogue import MODELS
+from agents.models.model import Model
+from agents.spec import OPTIONS, Options, Spec
+from app.viewer.panels.form import handle
+from app.viewer.panels.style import block
+from app.viewer.run.home import MOST_AGENTS, at_home, home, titled, world_titles
+from app.viewer.run.state import State
+from app.viewer.scene.shown.control import Control
+from app.viewer.web.values import show
+from worlds.world import World
+
+DIMENSIONS = {"2-D": 2, "3-D": 3}
+LARGEST_SEED = 2**31 - 1
+MOST_SIDE = 1000
+NOBODY = "none"
+Pairing = tuple[Spec, Spec | None]
+"""A run, and the one beside it."""
+
+
+class SetupPanel:
+    """The next run, and what is beside it; nothing happens until Setup is pressed."""
+
+    def __init__(self, gui: viser.GuiApi, state: State):
+        spec = state.spec
+        assert spec.world is not None
+        self.running: Pairing = spec, state.beside
+        self.offered = spec.world
+        self.shown_run = -1
+        self.worlds = world_titles()
+        self.worlds.setdefault(titled(spec.world), spec.world)
+        titles = [model.title for model in MODELS.values()]
+        model, beside = state.models
+        self.note = gui.add_html("")
+        self.model = gui.add_dropdown(
+            "Model", titles, initial_value=MODELS[model].title, hint="The rule agents follow"
+        )
+        self.summary = gui.add_html("")
+        self.beside = gui.add_dropdown(
+            "Beside",
+            self.companions(model, spec.dim or 2),
+            initial_value=NOBODY if beside is None else MODELS[beside].title,
+            hint="A second model in the same world, from the same start, with the same controls",
+        )
+        self.agents = numbered(gui, "agents", spec.agents, 1, MOST_AGENTS)
+        self.world = handle(gui, offered("world", self.worlds), titled(spec.world))
+        self.dim = handle(gui, offered("dim", DIMENSIONS), f"{spec.dim}-D")
+        self.size = numbered(gui, "size", spec.size, 0, MOST_SIDE, "; 0 keeps the density")
+        self.plain = {name: plain(gui, name, getattr(spec, name)) for name in Options.model_fields}
+        self.seed = numbered(gui, "seed", spec.seed, 0, LARGEST_SEED)
+        self.new_seed = gui.add_checkbox(
+            "New seed", True, hint="Take the next seed at every Setup, for a new random start"
+        )
+        self.fit()
+        self.model.on_update(self.model_chosen)
+        self.world.on_update(self.world_chosen)
+        self.dim.on_update(self.dim_chosen)
+
+    async def model_chosen(self, event: viser.GuiEvent) -> None:
+        """A model brings its own number of agents, its dimensions, its world and its options."""
+        model = MODELS[named(self.model.value)]
+        for name, one in self.plain.items():
+            show(one, shown(name, by_default(name, model)))
+        if event.client is None:
+            return
+        if titled(model.world) in self.worlds:
+            show(self.world, titled(model.world))
+        show(self.agents, model.agents)
+        show(self.dim, f"{model.dim or model.dimensions[0]}-D")
+        self.fit()
+
+    async def world_chosen(self, event: viser.GuiEvent) -> None:
+        """A world may decide the dimension and the side."""
+        if event.client is not None:
+            self.fit()
+
+    async def dim_chosen(self, _event: viser.GuiEvent) -> None:
+        """Not every model flies in every dimension."""
+        self.fit_beside()
+
+    def fit(self) -> None:
+        """Let the world and the model decide what is theirs to decide, and say what it is."""
+        model = MODELS[named(self.model.value)]
+        self.summary.content = block(f'<div class="fs-quiet">{html.escape(model.summary)}</div>')
+        own = home(self.worlds[self.world.value])
+        self.plain["informed"].disabled = not model.rule.led
+        self.size.disabled = own.sized
+        self.dim.disabled = own.dim == 3
+        if own.dim is not None:
+            show(self.dim, f"{own.dim}-D")
+        self.fit_beside()
+
+    def fit_beside(self) -> None:
+        """Offer the models that can fly beside the chosen one; nobody if the chosen one cannot."""
+        options = self.companions(named(self.model.value), DIMENSIONS[self.dim.value])
+        if tuple(self.beside.options) != options:
+            chosen = self.beside.value
+            self.beside.options = options
+            show(self.beside, chosen if chosen in options else NOBODY)
+
+    @staticmethod
+    def companions(model: str, dim: int) -> tuple[str, ...]:
+        """Titles of the models that can fly beside one in so many dimensions, after nobody."""
+        others = (one for name, one in MODELS.items() if name != model)
+        return (NOBODY, *(one.title for one in others if dim in one.dimensions))
+
+    def chosen(self) -> Pairing:
+        """The run as the panel has it, and what is beside it; running seed, no parameters."""
+        model = MODELS[named(self.model.value)]
+        spec = at_home(
+            model.name,
+            agents=self.agents.value,
+            seed=self.running[0].seed,
+            size=None if self.size.disabled else self.size.value or None,
+            dim=DIMENSIONS[self.dim.value],
+            world=self.worlds[self.world.value],
+            **{name: meant(name, one.value, model) for name, one in self.plain.items()},
+        )
+        return spec, None if self.beside.value == NOBODY else Spec(named(self.beside.value))
+
+    def next(self, state: State) -> Pairing:
+        """The run for Setup, and what is beside it; models that stay keep their parameters."""
+        spec, beside = self.chosen()
+        if self.new_seed.value and self.seed.value == self.running[0].seed:
+            show(self.seed, (self.seed.value + 1) % LARGEST_SEED)
+        stays = spec.model == self.running[0].model
+        if beside is not None and stays and (spec.model, beside.model) == state.models:
+            beside = beside.but(parameters=state.beside_values)
+        return spec.but(seed=self.seed.value, parameters=state.values if stays else {}), beside
+
+    def catch_up(self, spec: Spec) -> None:
+        """Choose the running world if it has become another since Setup, as by the World tab."""
+        if spec.world is not None and spec.world is not self.offered:
+            self.offered = spec.world
+            self.offer(spec.world)
+
+    def offer(self, world: str | World) -> None:
+        """Let a world that is none of the built-in ones be chosen, and choose it."""
+        words = titled(world)
+        self.worlds[words] = world
+        self.world.options = tuple(self.worlds)
+        show(self.world, words)
+        self.fit()
+
+    def refresh(self, state: State) -> None:
+        """Say what differs from the running flock; after a set-up nothing does."""
+        self.running = state.spec, state.beside
+        if state.run != self.shown_run:
+            self.shown_run = state.run
+            show(self.seed, state.spec.seed)
+        changed = ", ".join(differs(self.chosen(), self.running))
+        self.note.content = block(
+            f'<div class="fs-note">Changed: <b>{changed}</b>. Press Setup to use it.</div>'
+            if changed
+            else '<div class="fs-quiet">Takes effect at Setup.</div>'
+        )
+
+
+def differs(one: Pairing, other: Pairing) -> list[str]:
+    """What differs, as the panel calls it; seeds and parameters are left out."""
+    (spec, beside), (before, beside_before) = one, other
+    models = {
+        "model": spec.model != before.model,
+        "beside": (beside and beside.model) != (beside_before and beside_before.model),
+    }
+    options = {
+        option.title.lower(): getattr(spec, name) != getattr(before, name)
+        for name, option in OPTIONS.items()
+        if name != "seed"
+    }
+    return [title for title, differ in (models | options).items() if differ]
+
+
+def plain(gui: viser.GuiApi, name: str, value: Any) -> Any:
+    """The control of an option that stands by itself."""
+    one = OPTIONS[name]
+    if one.kind in (int, float):
+        return numbered(gui, name, value, 0, one.most)
+    return handle(gui, offered(name, one.words.values()), shown(name, value))
+
+
+def offered(name: str, choices: Iterable[str]) -> Control:
+    """A list of words for an option, or a switch if there are none."""
+    return Control(OPTIONS[name].title, OPTIONS[name].help, tuple(choices))
+
+
+def numbered(
+    gui: viser.GuiApi, name: str, value: Any, low: float, high: float, more: str = ""
+) -> Any:
+    """A box for an option that is a number, in [low, high], with `more` to say of it."""
+    one, value = OPTIONS[name], shown(name, value)
+    high = max(high, value)
+    made = Control(one.title, one.help + more, low=low, high=high, step=one.step, typed=True)
+    return handle(gui, made, value)
+
+
+def shown(name: str, value: Any) -> Any:
+    """An option as its control has it: a choice in words, 0 for none."""
+    words = OPTIONS[name].words
+    return words[value] if words else value or OPTIONS[name].kind()
+
+
+def meant(name: str, value: Any, model: Model) -> Any:
+    """An option from its control; what shows like the default is the default."""
+    words = OPTIONS[name].words
+    if words:
+        return next(key for key, word in words.items() if word == value)
+    own = by_default(name, model)
+    return own if value == shown(name, own) else value
+
+
+def by_default(name: str, model: Model) -> Any:
+    """An option of a run that does not say it: the model's own, if the model has one."""
+    default = Spec.model_fields[name].default
+    return getattr(model, name) if default is None else default
+
+
+def named(title: str) -> str:
+    """Name of the model with that title."""
+    return next(name for name, model in MODELS.items() if model.title == title)

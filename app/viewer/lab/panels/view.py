@@ -1,0 +1,40 @@
+"""What the picture of a flock shows, and from where."""
+
+from __future__ import annotations
+
+import viser
+
+from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.view import Point, ViewPanel
+from app.viewer.scene.shown.control import controls_of
+from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
+
+
+class FlockView(ViewPanel):
+    """All that a look has, a ride on an agent, and handles to steer by."""
+
+    def __init__(self, gui: viser.GuiApi, look: Look, point: Point):
+        super().__init__(gui, look, controls_of(Look), point)
+        self.ride = gui.add_button(
+            "Ride along",
+            icon=viser.Icon.FEATHER,
+            color="gray",
+            hint="A camera on the clicked agent, for this browser only; again, or Esc, to get off",
+        )
+        self.ride.on_click(self.ridden)
+        self.steer = gui.add_checkbox(
+            "Steer",
+            False,
+            hint="Handles on the information agent: drag it about and turn it",
+        )
+        add_hotkeys(
+            gui,
+            {
+                "B": lambda client: self.point(client, RIDE),
+                "escape": lambda client: self.point(client, STEP_OFF),
+            },
+        )
+
+    async def ridden(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            self.point(event.client, RIDE)

@@ -1,0 +1,274 @@
+"""The page's session with a laboratory: its control loop is opened, polled and closed here."""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from datetime import datetime
+from itertools import count
+from pathlib import Path
+from typing import Protocol
+
+from agents.models.declare import Parameters
+from agents.models.model import Model
+from app.live.control.arm import OperatorRequest
+from app.live.control.events import Event, Events
+from app.live.control.status import Status
+from app.live.laboratory.lab import Lab
+from app.live.operating.choices import Choices
+from app.live.operating.driven import open_driven
+from app.live.operating.ends import Opener
+from app.live.operating.flock_driver import FlockDriver
+from app.live.operating.operator import Operator
+from app.viewer.live.arming_code import ArmingCode, Verdict
+from app.viewer.live.framing import Setting, deserted
+from app.viewer.live.opening import Opening, OperatorProtocol
+from app.viewer.live.readings import RoomReadings
+from app.viewer.live.session_requests import CLOSED, SessionRequests
+from app.viewer.run.words import in_words
+from app.viewer.scene.shown.frame import Frame
+from worlds.refusal import Refusal
+
+POLL_EVERY = 1 / 50
+"""Seconds between two polls of the loop."""
+OFF = "no browser arms until the next start"
+"""What is said after too many wrong codes."""
+FAREWELL = 2.0
+"""Seconds that closing waits for an opening; its loop is closed when it is ready."""
+
+
+class Driving(Protocol):
+    """What a session has to know of what drives the cars."""
+
+    model: Model
+    parameters: Parameters
+
+
+class Session(SessionRequests):
+    """Opens and closes the control loop of a laboratory in a thread of its own, and polls it 50
+    times a second; `frame`, `status`, `readings` and `state` are always the latest.
+
+    With `recording`, a folder, each opening is recorded in a new folder in it.
+    """
+
+    def __init__(
+        self,
+        choices: Choices,
+        recording: Path | None = None,
+        opener: Opener = open_driven,
+        operator: Callable[[Lab, Opener, Path | None], OperatorProtocol] = Operator,
+        driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
+    ):
+        super().__init__(choices)
+        self.folder = recording
+        self.opener = opener
+        self.make_operator = operator
+        self.make_driver = driver
+        self.frame: Frame | None = None
+        self.status: Status | None = None
+        """The newest of the loop that is open."""
+        self.readings = RoomReadings(self.lab.injected)
+        self.events = Events()
+        """Those of all openings."""
+        self.code = ArmingCode()
+        """What a browser needs to arm, for as long as this page is served."""
+        self.parting = threading.Lock()
+        """Held while a loop is closed, never while one is opened."""
+        self.traced = ""
+        """The error whose traceback was printed last."""
+        self.thread = threading.Thread(target=self.run, name="room", daemon=True)
+        self.thread.start()
+
+    def close(self) -> None:
+        """Stop the cars and close for good."""
+        self.closing.set()
+        self.woken.set()
+        self.close_loop()
+        self.thread.join(FAREWELL)
+        self.change(phase="closed")
+
+    def close_loop(self) -> None:
+        """Close the loop, if one is open: the cars stop."""
+        with self.parting:
+            opening, self.opening = self.opening, None
+            if opening is not None:
+                opening.operator.close()
+                opening.tuning.end(CLOSED)
+
+    def arm_by_code(self, entered: str, cause: str) -> Verdict:
+        """Arm for a browser, if it gives the code; every code that is tried becomes an event."""
+        verdict = self.code.tried(entered)
+        if verdict == "right":
+            self.say("code", "the right code", cause)
+            self.ask("arm", cause)
+        elif verdict == "wrong":
+            left = f"{self.code.left} more and no browser arms" if self.code.left else OFF
+            self.say("code", f"a wrong code: {left}", cause)
+            if self.code.off:
+                self.notices.put(f"a wrong code to arm ({cause}): {left}")
+                self.change(browsers_arm=False)
+        return verdict
+
+    # The session's own thread.
+
+    def run(self) -> None:
+        """Open what is chosen and poll it, until closed; whatever goes wrong becomes a notice."""
+        while not self.closing.is_set():
+            try:
+                if self.next is not None:
+                    self.open_next()
+                self.poll()
+            except Exception as error:
+                if in_words(error) != self.state.trouble:
+                    self.change(trouble=in_words(error))
+                    self.notices.put(in_words(error))
+                    self.trace(error)
+            self.woken.wait(POLL_EVERY)
+            self.woken.clear()
+
+    def open_next(self) -> None:
+        """Close what is open, and open what was chosen last."""
+        with self.changing:
+            wanted, self.next = self.next, None
+        assert wanted is not None
+        choices, cause = wanted
+        with suppress(Exception):  # what is wrong with the loop that is left has become a notice
+            self.poll()
+        self.close_loop()
+        self.forget()
+        self.change(
+            phase="opening",
+            trouble="",
+            source=choices.source,
+            link=choices.link,
+            rule=choices.rule,
+            model=None,
+            values={},
+            recording="",
+            compiling="",
+            run=self.state.run + 1,
+        )
+        self.say("room", f"opening {choices.source}, {choices.rule}", cause)
+        try:
+            self.open(choices.lab, cause)
+        except Exception as error:
+            self.trace(error)
+            self.fail(in_words(error))
+
+    def open(self, lab: Lab, cause: str) -> None:
+        """Open a laboratory, unless another is chosen or the session closed. Raises Refusal."""
+        driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
+        self.change(compiling="")
+        setting = Setting.of(self.state.run, lab, driver.model)
+        values = driver.parameters.model_dump()
+        self.change(model=driver.model, values=values)
+        if self.overtaken:
+            return
+        folder = None if self.folder is None else new_folder(self.folder, datetime.now())
+        operator = self.make_operator(lab, self.opener, folder)
+        if self.overtaken:
+            operator.close()
+            return
+        self.take_over(Opening(setting, operator, values, self.notices.put))
+        self.change(phase="open", recording="" if folder is None else str(folder))
+        self.say("room", "open", cause)
+
+    def compiles(self, words: str) -> None:
+        """Report that a rule is being compiled."""
+        self.change(compiling=words)
+        self.say("compile", words)
+
+    @property
+    def overtaken(self) -> bool:
+        """Whether another choice has been made meanwhile, or the session is to close."""
+        return self.closing.is_set() or self.next is not None
+
+    def take_over(self, opening: Opening) -> None:
+        """Let everybody ask the loop, once it has been sent an emergency stop that is latched."""
+        given = self.latch
+        if given:
+            opening.operator.ask(OperatorRequest("emergency", given))
+        self.opening = opening
+        if self.latch != given:  # another one, while nobody was there to hear it
+            opening.operator.ask(OperatorRequest("emergency", self.latch))
+        if self.closing.is_set():
+            self.close_loop()
+
+    def poll(self) -> None:
+        """Ask the loop that is open for its status, and pass on what is new."""
+        opening = self.opening
+        if opening is None:
+            return
+        try:
+            for event in opening.poll():
+                self.note(event)
+            if opening.values is not self.state.values:
+                self.change(values=opening.values)
+            opening.tuning.settle()
+            opening.update()
+            if opening.status is not None:
+                self.status, self.frame, self.readings = (
+                    opening.status,
+                    opening.frame,
+                    opening.readings,
+                )
+            silence = opening.silence
+            if silence != self.state.trouble:
+                self.change(trouble=silence)
+                if silence:
+                    self.notices.put(silence)
+        finally:
+            if opening.ended:
+                self.lose(opening)
+
+    def note(self, event: Event) -> None:
+        """Keep an event; an emergency stop lasts beyond this opening until it is reset."""
+        self.events.add(event)
+        if event.kind == "emergency":
+            self.latch = event.cause or event.kind
+            self.change(latched=True)
+        elif event.kind == "reset":
+            self.latch = ""
+            self.change(latched=False)
+
+    def lose(self, opening: Opening) -> None:
+        """Close a loop that has ended by itself; `reopen` and `choose` open one again."""
+        with self.parting:
+            closed = self.opening is not opening
+        if not closed:
+            self.close_loop()
+            self.forget()
+            self.fail(opening.ended)
+
+    def forget(self) -> None:
+        """Nothing is known any more of the loop that was open."""
+        self.status = None
+        self.readings = RoomReadings(self.lab.injected)
+        if self.frame is not None:
+            self.frame = deserted(self.frame)
+
+    def fail(self, why: str) -> None:
+        """Report why no loop is open."""
+        self.change(phase="failed", trouble=why)
+        self.say("failed", why)
+        self.notices.put(why)
+
+    def say(self, kind: str, words: str, cause: str = "") -> None:
+        """Add an event of the session itself."""
+        self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
+
+    def trace(self, error: Exception) -> None:
+        """Print the traceback of an unexpected error, once while it repeats."""
+        if not isinstance(error, Refusal) and in_words(error) != self.traced:
+            self.traced = in_words(error)
+            traceback.print_exception(error)
+
+
+def new_folder(folder: Path, now: datetime) -> Path:
+    """A folder in `folder` that does not exist, named for the time: `2026-11-22-093015`."""
+    name = now.strftime("%Y-%m-%d-%H%M%S")
+    names = (name if number == 1 else f"{name}-{number}" for number in count(1))
+    return next(folder / one for one in names if not (folder / one).exists())

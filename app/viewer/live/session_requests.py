@@ -1,0 +1,160 @@
+"""What browsers and the terminal may ask of a session, from any thread; nothing waits or raises."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from app.live.control.arm import Action, OperatorRequest
+from app.live.operating.choices import Choices
+from app.viewer.live.opening import Opening
+from app.viewer.live.page_input import number, parameter_value, whole_number, word
+from app.viewer.live.session_state import SessionState
+from app.viewer.run.words import in_words
+from worlds.refusal import Refusal
+
+ASKED: dict[str, Action] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
+"""What may be asked with `ask`."""
+CLOSED = "was not answered: the room was closed"
+"""The answer to changes that wait when a loop is closed."""
+
+
+class SessionRequests:
+    """The requests to a session. What is refused becomes a notice in every browser."""
+
+    def __init__(self, choices: Choices):
+        self.lab = choices.lab
+        self.state = SessionState(choices.source, choices.link, choices.rule)
+        self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
+        """Notices for all browsers."""
+        self.chosen = choices.choosing()
+        """What was chosen last."""
+        self.next: tuple[Choices, str] | None = self.chosen, ""
+        """What is to be opened next, and who chose it."""
+        self.opening: Opening | None = None
+        self.changing = threading.Lock()
+        """Guards the state and the choice; held for moments only."""
+        self.latch = ""
+        """Who asked for an emergency stop that was not reset: the next opening begins with it."""
+        self.closing = threading.Event()
+        self.woken = threading.Event()
+
+    def ask(self, action: str, cause: str) -> None:
+        """Arm, disarm or reset."""
+        with self.telling():
+            wanted = ASKED[word("request", action, ASKED)]
+            if wanted == "arm" and self.next is not None:
+                raise Refusal("cannot be armed: another room is about to be opened")
+            self.open_one().operator.ask(OperatorRequest(wanted, cause))
+
+    def emergency(self, cause: str) -> None:
+        """Stop the cars now, and latched. While no loop is open the next begins so."""
+        with self.telling():
+            self.latch = cause or "the page"
+            opening = self.opening
+            if opening is not None:
+                opening.operator.ask(OperatorRequest("emergency", cause))
+            else:
+                self.notices.put(f"EMERGENCY STOP ({cause}): the next room begins with it")
+            self.change(latched=True)
+
+    def tune(self, name: str, value: Any, cause: str) -> Future:
+        """Give a parameter of the rule a new value; the answer is the one that the loop took."""
+        answer: Future = Future()
+        try:
+            opening = self.open_one()
+            taken = parameter_value(opening.setting.model, opening.values, name, value)
+            change = opening.tuning.begin(name, taken, cause)
+            opening.operator.ask(change.request)
+            if self.opening is not opening:  # closed meanwhile: nobody would answer
+                opening.tuning.end(CLOSED)
+        except Exception as error:
+            self.notices.put(in_words(error))
+            answer.set_exception(error)
+            return answer
+        return change.answer
+
+    def accompany(self, count: int, cause: str) -> None:
+        """Have so many simulated cars beside the real ones."""
+        with self.telling():
+            found = whole_number("simulated cars", count, self.lab.simulated.most)
+            self.open_one().operator.ask(OperatorRequest("accompany", cause, str(found)))
+
+    def place(self, x: float, y: float) -> None:
+        """Move the injected car of the hand, m; the loop keeps it within the fence."""
+        with self.telling():
+            at = number("x", x), number("y", y)
+            opening = self.opening
+            if opening is not None:
+                opening.operator.place(*at)
+
+    def choose(
+        self,
+        source: str | None = None,
+        link: str | None = None,
+        rule: str | None = None,
+        cause: str = "",
+    ) -> None:
+        """Close the loop and open one with other choices; what is not given stays.
+
+        The names are those of `app.live.operating.choices`. Not while the cars are
+        armed. Of several choices at once only the last is opened.
+        """
+        asked = {"source": source, "link": link, "rule": rule}
+        with self.telling():
+            opening = self.opening
+            if self.closing.is_set():
+                raise Refusal("the room is closed")
+            if opening is not None and opening.armed:
+                raise Refusal("no other room is opened while the cars are armed: disarm them first")
+            with self.changing:
+                last = self.chosen
+            made = last.choosing(
+                **{
+                    kind: word(kind, name, last.offered[kind])
+                    for kind, name in asked.items()
+                    if name is not None
+                }
+            )
+            with self.changing:
+                self.chosen, self.next = made, (made, cause)
+            self.woken.set()
+
+    def reopen(self, cause: str) -> None:
+        """Close the loop, if one is open, and open it again."""
+        self.choose(cause=cause)
+
+    def browsers(self, count: int) -> None:
+        """Say how many browsers are open: armed by a browser, the cars stop when none is left."""
+        opening = self.opening
+        if count == 0 and opening is not None:
+            opening.deserted()
+
+    # Used by the requests above.
+
+    @contextmanager
+    def telling(self) -> Iterator[None]:
+        """What is raised within becomes a notice."""
+        try:
+            yield
+        except Exception as error:
+            self.notices.put(in_words(error))
+
+    def open_one(self) -> Opening:
+        """The open loop. Raises Refusal if none is open."""
+        opening = self.opening
+        if opening is None:
+            raise Refusal(f"the room is not open ({self.state.phase})")
+        return opening
+
+    def change(self, **changes: Any) -> None:
+        """Change the state; a closed session stays closed."""
+        with self.changing:
+            if self.state.phase == "closed":
+                changes.pop("phase", None)
+            self.state = replace(self.state, **changes)

@@ -1,0 +1,80 @@
+"""How one quantity goes over time: thinned over the whole of it, in full over its end."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import deque
+
+import numpy as np
+
+POINTS = 600
+"""Points in a plot at most."""
+
+
+class TimeSeries:
+    """Values at times (ticks or s): at most POINTS over the whole run, and the POINTS latest.
+
+    What is no finite number is left out, or with `gaps` NaN. Threads may add and look at once.
+
+    >>> series = TimeSeries()
+    >>> for tick in range(3):
+    ...     series.add(tick, tick / 10)
+    >>> series.arrays(last=1)
+    (array([1., 2.]), array([0.1, 0.2]))
+    """
+
+    def __init__(self, gaps: bool = False) -> None:
+        self.gaps = gaps
+        self.whole: list[tuple[float, float]] = []
+        self.latest: deque[tuple[float, float]] = deque(maxlen=POINTS)
+        self.lock = threading.Lock()
+        self.apart = 1
+        """Time that must lie between two points of the whole run."""
+
+    def add(self, time: float, value: float) -> None:
+        """Note a value at a time; a second note at one time replaces the first."""
+        if not math.isfinite(value):
+            if not self.gaps:
+                return
+            value = math.nan
+        with self.lock:
+            again = bool(self.latest) and time == self.latest[-1][0]
+            if again:
+                self.latest.pop()
+            self.latest.append((float(time), float(value)))
+            self.thin(self.latest[-1])
+
+    def thin(self, point: tuple[float, float]) -> None:
+        """Take a point into the whole run, if it is due."""
+        whole = self.whole
+        if whole and point[0] - whole[-1][0] < self.apart:
+            if point[0] != whole[-1][0]:
+                return
+            whole.pop()
+        whole.append(point)
+        if len(whole) > POINTS:
+            self.whole = whole[::2]
+            self.apart = max(2 * self.apart, int(self.whole[-1][0]) // POINTS)
+
+    @property
+    def newest(self) -> float:
+        """The latest value; NaN if there is none."""
+        with self.lock:
+            return self.latest[-1][1] if self.latest else math.nan
+
+    def arrays(self, last: float = math.inf) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values of the whole run, or of the `last` of its time."""
+        with self.lock:
+            whole, latest = list(self.whole), list(self.latest)
+        if math.isinf(last) or not latest:
+            return columns(whole)
+        since = latest[-1][0] - last
+        before = (point for point in whole if since <= point[0] < latest[0][0])
+        return columns([*before, *(point for point in latest if point[0] >= since)])
+
+
+def columns(points: list[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
+    """Points as two arrays."""
+    array = np.array(points, float).reshape(-1, 2)
+    return array[:, 0].copy(), array[:, 1].copy()

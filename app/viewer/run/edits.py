@@ -1,0 +1,187 @@
+"""Changes of a running flock's world, as commands of its simulation."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.spec import Spec
+from app.viewer.editing.editor import Editor, Gone
+from app.viewer.editing.free_places import set_free
+from app.viewer.editing.layout_file import layout_of
+from app.viewer.run.beside import companion
+from app.viewer.run.run import Run
+from app.viewer.run.state import State
+from worlds.obstacles import Disc
+from worlds.refusal import Refusal
+from worlds.world import World
+
+Change = Callable[[Editor], Editor]
+
+
+class Host(Protocol):
+    """What changes of a world need of the simulation whose world it is."""
+
+    run: Run | None
+    state: State
+    stale: bool
+
+    def tell(self, command: Callable[[], Any], key: str = "") -> Future: ...
+
+    def sound_run(self) -> Run: ...
+
+    def schedule(self, spec: Spec, beside: Spec | None) -> None: ...
+
+
+class Edits:
+    """Changes a simulation's world; commands return at once, as the simulation's own do."""
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self.editor: Editor | None = None
+        """The world with its history, a value that any thread may read; None until the first flock
+        is there."""
+        self.untouched: World | None = None
+        """The world before the first change."""
+        self.plain: Spec | None = None
+        """What sets it up."""
+        self.drags: dict[str, Change] = {}
+        """The newest change of each drag that is not carried out yet."""
+        self.drags_lock = threading.Lock()
+        self.prepared: set[str] = set()
+        """Models, dimensions and options that have been compiled for obstacles, aside."""
+
+    # Commands.
+
+    def change(self, change: Change) -> Future:
+        """Change the world between two ticks. What is refused becomes a notice.
+
+        Agents that an obstacle comes upon are put on the nearest free place; if there is none, the
+        change is refused.
+        """
+        return self.host.tell(lambda: self.edit_now(change))
+
+    def drag(self, gesture: str, change: Change) -> None:
+        """Change the world as a part of a drag: only the newest change is carried out.
+
+        What cannot be is left out without a word, as the hand moves on.
+        """
+        with self.drags_lock:
+            waiting = gesture in self.drags
+            self.drags[gesture] = change
+        if not waiting and self.host.tell(lambda: self.drag_now(gesture), f"drag {gesture}").done():
+            with self.drags_lock:  # it was refused: the next change of this drag is told again
+                self.drags.pop(gesture, None)
+
+    def open_layout(self, name: str, content: bytes) -> Future:
+        """Set up the flock anew in the world of a layout file, TOML or a drawing.
+
+        A file that is refused, or a world in which the flock cannot be, changes nothing.
+        """
+        return self.host.tell(lambda: self.open_now(name, content))
+
+    def layout(self) -> Future:
+        """The world as TOML, bytes."""
+        return self.host.tell(self.layout_now, "layout")
+
+    def prepare(self) -> None:
+        """Compile the model for obstacles in a thread aside, so that the first one comes sooner."""
+        run, state = self.host.run, self.host.state
+        if run is None or run.flock.world.is_solid:
+            return
+        dim = run.flock.world.dim
+        kind = f"{state.models} {dim} {state.spec.chosen}"
+        if kind not in self.prepared:
+            self.prepared.add(kind)
+            threading.Thread(
+                target=try_out, args=(state.spec, state.beside, dim), daemon=True
+            ).start()
+
+    # The simulation's own thread.
+
+    def edit_now(self, change: Change) -> None:
+        run, before = self.host.sound_run(), self.editor
+        assert before is not None
+        after = change(before)
+        if after.world is not run.flock.world:
+            inhabit(run, after)
+        self.editor = after
+        spec, plain = self.host.state.spec, self.plain
+        if after.world is self.untouched and plain is not None:
+            spec = spec.but(world=plain.world, size=plain.size)
+        else:
+            spec = spec.but(world=after.world, size=None)
+        self.host.state = replace(self.host.state, spec=spec)
+        self.host.stale = True
+
+    def drag_now(self, gesture: str) -> None:
+        with self.drags_lock:
+            change = self.drags.pop(gesture, None)
+        with contextlib.suppress(Refusal):
+            if change is not None:
+                self.edit_now(change)
+
+    def layout_now(self) -> bytes:
+        return self.host.sound_run().flock.world.to_toml().encode()
+
+    def open_now(self, name: str, content: bytes) -> None:
+        world = layout_of(name, content)
+        spec, beside = self.host.state.again()
+        self.host.schedule(spec.but(world=world, size=None, dim=world.dim), beside)
+
+    def take_over(self, run: Run, spec: Spec) -> None:
+        """Edit the world of a new run; the history goes on where it is the same world."""
+        world = run.flock.world
+        known = self.editor is not None and self.editor.world == world
+        if not known:
+            self.editor = Editor.of(world)
+            self.untouched = world
+        if not known or not isinstance(spec.world, World):
+            self.plain = spec
+
+
+def inhabit(run: Run, editor: Editor) -> None:
+    """Let a flock go on in another world. Raises Refusal, and then changes nothing."""
+    world = editor.world
+    freed = [set_free(world, one.flock.position) for one in run.both]
+    for one, position in zip(run.both, freed, strict=True):
+        flock, before = one.flock, one.flock.loop
+        flock.change_world(world)
+        if position is not flock.position:
+            flock.position[:] = position
+        one.compiled = one.compiled and flock.loop is before
+
+
+def try_out(spec: Spec, beside: Spec | None, dim: int) -> None:
+    """Run a flock of two, and the one beside it, for a tick in a small world with an obstacle."""
+    pillar = Disc(centre=(9.0, 9.0), radius=0.5)
+    world = World("aside", (10.0,) * dim, ("open",) * dim, obstacles=(pillar,))
+    with contextlib.suppress(Refusal):
+        flock = Flock(spec.but(agents=2, size=None, world=world))
+        flock.advance(1)
+        if beside is not None:
+            companion(flock, beside).advance(1)
+
+
+def freed(run: Run, position: np.ndarray) -> np.ndarray:
+    """A place (dim,) for an agent, the nearest one that is not solid. Raises Refusal."""
+    return set_free(run.flock.world, np.asarray(position, float)[None])[0]
+
+
+def ignoring_gone(change: Change) -> Change:
+    """A change that does nothing to an obstacle that somebody else has deleted."""
+
+    def tried(editor: Editor) -> Editor:
+        try:
+            return change(editor)
+        except Gone:
+            return editor
+
+    return tried

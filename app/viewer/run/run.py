@@ -1,0 +1,140 @@
+"""One run: a flock from its set-up to the next, and what is seen of it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.state.whereabouts import Stray
+from app.viewer.measuring.crowd import refuse_too_dense
+from app.viewer.measuring.readings import Readings
+from app.viewer.run.picture import Camera, Wanted
+from app.viewer.run.words import Astray
+from app.viewer.run.zones import allowed
+from app.viewer.scene.shown.frame import Frame
+from worlds.refusal import Refusal
+
+
+class Run:
+    """A flock, its readings and the frames taken of it."""
+
+    second: Run | None = None
+    """The run of the flock beside it, if there is one: see `beside.Pair`."""
+
+    def __init__(
+        self,
+        flock: Flock,
+        number: int,
+        wanted: Wanted,
+        watched: frozenset[str] = frozenset(),
+    ):
+        self.flock = flock
+        self.number = number
+        self.readings = Readings(flock, watched)
+        self.camera = Camera(flock, number, wanted)
+        self.compiled = False
+        """Whether the flock has run, so that its next tick need not be compiled."""
+        self.warned = ""
+        """What was told of agents that go through what is solid."""
+        self.astray: Stray | None = None
+        """The first agent that was seen where it cannot be."""
+        self.troubles: list[Exception] = []
+        """What went wrong in looking, each kind once; the flock runs on all the same."""
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The flock's parameters, name -> value."""
+        return self.flock.parameters.model_dump()
+
+    @property
+    def beside_values(self) -> dict[str, Any]:
+        """The parameters that only the flock beside it has; it has none."""
+        return {}
+
+    @property
+    def both(self) -> tuple[Run, ...]:
+        """This run, and the one beside it."""
+        return (self,) if self.second is None else (self, self.second)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the next tick need not be compiled, neither here nor beside."""
+        return all(one.compiled for one in self.both)
+
+    def want(self, wanted: Wanted) -> None:
+        """Change what frames hold beside positions and headings."""
+        self.camera.want(wanted)
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Change which observables are measured beside those that always are."""
+        for one in self.both:
+            one.readings.watch(names)
+
+    def allowed(self, name: str, value: Any, beside: bool = False) -> Any:  # noqa: ARG002 - Pair's
+        """The value nearest to the wanted one that keeps zones in order. Raises Refusal."""
+        return allowed(self.flock, name, value)
+
+    def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
+        """Give a parameter a value. Raises Refusal, and then changes nothing."""
+        before = self.values
+        self.flock.set(**{name: value})
+        try:
+            refuse_too_dense(self.flock)
+        except Refusal:
+            self.flock.set(**before)
+            raise
+
+    def advance(self, ticks: int) -> None:
+        """Run ticks. Raises whatever the rule raises."""
+        self.readings.extremes.run(ticks)
+        self.compiled = True
+
+    def look(self, closely: bool) -> Frame:
+        """Read what is due (everything, if `closely`) and take a frame.
+
+        Raises ArithmeticError, naming the agent, if a position is no finite number.
+        """
+        flock = self.flock
+        lost = ~np.isfinite(flock.position).all(axis=1)
+        if lost.any():
+            row = int(np.argmax(lost))
+            raise ArithmeticError(
+                f"agent {flock.ids[row]} has position {flock.position[row].tolist()} at tick "
+                f"{flock.tick}: every position must be a finite number"
+            )
+        if self.astray is None:
+            self.astray = flock.stray()
+            self.troubles += [] if self.astray is None else [Astray(str(self.astray))]
+        self.attempt(lambda: self.readings.read(at_once=closely))
+        self.attempt(self.camera.examine)
+        self.attempt(self.camera.inspect)
+        return self.camera.take()
+
+    def attempt(self, look: Callable[[], None]) -> None:
+        """Look; note what goes wrong."""
+        try:
+            look()
+        except Exception as error:
+            if repr(error) not in map(repr, self.troubles):
+                self.troubles.append(error)
+
+    def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
+        """Put an agent somewhere and turn it."""
+        self.flock.position[row] = position
+        self.flock.heading[row] = heading
+
+    def spec(self) -> bytes:
+        """The run as TOML."""
+        return self.flock.spec.to_toml().encode()
+
+    def saved(self) -> bytes:
+        """The flock's state as a file."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "flock.parquet"
+            self.flock.save(path)
+            return path.read_bytes()

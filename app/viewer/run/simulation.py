@@ -1,0 +1,380 @@
+"""A flock that runs in a thread of its own and never waits for whoever watches it."""
+
+from __future__ import annotations
+
+import math
+import queue
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.spec import Spec
+from app.viewer.measuring.crowd import refuse_too_dense
+from app.viewer.measuring.readings import Readings
+from app.viewer.run.beside import Pair, companion
+from app.viewer.run.command_queue import CommandQueue, Waiting
+from app.viewer.run.edits import Edits, freed
+from app.viewer.run.pace import Pace
+from app.viewer.run.picture import Wanted
+from app.viewer.run.run import Run
+from app.viewer.run.state import State
+from app.viewer.run.words import Astray, in_words
+from app.viewer.run.zones import stopped
+from app.viewer.scene.shown.frame import Frame
+from worlds.refusal import Refusal
+
+FRAMES = 1 / 50
+"""Shortest time between two frames, s."""
+OBEDIENCE = 0.03
+"""Longest time for commands before ticks are run again, s."""
+
+
+Models = tuple[str, str | None]
+"""Names of the model and of the one beside it."""
+
+
+class Simulation:
+    """Runs a flock; `frame`, `state` and `readings` are always the latest.
+
+    Commands return at once and are carried out in order, between two ticks; a pause comes first.
+    However much is told, little waits: what comes to the same is merged, and what is too much is
+    refused. What a user must be told is left in `notices`; `edits` change the world.
+    """
+
+    def __init__(
+        self,
+        spec: Spec,
+        beside: Spec | None = None,
+        speed: float = 15.0,
+        running: bool = True,
+        build: Callable[[Spec], Flock] = Flock,
+        build_beside: Callable[[Flock, Spec], Flock] = companion,
+    ):
+        self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.commands = CommandQueue()
+        self.edits = Edits(self)
+        self.frame: Frame | None = None
+        self.readings: Readings | None = None
+        self.readings_beside: Readings | None = None
+        self.state = State(spec, beside, running=running, busy=True, speed=speed)
+        self.ready = threading.Event()
+        """Set when the first flock can be seen and, if it is to run, is compiled."""
+        self.build = build
+        self.build_beside = build_beside
+        self.run: Run | None = None
+        self.wanted = Wanted()
+        self.watched: frozenset[str] = frozenset()
+        self.pace = Pace(speed)
+        self.next: tuple[Spec, Spec | None] | None = spec, beside
+        """What is to be set up."""
+        self.stale = False
+        """Whether the flock has changed since the last frame."""
+        self.next_frame = 0.0
+        self.closing = False
+        self.thread = threading.Thread(target=self.live, name="simulation", daemon=True)
+        self.thread.start()
+
+    def close(self, wait: float = 2.0) -> None:
+        """Stop for good."""
+        self.closing = True
+        self.commands.wake()
+        self.thread.join(wait)
+
+    # Commands, from any thread.
+
+    def tell(self, command: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
+        """Carry out a command between two ticks; what it refuses becomes a notice.
+
+        Of commands with one `key` that follow each other only the last is carried out, as the
+        answer to all. `runs` says whether the flock runs afterwards.
+        """
+        return self.answered(lambda: self.commands.put(command, key, runs))
+
+    def answered(self, put: Callable[[], Future]) -> Future:
+        """Let a command wait; if it may not, its answer says so, and a notice."""
+        try:
+            return put()
+        except Exception as error:
+            self.notices.put(in_words(error))
+            refused: Future = Future()
+            refused.set_exception(error)
+            return refused
+
+    def carry_out(self, waiting: Waiting) -> None:
+        """On the simulation's own thread: do what waits, and answer."""
+        try:
+            waiting.answer.set_result(waiting())
+        except Exception as error:
+            self.notices.put(in_words(error))
+            waiting.answer.set_exception(error)
+
+    def setup(self, spec: Spec, beside: Spec | None = None) -> Future:
+        """Build a new flock; of several set-ups at once only the last is built."""
+        return self.tell(lambda: self.schedule(spec, beside), "set up")
+
+    def reset(self) -> Future:
+        """The same flock again: same seed, same start, the parameters as they are now."""
+        return self.tell(lambda: self.schedule(*self.state.again()), "set up")
+
+    def go(self) -> Future:
+        """Run."""
+        return self.tell(lambda: self.switch(True), "go", runs=True)
+
+    def pause(self) -> Future:
+        """Stop running, before anything else that waits, until told to go."""
+        return self.commands.pause(lambda: self.switch(False))
+
+    def toggle(self) -> Future:
+        """Pause if it runs once all is done that waits, go if not."""
+        return self.pause() if self.commands.will_run(self.state.running) else self.go()
+
+    def step(self, ticks: int = 1) -> Future:
+        """Pause and run a few ticks; with those that wait already never very many."""
+        return self.answered(lambda: self.commands.step(self.step_now, ticks))
+
+    def run_at(self, speed: float) -> Future:
+        """Run at so many ticks per second; infinity for as fast as it goes."""
+        return self.tell(lambda: self.change_pace(speed), "pace")
+
+    def set(
+        self, name: str, value: Any, beside: bool = False, models: Models | None = None
+    ) -> Future:
+        """Give a parameter a new value, in both flocks if they share it; or only `beside`.
+
+        The answer is the value that it has taken: a zone stops at the next one, which is told. If
+        `models` are given, and others have come since, nothing is done.
+        """
+        key = f"set {name} {beside} {models}"
+        return self.tell(lambda: self.set_now(name, value, beside, models), key)
+
+    def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> Future:
+        """Put an agent somewhere and turn it."""
+        return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")
+
+    def want(self, wanted: Wanted) -> Future:
+        """Say what frames should hold beside positions and headings."""
+        return self.tell(lambda: self.want_now(wanted), "want")
+
+    def watch(self, names: Iterable[str]) -> Future:
+        """Say which observables should be measured beside those that always are."""
+        chosen = frozenset(names)
+        return self.tell(lambda: self.watch_now(chosen), "watch")
+
+    def look_again(self) -> Future:
+        """Take another frame, though nothing has moved."""
+        return self.tell(self.look_again_now, "look again")
+
+    def spec(self) -> Future:
+        """The run as TOML, bytes; of two flocks a ZIP of both."""
+        return self.tell(lambda: self.sound_run().spec(), "spec")
+
+    def saved(self) -> Future:
+        """The flock's saved state, bytes; of two flocks a ZIP of both."""
+        return self.tell(lambda: self.sound_run().saved(), "saved")
+
+    # The simulation's own thread.
+
+    def live(self) -> None:
+        """Obey, run and leave frames, until closed."""
+        while not self.closing:
+            self.obey()
+            try:
+                if self.next is not None:
+                    self.set_up()
+                self.leave()
+                if self.state.running:
+                    self.run_due()
+            except Exception as error:
+                self.fail(error)
+
+    def obey(self) -> None:
+        """Carry out what was told; wait for it if there is nothing else to do.
+
+        However much is told, the flock gets its turn.
+        """
+        waiting = self.commands.get(timeout=self.idle_time())
+        end = time.perf_counter() + OBEDIENCE
+        while waiting is not None:
+            self.carry_out(waiting)
+            over = self.closing or time.perf_counter() >= end
+            waiting = None if over else self.commands.get(timeout=0.0)
+
+    def idle_time(self) -> float | None:
+        """How long to wait for commands, s; None for ever."""
+        if self.next is not None or self.stale:
+            return 0.0
+        return self.pace.wait(time.perf_counter()) if self.state.running else None
+
+    def run_due(self) -> None:
+        """Run the ticks that are due."""
+        run = self.sound_run()
+        ticks = self.pace.ticks_due(time.perf_counter())
+        if ticks == 0:
+            return
+        began = time.perf_counter()
+        self.advance(run, ticks)
+        now = time.perf_counter()
+        self.pace.took(ticks, now - began)
+        self.stale = now >= self.next_frame
+
+    def advance(self, run: Run, ticks: int) -> None:
+        """Run ticks; the first ones of a model may have to be compiled."""
+        if run.is_compiled:
+            run.advance(ticks)
+            return
+        self.state = replace(self.state, busy=True)
+        run.advance(ticks)
+        self.state = replace(self.state, busy=False)
+        self.pace.restart()
+        self.ready.set()
+
+    def leave(self) -> None:
+        """Leave a frame and readings for whoever watches, if there is anything new."""
+        if not self.stale or self.run is None:
+            return
+        self.stale = False
+        now = time.perf_counter()
+        self.next_frame = now + FRAMES
+        self.warn(self.run)
+        known = len(self.run.troubles)
+        self.frame = self.run.look(closely=not self.state.running)
+        for trouble in self.run.troubles[known:]:
+            if not isinstance(trouble, Refusal | Astray):
+                traceback.print_exception(trouble)
+            self.notices.put(in_words(trouble))
+        self.readings = self.run.readings
+        second = self.run.second
+        self.readings_beside = None if second is None else second.readings
+        self.state = replace(self.state, rate=self.pace.rate(now) if self.state.running else 0.0)
+        if not self.state.running:
+            self.ready.set()
+
+    def set_up(self) -> None:
+        """Build the flock that is to be set up, and the one beside it."""
+        assert self.next is not None
+        (spec, beside), self.next = self.next, None
+        self.state = replace(self.state, busy=True)
+        try:
+            flock = self.build(spec)
+            refuse_too_dense(flock)
+            self.run = self.new_run(flock, beside)
+        except Refusal as refusal:
+            self.notices.put(str(refusal))
+            self.state = replace(
+                self.state, busy=False, running=self.state.running and self.run is not None
+            )
+            self.ready.set()
+            return
+        self.edits.take_over(self.run, spec)
+        self.pace.restart()
+        self.stale = True
+        self.state = replace(
+            self.state,
+            spec=spec,
+            beside=beside,
+            run=self.run.number,
+            busy=False,
+            error="",
+            agents=len(flock.ids),
+            values=self.run.values,
+            beside_values=self.run.beside_values,
+        )
+
+    def new_run(self, flock: Flock, beside: Spec | None) -> Run:
+        """The run of a flock, and of the one beside it. Raises Refusal."""
+        number = self.state.run + 1
+        if beside is None:
+            return Run(flock, number, self.wanted, self.watched)
+        second = self.build_beside(flock, beside)
+        refuse_too_dense(second)
+        return Pair(flock, second, number, self.wanted, self.watched)
+
+    def fail(self, error: Exception) -> None:
+        """A rule went wrong: stop the run, say why and live on."""
+        if not isinstance(error, Refusal | ArithmeticError):
+            traceback.print_exception(error)
+        self.stale = False
+        self.notices.put(in_words(error))
+        self.state = replace(self.state, running=False, busy=False, rate=0.0, error=in_words(error))
+        self.ready.set()
+
+    def sound_run(self) -> Run:
+        """The run. Raises Refusal if there is none, or it is broken."""
+        if self.run is None or self.state.error:
+            raise Refusal("there is no flock to run: press Setup")
+        return self.run
+
+    def warn(self, run: Run) -> None:
+        """Tell of flocks whose agents go through what is solid, once for each setting."""
+        for one in run.both:
+            words = one.flock.warning
+            if words and words != one.warned:
+                self.notices.put(words)
+            one.warned = words
+
+    def schedule(self, spec: Spec, beside: Spec | None) -> None:
+        self.next = spec, beside
+
+    def switch(self, on: bool) -> None:
+        if on and self.next is None:
+            self.sound_run()
+        self.pace.restart()
+        self.state = replace(self.state, running=on)
+        self.stale = self.run is not None and not self.state.error
+
+    def step_now(self, ticks: int) -> None:
+        run = self.sound_run()
+        self.state = replace(self.state, running=False)
+        try:
+            self.advance(run, ticks)
+        except Exception as error:
+            self.fail(error)
+            return
+        self.stale = True
+
+    def change_pace(self, speed: float) -> None:
+        if math.isnan(speed) or speed <= 0:
+            raise Refusal(f"speed = {speed} ticks/s is not allowed: it must be above 0")
+        self.pace = Pace(speed)
+        self.state = replace(self.state, speed=speed)
+
+    def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
+        run = self.sound_run()
+        if models not in (None, self.state.models):
+            return value
+        taken = run.allowed(name, value, beside)
+        run.set(name, taken, beside)
+        if taken != value:
+            flock = run.second.flock if beside and run.second is not None else run.flock
+            self.notices.put(stopped(flock, name, taken))
+        self.pace.doubt()
+        self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
+        self.stale = True
+        return taken
+
+    def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
+        run = self.sound_run()
+        run.place(row, freed(run, position), heading)
+        self.stale = True
+
+    def look_again_now(self) -> None:
+        self.stale = self.run is not None and not self.state.error
+
+    def watch_now(self, names: frozenset[str]) -> None:
+        self.watched = names
+        if self.run is not None:
+            self.run.watch(names)
+            self.stale = not self.state.error
+
+    def want_now(self, wanted: Wanted) -> None:
+        self.wanted = wanted
+        if self.run is not None and not self.state.error:
+            self.run.want(wanted)
+            self.stale = True

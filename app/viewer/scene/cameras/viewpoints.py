@@ -1,0 +1,234 @@
+"""The cameras of the connected browsers, each its own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import NamedTuple
+
+import numpy as np
+from viser import ClientHandle, ViserServer
+
+from app.viewer.scene.cameras.camera import View, view
+from app.viewer.scene.cameras.ride import Ride
+from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.paths.ribbons import risen
+from app.viewer.scene.shown.look import RIDE, STEP_OFF
+
+GLIDE = 0.25
+"""Time constant with which a following camera catches up, s."""
+TITLE = {2: 0.08, 3: 0.17}
+"""Room for the title over a flock, as a multiple of the longest side, by dimension."""
+CLOSE_UP = 1.2
+"""Half side of what a following camera shows at first, display units."""
+
+
+class Sight(NamedTuple):
+    """A flock, and where its room stands."""
+
+    picture: Picture
+    aside: np.ndarray
+    """Where the room's centre is on the display, (3,)."""
+
+
+class Viewpoints:
+    """Places each browser's camera at first, on request, and every frame for those that follow."""
+
+    def __init__(self, server: ViserServer) -> None:
+        self._server = server
+        self._lock = threading.Lock()
+        self._followed: dict[int, tuple[int, int]] = {}
+        """Client -> which of the flocks, and identity of the agent its camera follows."""
+        self._riders: dict[int, Ride] = {}
+        """Client -> the ride that it is on."""
+        self._sights: tuple[Sight, ...] = ()
+        self._entered: tuple[Stage, int] | None = None
+        """The stage, and the number of flocks, that the cameras were last pointed at."""
+        self._last = time.monotonic()
+        server.on_client_connect(self._welcome)
+        server.on_client_disconnect(self._farewell)
+
+    def place(self, client: ClientHandle, name: str) -> None:
+        """Give one browser the preset `name`, or let it get on a bird or off it."""
+        if not self._sights:
+            return
+        if name in (RIDE, STEP_OFF):
+            with self._lock:
+                ride = self._riders.pop(client.client_id, None)
+            if ride is not None:
+                _set(client, ride.before)
+            elif name == RIDE:
+                self.ride(client, *self._worth_following())
+            return
+        if name == "follow":
+            self.follow(client, *self._worth_following())
+            return
+        self._forget(client)
+        low, high = whole(self._sights)
+        if name != "top-down":
+            high[2] = max(high[2], risen(self._sights[0].picture))
+        _set(client, view(name, self._sights[0].picture.stage.dim, low, high, _aspect(client)))
+
+    def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
+        """Keep the agent now in `row` of the flock `side` in view, or let go of it with None."""
+        self._forget(client)
+        if row is None or side >= len(self._sights):
+            return
+        picture, aside = self._sights[side]
+        if not 0 <= row < len(picture.at):
+            return
+        at = picture.at[row] + aside
+        low, high = at - CLOSE_UP, at + CLOSE_UP
+        if picture.stage.dim == 2:
+            low[2] = high[2] = at[2]
+        _set(client, view("follow", picture.stage.dim, low, high, _aspect(client)))
+        with self._lock:
+            self._followed[client.client_id] = side, int(picture.frame.ids[row])
+
+    def ride(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
+        """Put one browser's camera behind the agent now in `row` of the flock `side`."""
+        if row is None or not 0 <= row < len(self._sights[side].picture.at):
+            return
+        self._forget(client)
+        camera = client.camera
+        before = View(camera.position.copy(), camera.look_at.copy(), camera.fov)
+        ride = Ride(self._sights[side].picture, row, self._sights[side].aside, side, before)
+        _set(client, ride.view)
+        with self._lock:
+            self._riders[client.client_id] = ride
+
+    def update(self, sights: tuple[Sight, ...]) -> None:
+        """Take in a new frame: welcome a new world, and move the cameras that follow."""
+        self._sights = sights
+        now = time.monotonic()
+        clients = self._server.get_clients()
+        entered = sights[0].picture.stage, len(sights)
+        if entered != self._entered:
+            self._entered = entered
+            self._enter(list(clients.values()))
+        with self._lock:
+            followed, riders = dict(self._followed), dict(self._riders)
+        passed, self._last = now - self._last, now
+        share = 1.0 - float(np.exp(-passed / GLIDE))
+        for client_id, (side, identity) in followed.items():
+            if client_id not in clients or side >= len(sights):
+                continue
+            picture, aside = sights[side]
+            rows = np.flatnonzero(picture.frame.ids == identity)
+            if len(rows):
+                _glide(clients[client_id], picture, picture.at[rows[0]] + aside, share)
+        for client_id, ride in riders.items():
+            if client_id not in clients:
+                continue
+            if ride.side < len(sights) and ride.move(*sights[ride.side], passed):
+                _set(clients[client_id], ride.view)
+            else:
+                self._forget(clients[client_id])
+                _set(clients[client_id], ride.before)
+
+    def _enter(self, clients: list[ClientHandle]) -> None:
+        picture = self._sights[0].picture
+        start = view(_first(picture), picture.stage.dim, *whole(self._sights), 1.0)
+        initial = self._server.initial_camera
+        initial.position, initial.look_at = start.position, start.target
+        initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
+        for client in clients:
+            self.place(client, _first(picture))
+
+    def _welcome(self, client: ClientHandle) -> None:
+        if self._sights:
+            self.place(client, _first(self._sights[0].picture))
+
+    async def _farewell(self, client: ClientHandle) -> None:
+        """On the event loop: viser's thread pool may be gone when the server stops."""
+        self._forget(client)
+
+    def _forget(self, client: ClientHandle) -> None:
+        """Neither follow nor ride on anybody any more."""
+        with self._lock:
+            self._followed.pop(client.client_id, None)
+            self._riders.pop(client.client_id, None)
+
+    def _worth_following(self) -> tuple[int | None, int]:
+        """The inspected agent, else the leader, else the first; and which flock it is in."""
+        looked_at = [one.picture.inspected is not None for one in self._sights]
+        side = looked_at.index(True) if any(looked_at) else 0
+        return _worth_following(self._sights[side].picture), side
+
+
+def _first(picture: Picture) -> str:
+    return "top-down" if picture.stage.dim == 2 else "perspective"
+
+
+def _worth_following(picture: Picture) -> int | None:
+    """The inspected agent, else the leader, else the first."""
+    if picture.inspected is not None:
+        return picture.inspected
+    if picture.leader is not None:
+        return picture.leader
+    return 0 if len(picture.at) else None
+
+
+def whole(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (3,) of all that the flocks are in, and of the titles over two of them."""
+    low, high = zip(*(extent(picture) for picture, _ in sights), strict=True)
+    aside = [one.aside for one in sights]
+    upper = np.max(np.add(high, aside), axis=0)
+    if len(sights) > 1:
+        stage = sights[0].picture.stage
+        upper[1 if stage.dim == 2 else 2] += TITLE[stage.dim] * stage.side
+    return np.min(np.add(low, aside), axis=0), upper
+
+
+def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (3,) of the world's box, its mission, and the flock where it has flown out of it."""
+    low, high = -picture.stage.half, picture.stage.half.copy()
+    for place in places(picture):
+        low, high = np.minimum(low, place), np.maximum(high, place)
+    if len(picture.at):
+        low = np.minimum(low, np.quantile(picture.at, 0.02, axis=0))
+        high = np.maximum(high, np.quantile(picture.at, 0.98, axis=0))
+    if picture.leader is not None:
+        low = np.minimum(low, picture.at[picture.leader])
+        high = np.maximum(high, picture.at[picture.leader])
+    return low, high
+
+
+def places(picture: Picture) -> np.ndarray:
+    """Where the mission takes the flock: start, waypoints and the goal's route, (K, 3)."""
+    frame, found = picture.frame, [np.empty((0, picture.stage.dim))]
+    if frame.room is not None:
+        found.append(np.stack(frame.room))
+    mission = frame.world.mission
+    if mission is not None and mission.path is not None:
+        found.append(np.array(mission.path.waypoints, float))
+    if mission is not None and mission.goal is not None:
+        found.append(np.array(mission.goal.route, float))
+    return picture.stage.shown(np.concatenate(found))
+
+
+def _aspect(client: ClientHandle) -> float:
+    camera = client.camera
+    tall = max(camera.image_height, 1)
+    return float(np.clip(camera.image_width / tall, 0.3, 4.0))
+
+
+def _set(client: ClientHandle, wanted: View) -> None:
+    with client.atomic():
+        client.camera.up_direction = np.array([0.0, 0.0, 1.0])
+        client.camera.fov = wanted.fov
+        client.camera.near = wanted.near
+        client.camera.position = wanted.position
+        client.camera.look_at = wanted.target
+
+
+def _glide(client: ClientHandle, picture: Picture, target: np.ndarray, share: float) -> None:
+    """Shift the camera towards its agent; through a seam it jumps with it."""
+    camera = client.camera
+    gap = target - camera.look_at
+    if np.any(np.abs(gap) > 0.5 * picture.stage.period):
+        share = 1.0
+    if np.linalg.norm(gap) * share > 1e-4:
+        with client.atomic():
+            camera.position = camera.position + share * gap

@@ -1,0 +1,1 @@
+"""What marks are drawn with: meshes, colours, attitudes, the display's units."""

@@ -1,0 +1,1 @@
+"""The agents, and what is drawn beside each of them."""

@@ -1,0 +1,160 @@
+"""Why the inspected agent moves as it does: forces as arrows, what it perceives and heads for."""
+
+from __future__ import annotations
+
+import numpy as np
+from viser import LabelHandle, SceneApi
+
+from agents.inspection import Inspection
+from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.lines import add_lines, segments
+from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.shapes import dashes
+from app.viewer.scene.marks.world.mission import ABOVE, on_floor
+from app.viewer.scene.marks.world.obstacles import drawn_height
+from app.viewer.scene.marks.world.points import on_rims
+
+LONGEST, LENGTHS = 0.085, 3.5
+"""Length of the strongest force's arrow: so many longest sides, or agents, whichever is less."""
+WEAKEST = 0.02
+"""Forces weaker than this share of the strongest have no arrow."""
+SHAFT = 0.026
+"""Radius of an arrow's shaft as a multiple of the strongest force's length."""
+
+
+class Reasons:
+    """Arrows, dots and words that follow `Frame.inspected`."""
+
+    def __init__(self, scene: SceneApi, root: str = "") -> None:
+        self._scene = scene
+        self._name = name = f"{root}/inspected"
+        nothing = np.zeros((1, 2, 3), dtype=np.float32)
+        self._arrows = scene.add_arrows(
+            f"{name}/forces", nothing, np.zeros((1, 3), dtype=np.uint8), visible=False
+        )
+        self._seen = scene.add_point_cloud(
+            f"{name}/points",
+            nothing[0],
+            tone.single(palette.POINT),
+            point_shape="circle",
+            point_shading="flat",
+            precision="float32",
+            visible=False,
+        )
+        self._aim = add_lines(scene, f"{name}/aim", thickness=2.0)
+        self._words: dict[str, LabelHandle] = {}
+        self._dots = scene.add_point_cloud(
+            f"{name}/places",
+            nothing[0],
+            tone.single(palette.SELECTED),
+            point_shape="circle",
+            point_shading="flat",
+            precision="float32",
+            visible=False,
+        )
+
+    def draw(self, picture: Picture) -> Changes:
+        """Draw what is known of the inspected agent."""
+        row, seen = picture.inspected, picture.frame.inspected
+        if row is None or seen is None:
+            nodes = (self._arrows, self._seen, self._aim, self._dots, *self._words.values())
+            return [(node, "visible", False) for node in nodes]
+        return [
+            *self._draw_forces(picture, row, seen),
+            *self._draw_seen(picture, seen),
+            *self._draw_places(picture, row, seen),
+        ]
+
+    def _draw_forces(self, picture: Picture, row: int, seen: Inspection) -> Changes:
+        ends, colour = arrows(seen.forces)
+        if not len(ends):
+            return [(self._arrows, "visible", False)]
+        longest = min(LONGEST * picture.stage.side, LENGTHS * picture.length)
+        at = picture.at[row]
+        if picture.stage.dim == 2:
+            at = at + np.array([0.0, 0.0, 0.35 * picture.length])
+        points = np.stack([np.broadcast_to(at, ends.shape), at + longest * ends], axis=1)
+        return [
+            (self._arrows, "points", points.astype(np.float32)),
+            (self._arrows, "colors", tone.lit(colour)),
+            (self._arrows, "shaft_radius", SHAFT * longest),
+            (self._arrows, "head_radius", 2.6 * SHAFT * longest),
+            (self._arrows, "head_length", 7.0 * SHAFT * longest),
+            (self._arrows, "visible", True),
+        ]
+
+    def _draw_seen(self, picture: Picture, seen: Inspection) -> Changes:
+        if not len(seen.points):
+            return [(self._seen, "visible", False)]
+        stage, world = picture.stage, picture.frame.world
+        spacing = world.boundary_spacing * stage.scale
+        return [
+            (self._seen, "points", on_rims(picture, seen.points, drawn_height(world))),
+            (self._seen, "point_size", min(0.0028 * stage.side, 0.35 * spacing)),
+            (self._seen, "visible", True),
+        ]
+
+    def _draw_places(self, picture: Picture, row: int, seen: Inspection) -> Changes:
+        places = remembered(seen)
+        for place in places.keys() - self._words.keys():
+            self._words[place] = self._scene.add_label(
+                f"{self._name}/words/{place}",
+                place,
+                anchor="bottom-center",
+                font_screen_scale=0.85,
+                visible=False,
+            )
+        changes: Changes = [
+            (label, "visible", place in places) for place, label in self._words.items()
+        ]
+        if not places:
+            return [*changes, (self._aim, "visible", False), (self._dots, "visible", False)]
+        side = picture.stage.side
+        lift = np.array([0.0, 0.0, picture.length])
+        shown = {place: on_floor(picture, at[None])[0] + lift for place, at in places.items()}
+        aim = shown[seen.places[-1]]
+        aim[2] = drawn_height(picture.frame.world) * picture.stage.scale + ABOVE
+        for place, at in shown.items():
+            changes.append(
+                (self._words[place], "position", at + np.array([0.0, 0.012 * side, 0.0]))
+            )
+        dash = 0.006 * side
+        lines, _ = dashes(np.array([picture.at[row], aim]), dash, dash)
+        return [
+            *changes,
+            *segments(self._aim, lines, tone.single(palette.SELECTED)),
+            (self._dots, "points", np.array([*shown.values()], np.float32)),
+            (self._dots, "point_size", 0.004 * side),
+            (self._dots, "visible", True),
+        ]
+
+
+def arrows(forces: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Forces as shares of the strongest, (K, 3), and their colours, (K, 3); weak ones left out."""
+    if not forces:
+        return np.empty((0, 3)), np.empty((0, 3))
+    given = np.array([*forces.values()], float)
+    length = np.linalg.norm(given, axis=1)
+    strongest = float(length.max())
+    if not (np.isfinite(strongest) and strongest > 0.0):
+        return np.empty((0, 3)), np.empty((0, 3))
+    ends = np.zeros((len(given), 3))
+    ends[:, : given.shape[1]] = given / strongest
+    kept = length >= WEAKEST * strongest
+    return ends[kept], force_colours(len(given))[kept]
+
+
+def force_colours(count: int) -> np.ndarray:
+    """Colours (count, 3) of an agent's forces, in order."""
+    return palette.FORCES[np.arange(count) % len(palette.FORCES)]
+
+
+def remembered(seen: Inspection) -> dict[str, np.ndarray]:
+    """The places (2,) that an agent has in mind; those that it does not know yet are left out."""
+    found: dict[str, np.ndarray] = {}
+    for place in seen.places if seen.minds else ():
+        at = np.array([seen.signals[f"{place}_x"], seen.signals[f"{place}_y"]])
+        known = at.any() and not any(np.array_equal(at, other) for other in found.values())
+        if known or place in (seen.places[0], seen.places[-1]):
+            found[place] = at
+    return found

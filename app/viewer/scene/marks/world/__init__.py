@@ -1,0 +1,1 @@
+"""What does not move: the world, its mission, and the area of real cars."""

@@ -1,0 +1,112 @@
+"""What passes from the simulation to the drawing: one frozen picture of the flock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from agents.inspection import Inspection
+from agents.state.crashes import Crashes
+from app.viewer.scene.shown.cars import Cars
+from app.viewer.scene.shown.live import Live
+from worlds.world import World
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How a mission stands at one tick."""
+
+    goal: np.ndarray | None = None
+    """Where the gamma agent is, (dim,), if there is one."""
+    done: int = 0
+    """Waypoints of the path that the information agents have left behind; the last agent counts."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The flock at one tick. Arrays are copies that nobody writes to any more."""
+
+    run: int
+    """Counts the set-ups; a new number means a new flock, not a moved one."""
+    tick: int
+    world: World
+    """What does not move; the same object from frame to frame until something in it is changed."""
+    reach: float
+    """Interaction radius, length."""
+    speed_scale: float
+    """Speed that counts as full colour, length per unit of time."""
+    position: np.ndarray
+    """(N, dim)."""
+    heading: np.ndarray
+    """(N, dim), unit vectors."""
+    speed: np.ndarray
+    """(N,), length per unit of time."""
+    informed: np.ndarray
+    """(N,) bool: information agents."""
+    ids: np.ndarray
+    """(N,) int: identity of each row."""
+    kept: float = float("inf")
+    """Distance that agents keep from each other, length; infinite where their rule has no zones."""
+    dt: float = 1.0
+    """Time that a tick stands for."""
+    unit: str = "ticks"
+    """Unit of time: ticks, or s."""
+    room: tuple[np.ndarray, np.ndarray] | None = None
+    """Corners (dim,) of the region in which the mission starts."""
+    progress: Progress = Progress()
+    points: np.ndarray | None = None
+    """Boundary points of what is solid, (M, 2), if asked for; one object while they stay."""
+    layer: np.ndarray | None = None
+    """(N,) int: 1 information agent, 2 in contact with one, ...; N + 1 unknown. If asked for."""
+    group: np.ndarray | None = None
+    """(N,) int: label of the connected group, 0 the largest. If asked for."""
+    measured: np.ndarray | None = None
+    """(N,) the number of each agent that was asked for, NaN where it has none."""
+    links: np.ndarray | None = None
+    """(M, 2) int: rows of neighbouring pairs, if asked for."""
+    inspected: Inspection | None = None
+    active: np.ndarray | None = None
+    """(N,) bool: agents that have not crashed; None where nobody can."""
+    crashes: Crashes | None = None
+    """Who has crashed, where they can."""
+    saved: np.ndarray | None = None
+    """(N,) share of its induced drag that each saves, NaN unknown; None: it is not measured."""
+    cars: Cars | None = None
+    """Of agents that are cars; None for any others."""
+    live: Live | None = None
+    """Of a room with real cars; None for a simulation."""
+    title: str = ""
+    """What its model is called, if there is another flock beside it."""
+    beside: Frame | None = None
+    """The same of the flock beside it."""
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return self.world.dim
+
+    @property
+    def down(self) -> np.ndarray:
+        """Agents that have crashed, (N,) bool."""
+        return np.zeros(len(self.ids), bool) if self.active is None else ~self.active
+
+    @property
+    def low(self) -> np.ndarray:
+        """Lower corner of the world's box, (dim,), length."""
+        return np.array(self.world.low, float)
+
+    @property
+    def size(self) -> np.ndarray:
+        """Sides of the world's box, (dim,), length; of an open world those it was set up with."""
+        return np.array(self.world.size, float)
+
+    @property
+    def wraps(self) -> np.ndarray:
+        """Whether each axis wraps, (dim,) bool."""
+        return np.array(self.world.wraps, bool)
+
+    @property
+    def pace_unit(self) -> str:
+        """Unit of speeds, in words."""
+        return "per tick" if self.unit == "ticks" else f"m/{self.unit}"

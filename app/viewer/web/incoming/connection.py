@@ -1,0 +1,97 @@
+"""A connection to one browser, which no browser can make dear."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Any
+
+import viser
+from websockets.asyncio.server import ServerConnection
+from websockets.frames import CloseCode, Frame
+from websockets.http11 import Response
+from websockets.protocol import OPEN, Event
+
+from app.viewer.web.incoming.log import Log
+from app.viewer.web.incoming.messages import Messages
+from app.viewer.web.incoming.visitors import Visitors, address_of
+from app.viewer.web.incoming.waiting import in_turn
+
+SLICE = 16 * 1024
+"""Bytes that are taken apart before a look whether to go on: the line brings 256 KiB at once."""
+FAREWELL = 0.5
+"""Seconds that a browser has to read why it is cut off."""
+PROTOCOL = f"viser-v{viser.__version__}"
+
+
+class Connection(ServerConnection):
+    """What is too much is dropped before it is decoded; who goes on is cut off, with a word."""
+
+    def __init__(self, *args: Any, visitors: Visitors, log: Log, **options: Any):
+        super().__init__(*args, **options)
+        self.visitors = visitors
+        self.log = log
+        self.cut_off = False
+
+    def connection_made(self, transport: Any) -> None:
+        self.address = address_of(transport.get_extra_info("peername"))
+        self.messages = Messages(self.visitors.messages(self.address), self.complain)
+        super().connection_made(transport)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self.visitors.leave(self.address)
+        super().connection_lost(exc)
+
+    def complain(self, why: str) -> None:
+        """Say that a message cannot be used."""
+        self.log.line(f"a message from {self.address} is dropped: {why}")
+
+    async def handshake(self, process_request: Any = None, *args: Any, **options: Any) -> None:
+        """Let a page in when it is its turn."""
+        await super().handshake(in_turn(self.admitted, process_request), *args, **options)
+
+    def admitted(self) -> float | Response:
+        """Seconds until a page may connect, or what it is told instead."""
+        wait = self.visitors.page(self.address)
+        if wait is not None:
+            return wait
+        answer = self.respond(HTTPStatus.TOO_MANY_REQUESTS, "too many pages from one address\n")
+        answer.headers["Retry-After"] = "10"
+        return answer
+
+    def data_received(self, data: bytes) -> None:
+        for begin in range(0, len(data), SLICE):
+            if self.cut_off:
+                return
+            super().data_received(data[begin : begin + SLICE])
+
+    def process_event(self, event: Event) -> None:
+        if isinstance(event, Frame):
+            if not self.cut_off:
+                self.messages.arrive(len(event.data))
+                self.end_if_told()
+            if self.cut_off:
+                return
+        super().process_event(event)
+
+    async def recv(self, decode: bool | None = None) -> Any:
+        """The next message that viser may have."""
+        while True:
+            data = await super().recv(decode)
+            if self.messages.pass_on(data):
+                return data
+            self.end_if_told()
+
+    def end_if_told(self) -> None:
+        """Cut the connection off if its messages have been judged so."""
+        why = self.messages.verdict
+        if not why or self.cut_off:
+            return
+        self.cut_off = True
+        self.visitors.cut(self.address)
+        self.log.line(f"a browser at {self.address} is cut off: {why}")
+        self.recv_messages.resume = lambda: None
+        if self.protocol.state is OPEN:
+            self.protocol.fail(CloseCode.POLICY_VIOLATION, why)
+            self.send_data()
+        self.transport.pause_reading()
+        self.loop.call_later(FAREWELL, self.transport.abort)

@@ -1,0 +1,167 @@
+"""A viser server that keeps its port, its visitors and its values in hand.
+
+viser takes the next free port when its own is busy, answers pages of any origin, opens a public
+tunnel for any browser that asks, and believes what browsers send, however much it is. This one does
+none of it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import io
+import os
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import viser
+import websockets.asyncio.server
+from viser import _messages as messages
+from websockets.http11 import Request, Response
+
+from app.viewer.web.incoming.connection import PROTOCOL, Connection
+from app.viewer.web.incoming.controls import guard
+from app.viewer.web.incoming.door import Door
+from app.viewer.web.incoming.failures import log_failures, logger
+from app.viewer.web.incoming.handed_over import hand_over
+from app.viewer.web.incoming.kinds import LARGEST
+from app.viewer.web.incoming.log import Log
+from app.viewer.web.incoming.visitors import Visitors
+from app.viewer.web.serving.front import Front
+from worlds.refusal import Refusal
+
+UNWANTED = (
+    messages.ShareUrlRequest,
+    messages.ShareUrlDisconnect,
+    messages.FileTransferStartUpload,
+    messages.FileTransferPart,
+    messages.GuiFormSubmitMessage,
+    messages.GuiFormDirtyMessage,
+)
+"""What browsers may send to viser but not to a laboratory."""
+BACKLOG = 1024
+"""Connections that the system keeps until the door takes them."""
+
+starting = threading.Lock()
+
+
+@dataclass
+class Entrance:
+    """How browsers come to one server."""
+
+    front: Front
+    visitors: Visitors = field(default_factory=Visitors)
+    log: Log = field(default_factory=Log)
+    inner: Any = None
+    """The server of websockets, which takes no connections itself."""
+    door: Door | None = None
+
+
+entrances: WeakKeyDictionary[viser.ViserServer, Entrance] = WeakKeyDictionary()
+"""Of every server that is open."""
+
+
+def open_server(
+    host: str = "127.0.0.1", port: int = 8080, front: Front | None = None
+) -> viser.ViserServer:
+    """A server on exactly this host and port; port 0 takes any free one.
+
+    `front` answers what comes by HTTP; by default one with viser's page alone. Raises Refusal if
+    the port is busy or the host is not this machine's.
+    """
+    hand_over()
+    entrance, quiet = Entrance(front or Front()), contextlib.redirect_stdout(io.StringIO())
+    sock = listening(host, port)
+    with starting, served_on(sock, entrance), quiet:
+        server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
+    for kind in UNWANTED:
+        server._websock_server.unregister_handler(kind)
+    guard(server)
+    loop = server._event_loop
+    factory = entrance.inner.server._protocol_factory
+    inside = partial(loop.connect_accepted_socket, factory)
+    entrance.door = Door(sock, inside, loop, entrance.visitors, entrance.front.allow)
+    entrances[server] = entrance
+    return server
+
+
+def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
+    """Have emergency stops carried out, on the door's thread; `stop` is told by whom."""
+    door = entrances[server].door
+    assert door is not None
+    door.stop = stop
+
+
+def close_server(server: viser.ViserServer) -> None:
+    """Stop a server without a word on standard output."""
+    entrance = entrances.pop(server, None)
+    if entrance is not None and entrance.door is not None:
+        entrance.door.close()
+    with starting, contextlib.redirect_stdout(io.StringIO()):
+        server.stop()
+    if entrance is not None:
+        entrance.log.close()
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A socket that is bound already, so that nobody can take the port in between."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=BACKLOG)
+    except (OSError, OverflowError) as error:
+        number = getattr(error, "errno", None)
+        why = os.strerror(number) if number else str(error)
+        raise Refusal(
+            f"port {port} on {host} cannot be used: {why}; choose another with --port"
+        ) from None
+
+
+@contextlib.contextmanager
+def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
+    """Within it, viser serves on this socket what an entrance lets in.
+
+    It takes no connections from the socket: they are brought in by the door.
+    """
+    serve = websockets.asyncio.server.serve
+    front, visitors, log = entrance.front, entrance.visitors, entrance.log
+
+    def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
+        def answer(connection: Any, request: Request) -> Response | None:
+            return front.answer(request, lambda: process_request(connection, request))
+
+        def finish(_connection: Any, _request: Request, response: Response) -> None:
+            front.finish(response)
+
+        log_failures(asyncio.get_running_loop(), log)
+        ours = {
+            "sock": sock,
+            "start_serving": False,
+            "max_size": LARGEST,
+            "create_connection": partial(Connection, visitors=visitors, log=log),
+            "process_request": answer,
+            "process_response": finish,
+            "logger": logger(log),
+        }
+        made = serve(partial(of_one_version, handler), **(options | ours))
+        entrance.inner = made.server
+        made.server.is_serving = lambda: made.server.close_task is None  # type: ignore[method-assign]
+        return made
+
+    websockets.asyncio.server.serve = serve_here  # type: ignore[misc, assignment]
+    try:
+        yield
+    finally:
+        websockets.asyncio.server.serve = serve  # type: ignore[misc]
+
+
+async def of_one_version(handler: Any, connection: Any) -> None:
+    """Tell a page of another version so, as viser does, but without a line on standard output."""
+    if connection.subprotocol == PROTOCOL:
+        await handler(connection)
+    else:
+        await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")

@@ -1,0 +1,98 @@
+"""A laboratory for flocks: build one, put it in a world, watch it, steer it, measure it.
+
+What is named here and in the modules below is what a script, a notebook or a package of your own
+may import; nothing else is promised.
+
+- `flockscope`: flocks, the models by name, worlds, and the error for what cannot be used
+- `flockscope.rules`: for who writes a rule
+- `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
+- `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
+- `flockscope.flight`: what one flapping-wing aircraft needs to fly
+- `flockscope.live`: a source of poses and a link to cars of your own
+
+Importing it costs nothing: what a name stands for is imported when it is first asked for.
+
+>>> from flockscope import Flock
+>>> Flock("vem", agents=30, size=5.0, rng=1)
+<Flock vem, N = 30, world wrap, tick 0, seed 1>
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from flockscope._flocks import MODELS as MODELS
+    from flockscope._flocks import Flock as Flock
+    from flockscope._flocks import Member as Member
+    from flockscope._flocks import MissionRecord as MissionRecord
+    from flockscope._flocks import Series as Series
+    from flockscope._flocks import Spec as Spec
+    from flockscope._flocks import fly as fly
+    from flockscope._flocks import follow as follow
+    from flockscope._flocks import from_file as from_file
+    from flockscope._flocks import model as model
+    from flockscope.worlds import Box as Box
+    from flockscope.worlds import CShape as CShape
+    from flockscope.worlds import Disc as Disc
+    from flockscope.worlds import Goal as Goal
+    from flockscope.worlds import Mission as Mission
+    from flockscope.worlds import Path as Path
+    from flockscope.worlds import Polygon as Polygon
+    from flockscope.worlds import Prism as Prism
+    from flockscope.worlds import Refusal as Refusal
+    from flockscope.worlds import Ring as Ring
+    from flockscope.worlds import Sphere as Sphere
+    from flockscope.worlds import StartRegion as StartRegion
+    from flockscope.worlds import Union as Union
+    from flockscope.worlds import Wall as Wall
+    from flockscope.worlds import World as World
+    from flockscope.worlds import world as world
+
+__all__ = [
+    "MODELS",
+    "Box",
+    "CShape",
+    "Disc",
+    "Flock",
+    "Goal",
+    "Member",
+    "Mission",
+    "MissionRecord",
+    "Path",
+    "Polygon",
+    "Prism",
+    "Refusal",
+    "Ring",
+    "Series",
+    "Spec",
+    "Sphere",
+    "StartRegion",
+    "Union",
+    "Wall",
+    "World",
+    "fly",
+    "follow",
+    "from_file",
+    "model",
+    "world",
+]
+
+_MODULES = ("flight", "live", "observables", "rules", "worlds")
+
+
+def __getattr__(name: str) -> Any:
+    """What a name stands for; worlds come first: they need no compiler."""
+    if name in _MODULES:
+        return import_module(f"{__name__}.{name}")
+    if name in __all__:
+        for home in ("worlds", "_flocks"):
+            found = import_module(f"{__name__}.{home}")
+            if name in found.__all__:
+                return getattr(found, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *_MODULES])

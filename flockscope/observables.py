@@ -1,0 +1,94 @@
+"""Observables as functions of arrays: for flocks, and for tracks of real animals and cars.
+
+docs/observables.md says what each is; rows that hold no number are left out with a `LeftOut`.
+
+>>> import numpy as np
+>>> from flockscope.observables import polarisation
+>>> polarisation(np.array([[1.0, 0.0], [-1.0, 0.0]]))
+0.0
+"""
+
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
+from agents.observables.checks import LeftOut
+from agents.observables.components import groups_within
+from agents.observables.consistency import consistency, convergence_time
+from agents.observables.correlation import Correlation, correlation, correlation_length
+from agents.observables.energy import furthest, hamiltonian
+from agents.observables.fluctuations import binder, susceptibility
+from agents.observables.following import (
+    keep_following,
+    least_clearances,
+    nearest_pairs,
+    settling_tick,
+    spread_bound,
+)
+from agents.observables.formation import (
+    Spacing,
+    best_spacing,
+    saved_shares,
+    upwash_share,
+    vee,
+    vee_saved,
+)
+from agents.observables.groups import algebraic_connectivity, group_labels, group_sizes
+from agents.observables.layers import layer_histogram, layers
+from agents.observables.neighbours import links, mean_neighbours, nearest_neighbour, separation
+from agents.observables.observable import Observable, Range, Table
+from agents.observables.of_agents import OfAgents
+from agents.observables.order import polarisation
+from agents.observables.per_group import (
+    angular_momenta,
+    centres,
+    group_table,
+    polarisations,
+    size_histogram,
+)
+from agents.observables.rotation import angular_momentum, centre
+
+__all__ = [
+    "Correlation",
+    "LeftOut",
+    "Observable",
+    "OfAgents",
+    "Range",
+    "Spacing",
+    "Table",
+    "algebraic_connectivity",
+    "angular_momenta",
+    "angular_momentum",
+    "best_spacing",
+    "binder",
+    "centre",
+    "centres",
+    "consistency",
+    "convergence_time",
+    "correlation",
+    "correlation_length",
+    "furthest",
+    "group_labels",
+    "group_sizes",
+    "group_table",
+    "groups_within",
+    "hamiltonian",
+    "keep_following",
+    "layer_histogram",
+    "layers",
+    "least_clearances",
+    "links",
+    "mean_neighbours",
+    "nearest_neighbour",
+    "nearest_pairs",
+    "polarisation",
+    "polarisations",
+    "saved_shares",
+    "separation",
+    "settling_tick",
+    "size_histogram",
+    "spread_bound",
+    "susceptibility",
+    "upwash_share",
+    "vee",
+    "vee_saved",
+]

@@ -1,0 +1,57 @@
+"""For who writes a rule: its declaration, what it is given and what it answers.
+
+docs/new-rule.md is a whole rule in one file.
+
+>>> from flockscope.rules import VEM, Model, CONSTANT_SPEED
+>>> Model(VEM, CONSTANT_SPEED).name
+'vem'
+"""
+
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
+from agents.bodies.car import BODY as CAR
+from agents.bodies.car import driving
+from agents.bodies.constant_speed import BODY as CONSTANT_SPEED
+from agents.bodies.double_integrator import BODY as DOUBLE_INTEGRATOR
+from agents.bodies.point_mass import BODY as POINT_MASS
+from agents.bodies.steered import BODY as STEERED
+from agents.bodies.turning import BODY as TURNING
+from agents.bodies.zero_turn import BODY as ZERO_TURN
+from agents.engine.block import Moved, Wish, adjacent
+from agents.engine.noise import uniform
+from agents.models.declare import Body, Parameters, Rule, Zone, parameter
+from agents.models.model import Model
+from agents.rules.terms.sums import mean_heading, sum_of
+from agents.rules.vicsek import VEM, Vicsek
+from worlds.compiled import compiled
+from worlds.queries.surroundings import nearest_surface
+from worlds.refusal import Refusal
+
+__all__ = [
+    "CAR",
+    "CONSTANT_SPEED",
+    "DOUBLE_INTEGRATOR",
+    "POINT_MASS",
+    "STEERED",
+    "TURNING",
+    "VEM",
+    "ZERO_TURN",
+    "Body",
+    "Model",
+    "Moved",
+    "Parameters",
+    "Refusal",
+    "Rule",
+    "Vicsek",
+    "Wish",
+    "Zone",
+    "adjacent",
+    "compiled",
+    "driving",
+    "mean_heading",
+    "nearest_surface",
+    "parameter",
+    "sum_of",
+    "uniform",
+]

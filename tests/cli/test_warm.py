@@ -1,0 +1,23 @@
+"""`flockscope warm`: what it has compiled is at hand in another process, and it says so."""
+
+from __future__ import annotations
+
+import json
+import os
+
+from cli.calling import call, refusal, start
+
+
+def test_what_is_compiled_once_is_at_hand_in_any_process(tmp_path):
+    here = os.environ | {"FLOCKSCOPE_CACHE": str(tmp_path)}
+    made = [
+        json.loads(start("warm", "vem", "--json", env=here).communicate()[0])[0] for _ in range(2)
+    ]
+    assert [one["before"] for one in made] == [False, True]
+    assert made[1]["seconds"] < made[0]["seconds"]
+
+
+def test_models_are_compiled_one_by_one():
+    made = call("warm", "vem", "wvem").stdout.splitlines()
+    assert [line.split()[0] for line in made] == ["vem", "wvem"]
+    assert "'vemm'" in refusal("warm", "vem", "vemm")

@@ -1,0 +1,79 @@
+"""The import graph: no module stands on itself, not even by an import inside of a function."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import grimp
+import networkx as nx
+import pytest
+
+import agents
+import worlds
+
+PACKAGES = ("app", "agents", "worlds")
+LAZY = {
+    ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
+    ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
+    ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
+    ("worlds/readers/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
+}
+"""Libraries that a file of agents or worlds imports within a function, because they are slow."""
+
+
+def circles(graph: grimp.ImportGraph) -> list[list[str]]:
+    """Sets of modules that reach each other."""
+    arrows = [
+        (one, other)
+        for one in graph.modules
+        for other in graph.find_modules_directly_imported_by(one)
+    ]
+    strong = nx.strongly_connected_components(nx.DiGraph(arrows))
+    return sorted(sorted(circle) for circle in strong if len(circle) > 1)
+
+
+@pytest.fixture(scope="module")
+def graph() -> grimp.ImportGraph:
+    """All imports, those inside of functions and those for type checkers too."""
+    return grimp.build_graph(*PACKAGES, cache_dir=None)
+
+
+def test_there_is_no_circle(graph):
+    assert circles(graph) == []
+
+
+def test_a_circle_would_be_found():
+    graph = grimp.ImportGraph()
+    for module in "abcd":
+        graph.add_module(module)
+    for importer, imported in (("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")):
+        graph.add_import(importer=importer, imported=imported)
+    assert circles(graph) == [["b", "c"]]
+
+
+def test_imports_inside_of_functions_are_in_the_graph(graph):
+    assert graph.direct_import_exists(importer="app.cli.listing", imported="app.cli.choices")
+    assert graph.direct_import_exists(importer="app.cli.choices", imported="agents.catalogue")
+
+
+def lazy_imports(tree: ast.AST) -> Iterator[str]:
+    """The packages that are imported inside of functions."""
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef):
+            for node in ast.walk(function):
+                if isinstance(node, ast.Import):
+                    yield from (one.name.partition(".")[0] for one in node.names)
+                if isinstance(node, ast.ImportFrom):
+                    yield (node.module or "").partition(".")[0]
+
+
+def test_only_slow_libraries_are_imported_inside_of_functions():
+    found = set()
+    for package in (agents, worlds):
+        top = Path(package.__path__[0])
+        for path in top.rglob("*.py"):
+            for name in lazy_imports(ast.parse(path.read_text(encoding="utf-8"))):
+                found.add((path.relative_to(top.parent).as_posix(), name))
+    assert found == LAZY

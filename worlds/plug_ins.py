@@ -1,0 +1,46 @@
+"""Plug-ins of other packages, by entry points; one that fails is left out with a warning."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Collection
+from importlib.metadata import entry_points
+
+
+class PlugInWarning(UserWarning):
+    """A plug-in is left out."""
+
+
+def plug_ins[Made](
+    group: str, made: Callable[[str, object], tuple[str, Made]], taken: Collection[str]
+) -> dict[str, Made]:
+    """What the entry points of a group come to, by name.
+
+    `made` turns the name of an entry and what it loads into a name and a thing. Left out, each with
+    a warning in one line, is what cannot be loaded or made, and what has a name of `taken`.
+    """
+    found: dict[str, Made] = {}
+    for entry in entry_points(group=group):
+        try:
+            name, thing = made(entry.name, entry.load())
+        except (Exception, SystemExit) as error:
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            leave_out(group, entry, f"cannot be loaded ({reason[:200]})")
+            continue
+        if name in taken:
+            leave_out(group, entry, f"has the name {name!r}, which is built in")
+        elif name in found:
+            leave_out(group, entry, f"has the name {name!r}, which another plug-in has")
+        else:
+            found[name] = thing
+    return found
+
+
+def leave_out(group: str, entry: object, why: str) -> None:
+    """Warn of a plug-in that is left out."""
+    name, value = getattr(entry, "name", "?"), getattr(entry, "value", "?")
+    warnings.warn(
+        f"the plug-in {name!r} ({value}, {group}) {why}; it is left out",
+        PlugInWarning,
+        stacklevel=3,
+    )

@@ -1,0 +1,1 @@
+"""Queries: distances to surfaces, lines of sight, crossings and boundary points."""
