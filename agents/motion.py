@@ -11,8 +11,9 @@ import numpy as np
 
 from agents.engine.arrays import Arrays, Context, Place, Until
 from agents.engine.cells import Space
-from agents.engine.loop import is_compiled, sweep_module, turns_module
+from agents.engine.loop import is_compiled, loop_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
+from agents.engine.pairs.runner import OfPairs
 from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
 from agents.models.calling import call
 from agents.models.declare import as_floats, checked
@@ -50,7 +51,7 @@ class Motion(State):
     """The setting with which agents go through what is solid here, or an empty string."""
     split_from: int = SPLIT_FROM
     """Agents from which on a tick is shared among threads."""
-    _engine: Synchronous | InTurn | None
+    _engine: Synchronous | OfPairs | InTurn | None
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
 
@@ -61,18 +62,25 @@ class Motion(State):
         self.context = self._make_context()
 
     @property
-    def loop(self) -> ModuleType:
-        """The module of the compiled loop."""
-        return loop_of(self.model, self.world.dim, self.world.is_solid)
+    def of_pairs(self) -> bool:
+        """Whether agents act eight at once: see `agents.engine.pairs`."""
+        interpreted = self.interpret or DISABLED
+        together = self.options.activation == "synchronous"
+        return self.model.is_of_pairs and together and not interpreted
 
     @property
-    def engine(self) -> Synchronous | InTurn:
+    def loop(self) -> ModuleType:
+        """The module of the compiled loop."""
+        return loop_of(self.model, self.world.dim, self.world.is_solid, self.of_pairs)
+
+    @property
+    def engine(self) -> Synchronous | OfPairs | InTurn:
         """The compiled loop over these arrays."""
         if self._engine is None:
             self._engine = self._make_engine()
         return self._engine
 
-    def _make_engine(self) -> Synchronous | InTurn:
+    def _make_engine(self) -> Synchronous | OfPairs | InTurn:
         missing = 3 - self.world.dim
         space = Space(
             np.pad(np.array(self.world.size), (0, missing)),
@@ -84,7 +92,8 @@ class Motion(State):
         if self.options.activation == "synchronous":
             split = not self.interpret and len(self.ids) >= self.split_from
             threads = self.threads if split else 1
-            return Synchronous(self.loop, self.arrays, place, self.seed, threads, self.call)
+            engine = OfPairs if self.of_pairs else Synchronous
+            return engine(self.loop, self.arrays, place, self.seed, threads, self.call)
         shuffled = self.options.activation == "random"
         return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)
 
@@ -270,8 +279,8 @@ class Motion(State):
 
 
 @cache
-def loop_of(model: Model, dim: int, solid: bool) -> ModuleType:
+def loop_of(model: Model, dim: int, solid: bool, of_pairs: bool) -> ModuleType:
     """The module of the compiled loop of a model, in a world where something is solid or not."""
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
     parts = model.parts(dim, solid) | {"holds": is_consistent}
-    return sweep_module(parts, tuple(fields))
+    return loop_module("pairs" if of_pairs else "sweep", parts, tuple(fields))

@@ -22,7 +22,7 @@ def run(model: str, threads: int, dim: int, side: float, ticks: int = 6) -> Floc
 
 @pytest.mark.parametrize(
     ("model", "dim", "side"),
-    [("vem", 2, 53.0), ("vem", 3, 14.0), ("hwvem", 2, 53.0), ("ivem", 2, 53.0)],
+    [("vem", 2, 53.0), ("vem-a", 2, 53.0), ("vem", 3, 14.0), ("hwvem", 2, 53.0), ("ivem", 2, 53.0)],
 )
 def test_threads_do_not_change_the_bits(model, dim, side):
     one, three = run(model, 1, dim, side), run(model, 3, dim, side)
@@ -40,7 +40,7 @@ def test_crowds_make_the_desks_grow_on_every_thread():
 
     def after(threads):
         start = {"position": position, "heading": heading}
-        flock = Flock("vem", start=start, size=60.0, rng=1, eta=0.3, threads=threads)
+        flock = Flock("ivem", start=start, size=60.0, rng=1, eta=0.3, threads=threads)
         flock.run(3)
         assert flock.engine.workspaces[0].block.shape[1] >= 400
         return flock.position

@@ -43,4 +43,5 @@ BODY = Body(
     source="Liu et al. 2021, (7), (8)",
     parameters=ConstantSpeed,
     move=move,
+    by_lanes=True,
 )

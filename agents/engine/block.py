@@ -66,6 +66,23 @@ class Near(NamedTuple):
     """A place for the rule's own working, at least `points` long."""
 
 
+class Other(NamedTuple):
+    """Another agent, as seen by one; eight see it at once where a rule's `term` is given lanes."""
+
+    dx: float
+    """Separation x_j - x_i to its nearest image (dx, dy, dz), length."""
+    dy: float
+    dz: float
+    d2: float
+    """Square of the distance; 0 for the agent itself."""
+    ux: float
+    """Heading, a unit vector (ux, uy, uz)."""
+    uy: float
+    uz: float
+    heard: bool
+    """Whether its heading counts: it does not where it is busy avoiding an obstacle."""
+
+
 class Wish(NamedTuple):
     """What a rule answers, and what a body is handed: a heading, an acceleration or a velocity.
 
@@ -89,6 +106,22 @@ class Moved(NamedTuple):
     uy: float
     uz: float
     speed: float
+
+
+@compiled
+def seen(me, near, j):
+    """Agent j of the block, as `me` sees it."""
+    dx = near.x[j] - me.x
+    dy = near.y[j] - me.y
+    dz = near.z[j] - me.z
+    d2 = dx * dx + dy * dy + dz * dz
+    return Other(dx, dy, dz, d2, near.ux[j], near.uy[j], near.uz[j], near.heard[j] > 0.0)
+
+
+@compiled
+def is_neighbour(other, r):
+    """Whether 0 < |x_i - x_j| <= r: a_ij of Liu et al. 2021 (11)."""
+    return (other.d2 > 0.0) & (other.d2 <= r * r)
 
 
 @compiled

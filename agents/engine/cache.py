@@ -22,6 +22,8 @@ from numba.core.dispatcher import Dispatcher
 from worlds.compiled import entry
 
 KEEPING = threading.Lock()
+IN_LLVM = ("flat.py", "lanes.py", "pairs/meeting.py", "pairs/sums.py")
+"""Files of the engine that write LLVM's own words, which no function's bytecode shows."""
 
 
 def cache_base() -> Path:
@@ -81,7 +83,10 @@ def reached(python: types.FunctionType) -> list:
 def new_digest():
     """A digest of what every kernel depends on."""
     versions = numba.__version__, importlib.metadata.version("llvmlite"), sys.version_info[:3]
-    return hashlib.sha256(repr(versions).encode())
+    digest = hashlib.sha256(repr(versions).encode())
+    for name in IN_LLVM:
+        digest.update((Path(__file__).parent / name).read_bytes())
+    return digest
 
 
 def keep(entry, digest) -> Path:

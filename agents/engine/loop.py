@@ -21,11 +21,15 @@ from agents.engine.cache import fingerprint, is_kept, keep, new_digest
 
 HERE = Path(__file__).parent
 LOADING = threading.Lock()
-TEMPLATES = {"sweep": HERE / "sweep.py", "turns": HERE / "turns.py"}
+TEMPLATES = {
+    "sweep": HERE / "sweep.py",
+    "pairs": HERE / "pairs" / "tick.py",
+    "turns": HERE / "turns.py",
+}
 
 
-def sweep_module(parts: dict[str, Callable | int | None], fields):
-    """The module whose `advance` runs whole ticks of a rule.
+def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
+    """The module whose `advance` runs whole ticks of a rule: of a kind, `sweep` or `pairs`.
 
     `parts` gives the names of `agents.engine.template` their values; None takes the template's,
     which does nothing. `fields` are the names of the parameters; the module's `P` holds them.
@@ -33,7 +37,7 @@ def sweep_module(parts: dict[str, Callable | int | None], fields):
     filled = {
         part: getattr(template, part) if made is None else made for part, made in parts.items()
     }
-    return load("sweep", filled, fields)
+    return load(kind, filled, fields)
 
 
 def turns_module(sweep: types.ModuleType):

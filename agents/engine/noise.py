@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from agents.engine.lanes import as_float, where, words
 from worlds.compiled import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -45,8 +46,8 @@ def tick_key(seed, tick):
 @compiled
 def uniform(key, agent, draw):
     """A number uniform in [0, 1) for this tick's key, agent id and draw (0 to 15)."""
-    counter = np.uint64(agent) * DRAWS + np.uint64(draw)
-    return float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
+    counter = words(agent) * DRAWS + np.uint64(draw)
+    return as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
 
 
 @compiled
@@ -97,11 +98,11 @@ def cos_sin(angle):
             )
         )
     )
-    quadrant = int(quarter) & 3
-    cosine = s if quadrant & 1 else c
-    sine = c if quadrant & 1 else s
-    cosine = -cosine if (quadrant == 1) | (quadrant == 2) else cosine
-    sine = -sine if quadrant >= 2 else sine
+    quadrant = quarter - 4.0 * math.floor(0.25 * quarter)
+    odd = (quadrant == 1.0) | (quadrant == 3.0)
+    cosine, sine = where(odd, s, c), where(odd, c, s)
+    cosine = where((quadrant == 1.0) | (quadrant == 2.0), -cosine, cosine)
+    sine = where(quadrant >= 2.0, -sine, sine)
     return cosine, sine
 
 
@@ -132,7 +133,7 @@ def turned(ux, uy, uz, eta, key, agent, dim):
     across = math.sqrt(max(0.0, 1.0 - along * along))
     c, s = cos_sin(2.0 * math.pi * uniform(key, agent, 0))
     # An orthonormal pair across the heading, without a singular direction (Duff et al. 2017).
-    sign = math.copysign(1.0, uz)
+    sign = where(uz < 0.0, -1.0, 1.0)
     a = -1.0 / (sign + uz)
     b = ux * uy * a
     p, q = across * c, across * s

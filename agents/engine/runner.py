@@ -45,6 +45,14 @@ def at_once(function: Callable, *arguments: Any) -> Any:
     return function(*arguments)
 
 
+def refuse(arrays: Arrays, row: int, tick: int) -> None:
+    """Name the agent whose position is no number."""
+    raise NotANumber(
+        f"agent {arrays.ids[row]} has position {arrays.position[row].tolist()} at tick {tick}: "
+        "every position must be a finite number"
+    )
+
+
 class Engine:
     """The compiled loop of a rule over a flock's arrays."""
 
@@ -74,13 +82,6 @@ class Engine:
         loop = self.module
         made = capacity, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.surroundings.most_points
         self.workspaces = [empty_workspace(*made) for _ in range(self.parts)]
-
-    def refuse(self, row: int, tick: int) -> None:
-        """Name the agent whose position is no number."""
-        raise NotANumber(
-            f"agent {self.arrays.ids[row]} has position {self.arrays.position[row].tolist()} at "
-            f"tick {tick}: every position must be a finite number"
-        )
 
 
 class Synchronous(Engine):
@@ -123,7 +124,7 @@ class Synchronous(Engine):
             done += more
             until = until._replace(last_off=last_off)
             if bad >= 0:
-                self.refuse(bad, tick + done)
+                refuse(self.arrays, bad, tick + done)
             if need:
                 self.widen(2 * need)
             if not need or not work[0] & phases.COUNT:  # the sort goes on from where it is
@@ -227,7 +228,7 @@ class InTurn(Engine):
                 opens,
             )
             if bad >= 0:
-                self.refuse(bad, tick)
+                refuse(self.arrays, bad, tick)
             if first == len(order):
                 return
             opens = False

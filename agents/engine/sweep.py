@@ -11,11 +11,10 @@ same blocks, and so give the same bits.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from agents.engine.around import fill_block, nearest_images
-from agents.engine.block import Me, Near, Wish
+from agents.engine.block import Me, Near
 from agents.engine.cells import (
     count_rows,
     fill_slots,
@@ -29,8 +28,9 @@ from agents.engine.fall import crash, fall
 from agents.engine.flat import ones, zeros
 from agents.engine.guide import guided
 from agents.engine.hold import PASSES, held
-from agents.engine.noise import VECTORIAL, random_direction, tick_key, turned
+from agents.engine.noise import tick_key
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
+from agents.engine.wished import headed
 from worlds.compiled import compiled, entry
 from worlds.queries.surroundings import points_within, set_goal
 
@@ -56,28 +56,6 @@ if TYPE_CHECKING:
         show,
         touches,
     )
-
-KEEP = 1e-12
-"""A wish shorter than this has no direction: the heading is kept."""
-
-
-@compiled
-def headed(me, wish, noise, eta):
-    """The wanted heading, a unit Wish: the wish with its noise; without a wish, the old one."""
-    x, y, z = wish.x, wish.y, wish.z
-    if noise == VECTORIAL and eta > 0.0:
-        if x * x + y * y + z * z < KEEP * KEEP:
-            x, y, z = me.ux, me.uy, me.uz
-        ex, ey, ez = random_direction(me.key, me.id, DIM)
-        x, y, z = x + eta * ex, y + eta * ey, z + eta * ez
-    length = math.sqrt(x * x + y * y + z * z)
-    if length < KEEP:
-        x, y, z = me.ux, me.uy, me.uz
-    else:
-        x, y, z = x / length, y / length, z / length
-    if noise != VECTORIAL and eta > 0.0:
-        x, y, z = turned(x, y, z, eta, me.key, me.id, DIM)
-    return Wish(x, y, z)
 
 
 @compiled
@@ -115,7 +93,7 @@ def act(flock, space, surroundings, i, me, near, context, workspace):
             perceive(me, near, surroundings, p)
         want = decide(me, near, surroundings, p)
         if HEADS:
-            want = headed(me, want, context.noise, p.eta)
+            want = headed(me, want, context.noise, p.eta, DIM)
     settle(flock, space, surroundings, i, me, move(me, near, surroundings, want, p, out), p)
     if SIGNALS > 0:
         remember(me, near, p, out)

@@ -25,6 +25,24 @@ CRASHES = False
 """Whether agents that touch something fall."""
 MEETS = 0
 """What an agent does where its step enters something solid, see `agents.engine.hold`."""
+SUMS = 1
+"""How many sums over pairs a rule makes."""
+ASKS_SPEED = True
+"""Whether the rule or the body asks how fast an agent is."""
+BY_LANES = False
+"""Whether the rule's `answer` and the body's `move` take eight agents at once."""
+
+
+@compiled
+def term(me, other, p):
+    """By default a pair adds nothing."""
+    return (0.0,)
+
+
+@compiled
+def answer(me, sums, surroundings, p):
+    """By default the heading is kept."""
+    return Wish(0.0, 0.0, 0.0)
 
 
 @compiled

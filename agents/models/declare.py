@@ -169,7 +169,17 @@ class Zone:
     """Whether agents outside of the field of view are noticed there too."""
 
 
-OF_RULES = ("perceive", "decide", "show", "remember", "prepare", "weigh", "explain")
+OF_RULES = (
+    "perceive",
+    "decide",
+    "term",
+    "answer",
+    "show",
+    "remember",
+    "prepare",
+    "weigh",
+    "explain",
+)
 OF_BODIES = ("move", "measure", "touches", "passes", "explain")
 """The compiled functions of a rule, and of a body."""
 
@@ -197,6 +207,14 @@ class Rule:
     parameters: type[Parameters]
     decide: Callable
     """Compiled: (me, near, surroundings, p) -> Wish."""
+    term: Callable | None = None
+    """Compiled: (me, other, p) -> the terms of a pair, for a rule that is a sum over pairs."""
+    answer: Callable | None = None
+    """Compiled: (me, sums, surroundings, p) -> Wish, from the sums of those terms."""
+    sums: int = 0
+    """How many terms a pair has."""
+    by_lanes: bool = False
+    """Whether `answer` takes eight agents at once."""
     wish: Wished = "heading"
     """What `decide` answers; a body takes one kind of wish."""
     reach: str = "r"
@@ -290,6 +308,8 @@ class Body:
     parameters: type[Parameters]
     move: Callable
     """Compiled: (me, near, surroundings, want, p, out) -> Moved; `out` receives its signals."""
+    by_lanes: bool = False
+    """Whether `move` takes eight agents at once, and so has no `if` that asks about one."""
     takes: Wished = "heading"
     """What it is given to follow: a rule's wish."""
     signals: tuple[str, ...] = ()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import dis
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,11 +11,32 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 from pydantic import create_model
 
+from agents.engine.cache import reached
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats
+
+
+def looks_at(name: str, function: Callable) -> bool:
+    """Whether a compiled function uses its argument of that name."""
+    code = function.py_func  # type: ignore[attr-defined]
+    return any(
+        name in (one.argval if isinstance(one.argval, tuple) else (one.argval,))
+        for one in dis.get_instructions(code)
+        if one.opname.startswith("LOAD_FAST")
+    )
+
+
+def reads(name: str, function: Callable | None) -> bool:
+    """Whether a compiled function, or one that it reaches, reads an attribute of that name."""
+    if function is None:
+        return False
+    python = function.py_func  # type: ignore[attr-defined]
+    inner = [one for one in reached(python) if isinstance(one, Dispatcher)]
+    return name in python.__code__.co_names or any(reads(name, one) for one in inner)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +154,19 @@ class Model:
         floats = SimpleNamespace(**as_floats(parameters))
         return self.body.passes_with if passes.py_func(floats) else ""  # type: ignore[attr-defined]
 
+    @property
+    def is_of_pairs(self) -> bool:
+        """Whether its agents can act eight at once: see `agents.engine.pairs`."""
+        rule, body = self.rule, self.body
+        asks = (rule.perceive, rule.prepare, body.measure, body.touches)
+        return (
+            rule.term is not None
+            and not self.columns
+            and not rule.sees_points
+            and not any(asks)
+            and not looks_at("near", body.move)
+        )
+
     def parts(self, dim: int, solid: bool) -> dict[str, Any]:
         """What makes its loop in `dim` dimensions, in a world where something is solid or not."""
         rule, body = self.rule, self.body
@@ -144,9 +179,14 @@ class Model:
             "SEES_POINTS": rule.sees_points,
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
+            "ASKS_SPEED": any(reads("speed", one) for one in (rule.term, rule.answer, body.move)),
             "MEETS": self.meets(solid),
             "perceive": rule.perceive,
             "decide": rule.decide,
+            "term": rule.term,
+            "answer": rule.answer,
+            "SUMS": rule.sums,
+            "BY_LANES": rule.by_lanes and body.by_lanes,
             "show": rule.show,
             "remember": rule.remember,
             "prepare": rule.prepare,

@@ -12,7 +12,8 @@ import math
 from agents.engine.block import Wish
 from agents.engine.noise import cos_sin, uniform
 from agents.models.declare import Parameters, Rule, Zone, parameter
-from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
+from agents.rules.terms.sums import of_pairs
+from agents.rules.terms.zone_sums import ALL_ROUND, ZONE_SUMS, edge_of, weigh_zones, zone_terms
 from worlds.compiled import compiled
 
 RADIUS, ANGLE, ROLL = 4, 5, 6
@@ -81,10 +82,10 @@ class Couzin(Parameters):
 
 
 @compiled
-def sums(me, near, p):
-    """The sums of (1), (2) and (3): away from those in the zone of repulsion, headings, towards."""
+def term(me, other, p):
+    """The terms of (1), (2) and (3): away from those too near, headings, towards those far off."""
     r_o = p.r_r + p.dr_o
-    return zone_sums(me, near, p.r_r, r_o, r_o + p.dr_a, ALL_ROUND, edge_of(p.alpha))
+    return zone_terms(me, other, p.r_r, r_o, r_o + p.dr_a, ALL_ROUND, edge_of(p.alpha))
 
 
 @compiled
@@ -117,12 +118,12 @@ def missed(me, x, y, z, sigma):
 
 
 @compiled
-def decide(me, near, surroundings, p):
+def answer(me, sums, surroundings, p):
     """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
-    s = sums(me, near, p)
-    if s.n_r > 0.0:
-        return missed(me, s.rx, s.ry, s.rz, p.sigma)
-    return missed(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
+    rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, _, _ = sums
+    if n_r > 0.0:
+        return missed(me, rx, ry, rz, p.sigma)
+    return missed(me, ox + ax, oy + ay, oz + az, p.sigma)
 
 
 @compiled
@@ -142,7 +143,7 @@ COUZIN = Rule(
     r"\text{else} \end{cases}",
     source="Couzin et al. 2002, (1) to (3)",
     parameters=Couzin,
-    decide=decide,
+    **of_pairs(ZONE_SUMS, term, answer),
     reach="range",
     weigh=weigh,
     zones=(

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, adjacent
+from agents.engine.block import Wish, is_neighbour
+from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.sums import of_pairs
 from worlds.compiled import compiled
 
 
@@ -42,20 +44,23 @@ class Vicsek(Parameters):
 
 
 @compiled
-def decide(me, near, surroundings, p):
-    """Mean heading over the neighbours and itself: (6), with obstacles (18)."""
-    n = me.own_weight
-    x, y, z = n * me.ux, n * me.uy, n * me.uz
-    for j in range(near.n):
-        a = adjacent(me, near, j, p.r) * near.heard[j]
-        x += a * near.ux[j]
-        y += a * near.uy[j]
-        z += a * near.uz[j]
-        n += a
-    if n == 0.0:
-        return Wish(0.0, 0.0, 0.0)
-    return Wish(x / n, y / n, z / n)
+def term(me, other, p):
+    """a_ij u_j and a_ij (11), of those that are heard."""
+    a = is_neighbour(other, p.r) & other.heard
+    return a * other.ux, a * other.uy, a * other.uz, a
 
+
+@compiled
+def answer(me, sums, surroundings, p):
+    """Mean heading over the neighbours and itself: (6), with obstacles (18)."""
+    x, y, z, n = sums
+    b = me.own_weight
+    n = n + b
+    n = where(n == 0.0, 1.0, n)
+    return Wish((x + b * me.ux) / n, (y + b * me.uy) / n, (z + b * me.uz) / n)
+
+
+OF_PAIRS = of_pairs(4, term, answer, by_lanes=True)
 
 EQUATION = (
     r"\theta_i(k+1) = \operatorname{atan2}\Big(\sum_{j \in \mathcal{N}_i \cup \{i\}} \sin\theta_j, "
@@ -69,7 +74,7 @@ VEM = Rule(
     equation=EQUATION,
     source="Vicsek et al. 1995; Liu et al. 2021, (6)",
     parameters=Vicsek,
-    decide=decide,
+    **OF_PAIRS,
 )
 
 VEM_A = Rule(
@@ -80,7 +85,7 @@ VEM_A = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, (6) and section 3.1.2",
     parameters=Vicsek,
-    decide=decide,
+    **OF_PAIRS,
     informed=1,
     converges=True,
 )

@@ -9,8 +9,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from agents.engine.block import Wish
+from agents.engine.block import Wish, seen
+from agents.engine.pairs.sums import added, no_sums
 from worlds.compiled import compiled
+
+
+def of_pairs(
+    number: int, term: Callable, answer: Callable, by_lanes: bool = False
+) -> dict[str, Any]:
+    """A rule that answers to sums over pairs: `term`, `answer`, and the `decide` that they make.
+
+    `term(me, other, p)`, compiled, has `number` numbers, all 0 for agents that are out of reach;
+    `answer(me, sums, surroundings, p)` makes a Wish of their sums. The engine takes the terms of
+    eight agents at once, so there is no `if` in a term; `by_lanes` says that there is none in
+    `answer` either.
+    """
+
+    @compiled
+    def decide(me, near, surroundings, p):
+        sums = no_sums(number, 0.0)
+        for j in range(near.n):
+            sums = added(sums, term(me, seen(me, near, j), p))
+        return answer(me, sums, surroundings, p)
+
+    return {"decide": decide, "term": term, "answer": answer, "sums": number, "by_lanes": by_lanes}
 
 
 def mean_heading(weight: Callable) -> dict[str, Any]:
@@ -50,7 +72,7 @@ def sum_of(**terms: Callable) -> dict[str, Any]:
     """
     decide = explain = None
     for row, term in enumerate(terms.values()):
-        decide = added(decide, term)
+        decide = with_term(decide, term)
         explain = explained(explain, term, row)
     forces = tuple(name.replace("_", " ") for name in terms)
     return {"decide": decide, "explain": explain, "forces": forces, "wish": "acceleration"}
@@ -67,7 +89,7 @@ def nothing_explained(me, near, surroundings, p, out):
     """No force to explain."""
 
 
-def added(before: Callable | None, term: Callable) -> Callable:
+def with_term(before: Callable | None, term: Callable) -> Callable:
     """The force of the terms `before` and of one more."""
     first = nothing if before is None else before
 

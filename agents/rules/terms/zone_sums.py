@@ -5,8 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from agents.engine.block import seen
+from agents.engine.lanes import where
+from agents.engine.pairs.sums import added, no_sums
 from worlds.compiled import compiled
 
+ZONE_SUMS = 12
+"""How many numbers `Sums` has."""
 ALL_ROUND = -2.0
 """In place of the cosine of half a field of view: nobody is out of sight."""
 
@@ -38,42 +43,47 @@ def edge_of(alpha):
 
 
 @compiled
-def zone_sums(me, near, r_r, r_o, r_a, close_edge, far_edge):
-    """The sums over the zones of outer radii r_r, r_o, r_a (length), without a branch.
+def zone_terms(me, other, r_r, r_o, r_a, close_edge, far_edge):
+    """What one other agent adds to `Sums`, for the zones of outer radii r_r, r_o, r_a (length).
 
     `close_edge` is the cosine at which sight ends in the zone of repulsion, ALL_ROUND for none, and
     `far_edge` that in the two others. The radii need not rise: an agent is in the first that fits.
     """
-    rx = ry = rz = ox = oy = oz = ax = ay = az = n_r = n_o = n_a = 0.0
+    dx, dy, dz = other.dx, other.dy, other.dz
+    there = other.d2 > 0.0
+    d = math.sqrt(where(there, other.d2, 1.0))
+    along = dx * me.ux + dy * me.uy + dz * me.uz
+    in_r = there & (d < r_r) & (along >= close_edge * d)
+    far = there & (d >= r_r) & (along >= far_edge * d)
+    in_o = far & (d < r_o)
+    in_a = far & (d >= r_o) & (d <= r_a)
+    inverse = 1.0 / d
+    away = in_r * inverse
+    to = in_a * inverse
+    return (
+        -away * dx,
+        -away * dy,
+        -away * dz,
+        in_o * other.ux,
+        in_o * other.uy,
+        in_o * other.uz,
+        to * dx,
+        to * dy,
+        to * dz,
+        in_r,
+        in_o,
+        in_a,
+    )
+
+
+@compiled
+def zone_sums(me, near, r_r, r_o, r_a, close_edge, far_edge):
+    """The sums over the zones, of the agents of the block: see `zone_terms`."""
+    sums = no_sums(ZONE_SUMS, 0.0)
     for j in range(near.n):
-        dx = near.x[j] - me.x
-        dy = near.y[j] - me.y
-        dz = near.z[j] - me.z
-        d2 = dx * dx + dy * dy + dz * dz
-        there = d2 > 0.0
-        d = math.sqrt(d2 if there else 1.0)
-        along = dx * me.ux + dy * me.uy + dz * me.uz
-        far = there & (d >= r_r) & (along >= far_edge * d)
-        in_r = there & (d < r_r) & (along >= close_edge * d)
-        in_o = far & (d < r_o)
-        in_a = far & (d >= r_o) & (d <= r_a)
-        inverse = 1.0 / d
-        away = inverse if in_r else 0.0
-        to = inverse if in_a else 0.0
-        with_ = 1.0 if in_o else 0.0
-        rx -= away * dx
-        ry -= away * dy
-        rz -= away * dz
-        ox += with_ * near.ux[j]
-        oy += with_ * near.uy[j]
-        oz += with_ * near.uz[j]
-        ax += to * dx
-        ay += to * dy
-        az += to * dz
-        n_r += 1.0 if in_r else 0.0
-        n_o += with_
-        n_a += 1.0 if in_a else 0.0
-    return Sums(rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, n_o, n_a)
+        terms = zone_terms(me, seen(me, near, j), r_r, r_o, r_a, close_edge, far_edge)
+        sums = added(sums, terms)
+    return Sums(*sums)
 
 
 @compiled

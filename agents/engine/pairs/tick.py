@@ -1,0 +1,381 @@
+"""A tick of a rule that is a sum over pairs: eight agents at once, in the order of their cells.
+
+A template as `agents.engine.sweep` is, for flocks in which nobody has signals or a memory, can
+crash, or has a body that asks who is near. Agents whose cells are neighbours along x lie side by
+side in the slots: eight of them are the lanes of a vector, and everyone in the rows of cells around
+is a candidate, met by all eight at once. So nothing is copied into blocks, and no sum runs across
+lanes.
+
+Between the ticks of one call the flock's positions and headings stay in the order of the slots; the
+last tick puts them back into their rows. Threads meet between the phases of a tick without leaving
+compiled code.
+
+The bits of an agent are those of its own lane: its candidates come in the order of cells and rows,
+and those that are too far add nothing. So they do not depend on who else is in the vector, and are
+the same for any number of threads, in a run of many ticks, and where one agent steps alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from agents.engine.around import axis_cells, wrapped
+from agents.engine.block import Me, Moved, Near, Other
+from agents.engine.cells import into_box, number_of, plan, share_slots
+from agents.engine.flat import ones, zeros
+from agents.engine.guide import guided
+from agents.engine.hold import PASSES, held
+from agents.engine.lanes import WIDTH, load, store
+from agents.engine.noise import tick_key
+from agents.engine.pairs.meeting import BAD, NEXT, STOP, add, meet, read
+from agents.engine.pairs.sorting import cell_at, count_places, fill_slots, order_cells, put_back
+from agents.engine.pairs.sums import added, keep_sums, no_sums, sums_of
+from agents.engine.wished import headed
+from worlds.compiled import compiled, entry
+from worlds.queries.surroundings import set_goal
+
+if TYPE_CHECKING:
+    from agents.engine.template import (
+        ASKS_SPEED,
+        BY_LANES,
+        DIM,
+        HEADS,
+        MEETS,
+        SUMS,
+        answer,
+        holds,
+        move,
+        passes,
+        term,
+    )
+
+SHARE = 512
+"""Slots that a thread takes at a time."""
+RUN, OPEN, ONE = 0, 1, 2
+"""What `advance` is asked for: whole ticks, the sort of one, or one slot of an opened tick."""
+X, Y, Z, UX, UY, UZ, SPEED = range(7)
+"""Rows of the table in which the moves of eight agents are written down."""
+
+
+@compiled
+def nobody():
+    """The agents around, for bodies that do not look at them."""
+    none: Any = zeros()
+    return Near(0, none, none, none, none, none, none, none, ones(), 0, none, none, none)
+
+
+@compiled
+def is_lone(space, grid, axis):
+    """Whether an axis has one cell alone, in which the nearest image is to be looked for."""
+    return space.images[axis] == 1 and grid.shape[axis] == 1
+
+
+@compiled
+def is_any_lone(space, grid):
+    """Whether some axis is."""
+    return is_lone(space, grid, 0) or is_lone(space, grid, 1) or is_lone(space, grid, 2)
+
+
+@compiled
+def nearest(space, grid, axis, d):
+    """A separation along an axis, to the nearest image."""
+    if not is_lone(space, grid, axis):
+        return d
+    length = space.size[axis]
+    return d - length * math.floor(d / length + 0.5)
+
+
+@compiled
+def with_run(sums, slots, first, last, place, me, p, space, grid, lone):
+    """The sums with the terms of slots first to last; `place` is that of `me`, less their shift."""
+    x, y, z = place
+    for j in range(np.uintp(first), np.uintp(last)):
+        dx = slots.x[j] - x
+        dy = slots.y[j] - y
+        dz = slots.z[j] - z if DIM == 3 else 0.0
+        if lone:
+            dx = nearest(space, grid, 0, dx)
+            dy = nearest(space, grid, 1, dy)
+            dz = nearest(space, grid, 2, dz) if DIM == 3 else 0.0
+        d2 = dx * dx + dy * dy + dz * dz
+        uz = slots.uz[j] if DIM == 3 else 0.0
+        other = Other(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, True)
+        sums = added(sums, term(me, other, p))
+    return sums
+
+
+@compiled
+def pair_sums(grid, space, slots, low, high, me, p, lone):
+    """The sums of eight agents that are in cells low to high of one row of cells along x."""
+    nx, ny = grid.shape[0], grid.shape[1]
+    cy, cz = (low // nx) % ny, low // (nx * ny)
+    fy, my = axis_cells(grid, space, 1, cy)
+    fz, mz = axis_cells(grid, space, 2, cz)
+    left, right = low % nx - 1, high % nx + 1
+    sums = no_sums(SUMS, me.x)
+    for kz in range(fz, fz + mz):
+        az, sz = wrapped(grid, space, 2, cz + kz)
+        for ky in range(fy, fy + my):
+            ay, sy = wrapped(grid, space, 1, cy + ky)
+            row = (az * ny + ay) * nx
+            for side in range(-1, 2):  # the cells beyond the seam on the left, the row, the right
+                begin, end = max(left, 0), min(right + 1, nx)
+                if side != 0:
+                    if space.images[0] == 0 or nx == 1:
+                        continue
+                    begin, end = (
+                        (nx + min(left, 0), nx) if side < 0 else (0, max(right + 1 - nx, 0))
+                    )
+                first, last = grid.start[row + begin], grid.start[row + end]
+                place = (me.x - side * space.size[0], me.y - sy, me.z - sz)
+                sums = with_run(sums, slots, first, last, place, me, p, space, grid, lone)
+    return sums
+
+
+@compiled
+def eight_of(flock, slots, slot, last, table, ids, numbered, tick, key):
+    """`Me` of eight slots from one on; those from `last` on are of no account."""
+    if not numbered or ASKS_SPEED:
+        for lane in range(last - slot):
+            row = slots.row[slot + lane]
+            ids[lane] = flock.ids[row]
+            table[SPEED, lane] = flock.speed[row]
+    return Me(
+        load(slots.x, slot),
+        load(slots.y, slot),
+        load(slots.z, slot) if DIM == 3 else 0.0,
+        load(slots.ux, slot),
+        load(slots.uy, slot),
+        load(slots.uz, slot) if DIM == 3 else 0.0,
+        load(table[SPEED], 0),
+        table[0],
+        table[0],
+        False,
+        1.0,
+        load(slots.row, slot) + flock.ids[0] if numbered else load(ids, 0),
+        tick,
+        key,
+        flock.ids.shape[0],
+    )
+
+
+@compiled
+def one_of(flock, slots, slot, table, tick, key):
+    """`Me` of one slot."""
+    i = slots.row[slot]
+    return Me(
+        slots.x[slot],
+        slots.y[slot],
+        slots.z[slot] if DIM == 3 else 0.0,
+        slots.ux[slot],
+        slots.uy[slot],
+        slots.uz[slot] if DIM == 3 else 0.0,
+        flock.speed[i],
+        table[0],
+        table[0],
+        flock.informed[i],
+        1.0,
+        flock.ids[i],
+        tick,
+        key,
+        flock.ids.shape[0],
+    )
+
+
+@compiled
+def settle(flock, space, row, to, moved):
+    """Write a move to the place `to` of the agent of a row, within the world's edges."""
+    flock.position[to, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
+    flock.position[to, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
+    flock.heading[to, 0] = moved.ux
+    flock.heading[to, 1] = moved.uy
+    if DIM == 3:
+        flock.position[to, 2] = into_box(moved.z, space.size[2]) if space.wraps[2] else moved.z
+        flock.heading[to, 2] = moved.uz
+    if ASKS_SPEED or to == row:
+        flock.speed[row] = moved.speed
+
+
+@compiled
+def act(flock, space, surroundings, slots, slot, last, me, sums, table, context, to_rows):
+    """Slots `slot` to `last`, at most eight, decide on their sums and move.
+
+    An information agent listens to nobody: it follows the mission's path, or keeps its heading.
+    """
+    p, out = context.parameters, table[0]
+    if BY_LANES:
+        want = headed(me, answer(me, sums, surroundings, p), context.noise, p.eta, DIM)
+        moved = move(me, nobody(), surroundings, want, p, out)
+        store(table, X, moved.x)
+        store(table, Y, moved.y)
+        store(table, Z, moved.z)
+        store(table, UX, moved.ux)
+        store(table, UY, moved.uy)
+        store(table, UZ, moved.uz)
+        store(table, SPEED, moved.speed)
+    else:
+        keep_sums(table, sums)
+    for lane in range(last - slot):
+        row = slots.row[slot + lane]
+        one = one_of(flock, slots, slot + lane, table, me.tick, me.key)
+        if BY_LANES and not one.informed:
+            went = Moved(
+                table[X, lane],
+                table[Y, lane],
+                table[Z, lane],
+                table[UX, lane],
+                table[UY, lane],
+                table[UZ, lane],
+                table[SPEED, lane],
+            )
+        else:
+            if one.informed:
+                wish = guided(flock, surroundings, row, one)
+            else:
+                wish = answer(one, sums_of(table, SUMS, lane), surroundings, p)
+                if HEADS:
+                    wish = headed(one, wish, context.noise, p.eta, DIM)
+            went = move(one, nobody(), surroundings, wish, p, out)
+        if MEETS != PASSES and not passes(p):
+            went = held(surroundings, space, one, went, MEETS)
+        to = row if to_rows else slot + lane
+        settle(flock, space, row, to, went)
+        slots.queue[to] = row
+
+
+@compiled
+def sweep(flock, space, surroundings, grid, slots, table, ids, context, now, key, span, how):
+    """The agents of slots span[0] to span[1] act, up to eight of a row of cells at a time.
+
+    `how` = (whether they are written to their rows, whether their numbers follow one another).
+    """
+    slot, last = span
+    to_rows, numbered = how
+    lone = is_any_lone(space, grid)
+    nx = grid.shape[0]
+    low = cell_at(grid, slot)
+    while slot < last:
+        while grid.start[low + 1] <= slot:
+            low += 1
+        end = min(min(slot + WIDTH, last), grid.start[(low // nx + 1) * nx])
+        high = low
+        while grid.start[high + 1] < end:
+            high += 1
+        me = eight_of(flock, slots, slot, end, table, ids, numbered, now, key)
+        sums = pair_sums(grid, space, slots, low, high, me, context.parameters, lone)
+        act(flock, space, surroundings, slots, slot, end, me, sums, table, context, to_rows)
+        slot = end
+
+
+@compiled
+def sort(flock, space, surroundings, grid, slots, context, now, meeting, part, parts):
+    """Sort the flock into its slots, each thread its part; a place that is no number, or -1."""
+    n = slots.row.shape[0]
+    low, high = n * part // parts, n * (part + 1) // parts
+    if part == 0:
+        set_goal(surroundings, now * context.lasts)
+        plan(grid, space, context.reach, flock.position)
+    meet(meeting, parts)
+    meeting[BAD + part] = count_places(grid, space, flock.position, slots, part, low, high)
+    meet(meeting, parts)
+    for k in range(parts):
+        if meeting[BAD + k] >= 0:
+            return meeting[BAD + k]
+    if part == 0:
+        share_slots(grid, parts)
+    meet(meeting, parts)
+    fill_slots(grid, flock.position, flock.heading, slots, part, low, high)
+    meet(meeting, parts)
+    cells = number_of(grid)
+    order_cells(grid, slots, cells * part // parts, cells * (part + 1) // parts)
+    meet(meeting, parts)
+    return -1
+
+
+@compiled
+def is_numbered(ids):
+    """Whether the agents' numbers follow one another, as they do until one is taken away."""
+    apart = 0
+    for row in range(np.uintp(ids.shape[0])):
+        apart |= ids[row] ^ (ids[0] + row)
+    return apart == 0
+
+
+@compiled
+def note(position, into):
+    """Copy the positions (N, dim), without the temporary array of an assignment."""
+    for i in range(position.shape[0]):
+        for axis in range(DIM):
+            into[i, axis] = position[i, axis]
+
+
+@entry
+def advance(
+    flock,
+    space,
+    surroundings,
+    grid,
+    slots,
+    table,
+    ids,
+    context,
+    seed,
+    tick,
+    ticks,
+    work,
+    meeting,
+    until,
+    trace,
+):
+    """Run `ticks` ticks, sort one, or let one slot of a sorted one act.
+
+    `work` = (what is asked for, part, parts, slot). All threads of a run call this at once, each
+    with its part, its table and its ids. `until` is when to stop (`Until`), for one thread. `trace`
+    (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
+    tick at which `holds` did not or -1, first row with a position that is no number or -1).
+    """
+    asked, part, parts, slot = work
+    n = slots.row.shape[0]
+    numbered = is_numbered(flock.ids)
+    watched = until.numbers.shape[0] > 0
+    each_to_rows = asked == ONE or watched or trace.shape[0] > 0
+    last_off = until.last_off
+    if asked != ONE:
+        for i in range(n * part // parts, n * (part + 1) // parts):
+            slots.queue[i] = i
+    done = 0
+    while done < ticks:
+        now = tick + done
+        if watched:
+            if not holds(flock, until.numbers):
+                last_off = now
+            elif now - last_off >= until.hold:
+                break
+        if asked != ONE:
+            bad = sort(flock, space, surroundings, grid, slots, context, now, meeting, part, parts)
+            if bad >= 0:
+                bad = slots.queue[bad]
+                meet(meeting, parts)
+                if part == 0:
+                    put_back(flock, slots)
+                meet(meeting, parts)
+                return done, last_off, bad
+            if asked == OPEN or read(meeting, STOP) != 0:
+                break
+        first, end, size = (slot, slot + 1, 1) if asked == ONE else (0, n, n)
+        if parts > 1:
+            first, size = add(meeting, NEXT, SHARE), SHARE
+        key = tick_key(seed, now)
+        how = (each_to_rows or done == ticks - 1, numbered)
+        while first < end:
+            span = (first, min(first + size, end))
+            sweep(flock, space, surroundings, grid, slots, table, ids, context, now, key, span, how)
+            first = add(meeting, NEXT, SHARE) if parts > 1 else end
+        meet(meeting, parts)
+        if part == 0 and trace.shape[0] > 0:
+            note(flock.position, trace[done])
+        done += 1
+    return done, last_off, -1

@@ -1,0 +1,159 @@
+"""Rules that are sums over pairs, eight agents at once, against the same rules one by one."""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import numba
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays as drawn
+
+from agents import Flock
+from agents.engine import lanes
+from agents.engine.lanes import WIDTH, load, store, where
+from agents.engine.pairs.meeting import STOP
+from agents.engine.pairs.runner import OfPairs
+from agents.engine.runner import NotANumber
+from agents.motion import Motion
+
+finite = st.floats(-1e6, 1e6)
+eight = drawn(float, WIDTH, elements=finite)
+
+
+@numba.njit
+def some_of_all(x, y, table):
+    """Every operation on lanes once, each into a row."""
+    a, b = load(x, 0), load(y, 0)
+    store(table, 0, a + b)
+    store(table, 1, a - 2.0 * b)
+    store(table, 2, a / (1.0 + b * b))
+    store(table, 3, math.sqrt(math.fabs(a)) + math.floor(b))
+    store(table, 4, where((a < b) & (b <= 3.0) | (a == b), a, -b))
+    store(table, 5, (a >= b) * a + min(a, b) * (a > 0.0))
+    store(table, 6, max(a, 1.0))
+    store(table, 7, 3)
+
+
+@given(eight, eight)
+def test_lanes_are_eight_numbers(x, y):
+    table = np.zeros((8, WIDTH))
+    some_of_all(x, y, table)
+    expected = [
+        x + y,
+        x - 2.0 * y,
+        x / (1.0 + y * y),
+        np.sqrt(np.abs(x)) + np.floor(y),
+        np.where((x < y) & (y <= 3.0) | (x == y), x, -y),
+        np.where(x >= y, x, 0.0) + np.where(x > 0.0, np.minimum(x, y), 0.0),
+        np.maximum(x, 1.0),
+        np.full(WIDTH, 3.0),
+    ]
+    np.testing.assert_allclose(table, expected, rtol=1e-15, atol=1e-9)
+
+
+@pytest.mark.parametrize("function", [where, lanes.words, lanes.as_float])
+def test_what_works_on_lanes_works_on_one_number(function):
+    given = (True, 2.0, 3.0) if function is where else (2,)
+    assert function(*given) == numba.njit(lambda *numbers: function(*numbers))(*given) == 2
+
+
+def one_by_one(monkeypatch, *arguments, **options) -> Flock:
+    """A flock whose agents act one by one, each on the block around it."""
+    with monkeypatch.context() as patch:
+        patch.setattr(Motion, "of_pairs", False)
+        flock = Flock(*arguments, **options)
+        flock.run(12)
+    return flock
+
+
+@pytest.mark.parametrize(
+    ("model", "options"),
+    [
+        ("vem", {"agents": 700, "size": 9.0, "eta": 0.4}),
+        ("vem", {"agents": 90, "size": 2.2, "eta": 0.4}),
+        ("vem", {"agents": 40, "size": 30.0, "eta": 0.4}),
+        ("vem", {"agents": 300, "size": 5.0, "dim": 3, "eta": 1.0, "noise": "vectorial"}),
+        ("vem-a", {"agents": 300, "size": 8.0, "eta": 0.2}),
+        ("vem", {"agents": 200, "size": 8.0, "world": "open", "eta": 0.1}),
+        ("couzin", {"agents": 200, "sigma": 0.0}),
+        ("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
+    ],
+)
+def test_eight_at_once_do_what_each_would(monkeypatch, model, options):
+    flock = Flock(model, rng=3, **options)
+    flock.run(12)
+    assert isinstance(flock.engine, OfPairs)
+    other = one_by_one(monkeypatch, model, rng=3, **options)
+    np.testing.assert_allclose(flock.heading, other.heading, atol=1e-7)
+    np.testing.assert_allclose(flock.position, other.position, atol=1e-7)
+    np.testing.assert_allclose(flock.speed, other.speed)
+
+
+def test_a_run_is_its_ticks_one_by_one_to_the_bit():
+    whole, ticks, members, traced = (
+        Flock("vem", agents=500, size=8.0, eta=0.5, rng=2) for _ in range(4)
+    )
+    whole.run(7)
+    for _ in range(7):
+        ticks.run(1)
+        for member in list(members.agents)[::-1]:
+            member.step()
+    positions = traced.trace(7)
+    for flock in (ticks, members, traced):
+        assert np.array_equal(flock.position, whole.position)
+        assert np.array_equal(flock.heading, whole.heading)
+    assert np.array_equal(positions[-1], whole.position)
+
+
+def test_identities_that_do_not_follow_one_another_keep_their_noise():
+    flock = Flock("vem", agents=60, size=30.0, eta=1.0, r=0.05, rng=4)
+    gone = Flock("vem", agents=60, size=30.0, eta=1.0, r=0.05, rng=4)
+    for member in list(gone.agents)[10:20]:
+        member.remove()
+    flock.run(3)
+    gone.run(3)
+    stay = np.isin(flock.ids, gone.ids)
+    assert stay.sum() == 50
+    assert np.array_equal(flock.heading[stay], gone.heading)
+
+
+def test_a_place_that_is_no_number_is_named_and_nothing_is_mixed_up():
+    flock = Flock("vem", agents=200, size=6.0, eta=0.5, rng=5)
+    flock.set(v0=0.1)
+    before = Flock("vem", agents=200, size=6.0, eta=0.5, rng=5)
+    flock.heading[7] = np.nan
+    flock.run(1)
+    with pytest.raises(NotANumber, match="tick 1"):
+        flock.run(3)
+    whole = np.isfinite(flock.position).all(axis=1)
+    assert not whole[7]
+    apart = np.abs(flock.position - before.position)[whole]
+    assert np.minimum(apart, 6.0 - apart).max() < 0.11
+
+
+def test_threads_that_wait_for_one_that_never_comes_leave_with_nothing_done(monkeypatch):
+    flock = Flock("vem", agents=12_000, size=60.0, eta=0.5, rng=6, threads=2)
+    flock.run(1)
+    kept = flock.position.copy()
+    call = OfPairs.call
+
+    def only_the_helpers(self, context, tick, ticks, work, *rest):
+        if threading.current_thread() is threading.main_thread():
+            raise KeyboardInterrupt
+        return call(self, context, tick, ticks, work, *rest)
+
+    monkeypatch.setattr(OfPairs, "call", only_the_helpers)
+    meeting = flock.engine.meeting
+    with pytest.raises(KeyboardInterrupt):
+        flock.run(5)
+    assert meeting[STOP] == 1
+    assert np.array_equal(flock.position, kept)
+    monkeypatch.undo()
+    other = Flock("vem", agents=12_000, size=60.0, eta=0.5, rng=6)
+    other.run(4)
+    flock.run(3)
+    assert np.array_equal(flock.position, other.position)
