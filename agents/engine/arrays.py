@@ -65,6 +65,14 @@ class Workspace(NamedTuple):
     """A neighbourhood block: positions, headings, positions of nearest images; (9, capacity)."""
     signals: np.ndarray
     """The block's signals, (K, capacity)."""
+    close: np.ndarray
+    """Those of the block within reach of one agent: positions, headings; (6, capacity)."""
+    close_signals: np.ndarray
+    """Their signals, (K, capacity)."""
+    apart: np.ndarray
+    """Squares of the distances of the block's agents, (capacity,)."""
+    chosen: np.ndarray
+    """Which of the block are within reach, int32 (capacity,)."""
     mine: np.ndarray
     """One agent's signals as it reads them, (K,), and as it writes them."""
     out: np.ndarray
@@ -85,6 +93,10 @@ def empty_workspace(
     return Workspace(
         np.zeros((9, capacity)),
         np.zeros((signals, capacity)),
+        np.zeros((6, capacity)),
+        np.zeros((signals, capacity)),
+        np.zeros(capacity),
+        np.zeros(capacity, np.int32),
         np.zeros(signals),
         np.zeros(signals),
         np.zeros(private),

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from agents.engine.around import fill_block, nearest_images
 from agents.engine.block import Me, Near
 from agents.engine.cells import (
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
         MEETS,
         PRIVATE,
         SEES_POINTS,
+        SIFTS,
         SIGNALS,
         decide,
         holds,
@@ -56,6 +59,12 @@ if TYPE_CHECKING:
         show,
         touches,
     )
+
+
+FAR = 1.0 + 1e-9
+"""Those that are farther than the reach by this factor, squared, are surely out of it."""
+MANY = 24
+"""Agents in a block from which on those within reach are picked out for a rule that `SIFTS`."""
 
 
 @compiled
@@ -170,12 +179,41 @@ def see_points(surroundings, reach, me, workspace):
 
 
 @compiled
+def within_reach(workspace, m, at, me, reach):
+    """Copy those of the m agents of the block that are within reach to `close`; how many."""
+    block, close = workspace.block, workspace.close
+    r2 = reach * reach * FAR
+    for j in range(np.uintp(m)):
+        dx, dy = block[at, j] - me.x, block[at + 1, j] - me.y
+        d2 = dx * dx + dy * dy
+        if DIM == 3:
+            dz = block[at + 2, j] - me.z
+            d2 += dz * dz
+        workspace.apart[j] = d2
+    n = np.uintp(0)
+    for j in range(np.uintp(m)):
+        workspace.chosen[n] = j
+        n += np.uintp(1) if workspace.apart[j] <= r2 else np.uintp(0)
+    for axis in range(DIM):
+        for k in range(n):
+            close[axis, k] = block[at + axis, np.uintp(workspace.chosen[k])]
+        for k in range(n):
+            close[3 + axis, k] = block[3 + axis, np.uintp(workspace.chosen[k])]
+    for q in range(SIGNALS):
+        for k in range(n):
+            workspace.close_signals[q, k] = workspace.signals[q, np.uintp(workspace.chosen[k])]
+    return np.intp(n)
+
+
+@compiled
 def nearby(m, workspace, at, points):
     """The m agents of the workspace's block, and the points there, as a rule sees them.
 
-    Positions start at row `at`.
+    Positions start at row `at`, -1 for those that were picked out.
     """
     block, signals = workspace.block, workspace.signals
+    if at < 0:
+        block, signals, at = workspace.close, workspace.close_signals, 0
     flat: Any = zeros()
     z, uz = (flat, flat) if DIM == 2 else (block[at + 2], block[5])
     heard: Any = signals[SIGNALS - 1] if DEAFENS else ones()
@@ -224,6 +262,9 @@ def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key
                 )
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
+            if SIFTS and m > MANY:
+                close = within_reach(workspace, m, at, me, context.reach)
+                near = nearby(close, workspace, -1, near.points)
             if CRASHES:
                 judge(flock, surroundings, slots.row[slot], me, near, context.parameters)
             act(flock, space, surroundings, slots.row[slot], me, near, context, workspace)

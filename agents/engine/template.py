@@ -19,6 +19,8 @@ DEAFENS = False
 """Whether the last signal says who is heard: 1.0, or 0.0."""
 SEES_POINTS = False
 """Whether the rule is given the boundary points of obstacles."""
+SIFTS = False
+"""Whether those within reach are picked out of a block before an agent decides."""
 MEASURES = 0
 """What is measured of each agent in the pass."""
 CRASHES = False

@@ -248,6 +248,9 @@ class Rule:
     """Compiled: (me, near, surroundings, p, out). The forces one by one, out (len(forces), 3)."""
     sees_obstacles: bool = False
     """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
+    sifts: bool = False
+    """Whether `near` shall hold those within reach alone where there are many: a gain for a rule
+    that goes over its neighbours more than once, a loss for one that takes a single sum."""
     sees_points: bool = False
     """Whether `near` shall hold the boundary points of obstacles within reach."""
     zones: tuple[Zone, ...] = ()

@@ -177,6 +177,7 @@ class Model:
             "HEADS": rule.wish == "heading",
             "DEAFENS": body.deafens,
             "SEES_POINTS": rule.sees_points,
+            "SIFTS": rule.sifts,
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
             "ASKS_SPEED": any(reads("speed", one) for one in (rule.term, rule.answer, body.move)),

@@ -246,6 +246,7 @@ GUARDED = Rule(
     source="thesis, (3.6) to (3.12), (4.1), (4.2); the guard and the calls are ours",
     parameters=GuardedZones,
     decide=decide,
+    sifts=True,
     wish="velocity",
     reach="range",
     together="d_a",

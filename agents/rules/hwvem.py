@@ -152,6 +152,7 @@ HWVEM = Rule(
     source="Liu et al. 2021, (5), (9) to (17)",
     parameters=HierarchicalWeighting,
     decide=decide,
+    sifts=True,
     signals=("layer",),
     prepare=prepare,
     remember=remember,

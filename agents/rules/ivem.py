@@ -124,6 +124,7 @@ IVEM = Rule(
     source="Liu et al. 2021, (30), (31)",
     parameters=Vicsek,
     decide=decide,
+    sifts=True,
     dimensions=(2,),
     signals=("angle",),
     show=show,

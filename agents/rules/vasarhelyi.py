@@ -275,6 +275,7 @@ VASARHELYI = Rule(
     source="Vasarhelyi et al. 2018, as in robotsim and SwarmLab",
     parameters=Drones,
     decide=decide,
+    sifts=True,
     wish="velocity",
     signals=("pace",),
     show=show,
