@@ -35,7 +35,8 @@ def other(commit: str) -> Iterator[Tree]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "tree"
         git = ["git", "-C", str(ROOT), "worktree"]
-        subprocess.run([*git, "add", "--quiet", "--detach", str(path), commit], check=True)
+        if subprocess.run([*git, "add", "--quiet", "--detach", str(path), commit]).returncode:
+            raise SystemExit(2)  # git has said why
         try:
             with Tree(path, Path(folder) / "cache") as tree:
                 yield tree

@@ -43,6 +43,17 @@ def at_density(dim: int, density: float) -> Callable[[Case], Mapping[str, Any]]:
     return made
 
 
+def mixed(case: Case) -> Mapping[str, Any]:
+    """The same box with rows in no order, as agents are after a long run; size for density 4."""
+    size = math.sqrt(case.agents / 4.0)
+    made = Flock(case.model, agents=case.agents, size=size, rng=1)
+    rows = np.random.default_rng(1).permutation(case.agents)
+    return {
+        "start": {"position": made.position[rows], "heading": made.heading[rows]},
+        "size": size,
+    }
+
+
 def home(name: str) -> World:
     """The world that a model is at home in."""
     spec = Spec(name, seed=1)
@@ -74,8 +85,10 @@ def grove(case: Case) -> Mapping[str, Any]:
     return {"start": scattered(world, case.agents), "world": world}
 
 
+VICSEK = {"r": 1.0, "v0": 0.03, "eta": 0.3}
 CASES = {
-    "vem": Case("vem", 100_000, 40, at_density(2, 4.0), {"r": 1.0, "v0": 0.03, "eta": 0.3}),
+    "vem": Case("vem", 100_000, 40, at_density(2, 4.0), VICSEK),
+    "vem-mixed": Case("vem", 100_000, 20, mixed, VICSEK),
     "couzin-3d": Case("couzin", 100_000, 8, at_density(3, 100 / 40.0**3)),
     "hwvem": Case("hwvem", 10_000, 60),
     "hwvem-nav": Case("hwvem-nav", 1_000, 500),

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from turns import Taken, clocked
 
-FLOCKS = {}
-"""In a process of a tree: the case that it flies now."""
+PREPARED = {}
+"""In a process of a tree: the case that it flies now, under "case"."""
 
 
 def enter(tree: Path, cache: Path | None) -> None:
@@ -33,17 +33,18 @@ def prepare(name: str, changes: dict[str, int]) -> tuple[str, int, int]:
     """
     from cases import CASES
 
-    FLOCKS["now"] = case = replace(CASES[name], **changes)
+    PREPARED["case"] = case = replace(CASES[name], **changes)
     flock = case.flock()
     start = hashlib.sha256(flock.position.tobytes()).hexdigest()
-    flock.run(2)
+    flock.run(1)
     return start, len(flock.ids), case.ticks
 
 
 def fly() -> Taken:
-    """The time of a round of the case that is prepared, without that of making its flock."""
-    case = FLOCKS["now"]
+    """The time of a round of the prepared case, without that to make its flock and a first tick."""
+    case = PREPARED["case"]
     flock = case.flock()
+    flock.run(1)
     return clocked(lambda: flock.run(case.ticks))
 
 

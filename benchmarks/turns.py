@@ -59,9 +59,14 @@ def watched[Item](items: Sequence[Item], doing: str) -> Iterable[Item]:
 
 
 def take_turns(contestants: Sequence[Contestant], rounds: int, doing: str = "rounds") -> None:
-    """Run so many rounds, in each of which every contestant has its turn."""
-    for contestant in watched([*contestants] * rounds, doing):
+    """Run so many rounds, in each of which every contestant has its turn.
+
+    One more comes first and does not count: it compiles what is not compiled.
+    """
+    for contestant in watched([*contestants] * (rounds + 1), doing):
         contestant.taken.append(contestant.turn())
+    for contestant in contestants:
+        del contestant.taken[0]
 
 
 def quartiles(values: Sequence[float]) -> tuple[float, float]:

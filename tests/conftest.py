@@ -24,6 +24,7 @@ BROWSER = "tests/browser"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
 NOT_QUICK = (
+    "test_benchmarks.py",
     "test_commands.py",
     "test_conformance.py",
     "test_docs.py",
