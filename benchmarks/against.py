@@ -51,15 +51,14 @@ def compare(
     started, begun = then.prepare(name, changes), now.prepare(name, changes)
     _, agents, ticks = begun
     both = [
-        Contestant("then", agents * ticks, then.fly),
-        Contestant("now", agents * ticks, now.fly),
+        Contestant(label, agents, ticks, tree.fly) for label, tree in (("then", then), ("now", now))
     ]
     take_turns(both, rounds, name)
     row: dict[str, Any] = {"case": name, "agents": agents, "same_start": started == begun}
     for clock in ("cpu", "wall"):
         for one in both:
-            row[f"{one.name}_{clock}"] = 1e9 * one.least(clock)
-            row[f"{one.name}_{clock}_median"] = 1e9 * one.median(clock)
+            row[f"{one.name}_{clock}"] = one.least(clock)
+            row[f"{one.name}_{clock}_median"] = one.median(clock)
         row[f"ratio_{clock}"] = both[0].least(clock) / both[1].least(clock)
         pairs = zip(both[0].per_step(clock), both[1].per_step(clock), strict=True)
         row[f"spread_{clock}"] = quartiles([old / new for old, new in pairs])

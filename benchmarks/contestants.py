@@ -8,13 +8,15 @@ Mesa's boids run their own rule at the same number of neighbours.
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 from reference import COMPILER, reference
-from turns import Contestant, Taken, clocked
+from turns import Flight, Taken, clocked
 
 from agents import Flock
 
@@ -38,77 +40,94 @@ def start(n: int, density: float) -> tuple[np.ndarray, np.ndarray]:
     return made.position.copy(), made.heading.copy()
 
 
-def left_out(name: str, why: str) -> None:
-    """Say that somebody does not take part."""
-    print(f"{name} is left out: {why}", file=sys.stderr)
-
-
-def ours(n: int, ticks: int, threads: int = 1, density: float = DENSITY) -> Contestant:
+def ours(n: int, density: float = DENSITY, threads: int = 1) -> Flight:
     """flockscope, in one compiled call per round."""
 
-    def turn() -> Taken:
+    def fly(ticks: int) -> Taken:
         made = flock(n, density, threads)
         made.run(1)
         return clocked(lambda: made.run(ticks))
 
-    return Contestant("flockscope", n * ticks, turn)
+    return fly
 
 
-def by_hand(n: int, ticks: int, density: float = DENSITY) -> list[Contestant]:
-    """`vicsek.cpp`, in one call per round; nobody without a compiler."""
+@functools.cache
+def by_hand_or_not() -> Callable[..., None] | None:
+    """`vicsek.cpp`, compiled once; None, with a word, without a compiler."""
     run = reference()
     if run is None:
-        left_out("C++ by hand", f"there is no {COMPILER}; CXX names another compiler")
-        return []
+        print(f"C++ is left out: no {COMPILER}; CXX names another compiler", file=sys.stderr)
+    return run
+
+
+def by_hand(n: int, density: float = DENSITY) -> Flight | None:
+    """`vicsek.cpp`, in one call per round; None without a compiler."""
+    run = by_hand_or_not()
+    if run is None:
+        return None
     position, heading = start(n, density)
 
-    def turn() -> Taken:
+    def fly(ticks: int) -> Taken:
         columns = [np.ascontiguousarray(one) for one in (*position.T, *heading.T)]
         return clocked(lambda: run(n, side(n, density), R, V0, ETA, 1, ticks, *columns))
 
-    return [Contestant("C++ by hand, half stencil", n * ticks, turn)]
+    return fly
 
 
-def pyvicsek(n: int, ticks: int, density: float = DENSITY) -> list[Contestant]:
-    """The package pyvicsek, whose kernel is C++; nobody if it is not installed."""
+@functools.cache
+def pyvicsek_or_not() -> ModuleType | None:
+    """The package pyvicsek, None, with a word, if it is not installed."""
     try:
         import vicsek
     except ImportError:
-        left_out("pyvicsek", "it is not installed, `uv run --group bench` brings it")
-        return []
+        print("pyvicsek is left out: `uv run --group bench` installs it", file=sys.stderr)
+        return None
+    return vicsek
+
+
+def pyvicsek(n: int, density: float = DENSITY) -> Flight | None:
+    """The package pyvicsek, whose kernel is C++; None if it is not installed."""
+    vicsek = pyvicsek_or_not()
+    if vicsek is None:
+        return None
     model = vicsek.Vicsek(
         particles=vicsek.initialize_random_particles(n, side(n, density), V0, 2),
         length=side(n, density), interaction_range=R, speed=V0, noise_factor=ETA,
     )  # fmt: skip
     position, heading = start(n, density)
 
-    def turn() -> Taken:
+    def fly(ticks: int) -> Taken:
         model.positions, model.velocities = position, V0 * heading
-        return clocked(repeated(model.step, ticks))
+        return clocked(lambda: repeat(model.step, ticks))
 
-    return [Contestant("pyvicsek (C++)", n * ticks, turn)]
+    return fly
 
 
-def mesa_boids(n: int, ticks: int, density: float = DENSITY) -> Contestant:
+def mesa_boids(n: int, density: float = DENSITY) -> Flight:
     """Mesa's own example, at a vision of 10 in a square as many times larger."""
     from mesa.examples.basic.boid_flockers.model import BoidFlockers, BoidsScenario
 
     length = 10.0 * side(n, density)
 
-    def turn() -> Taken:
+    def fly(ticks: int) -> Taken:
         scenario = BoidsScenario(
             population_size=n, width=length, height=length, vision=10.0, speed=0.3, rng=1
         )
-        return clocked(repeated(BoidFlockers(scenario).step, ticks))
+        model = BoidFlockers(scenario)
+        return clocked(lambda: repeat(model.step, ticks))
 
-    return Contestant("Mesa's boid flockers", n * ticks, turn)
+    return fly
 
 
-def repeated(step: Callable[[], object], ticks: int) -> Callable[[], None]:
+def repeat(step: Callable[[], object], ticks: int) -> None:
     """So many steps."""
+    for _ in range(ticks):
+        step()
 
-    def run() -> None:
-        for _ in range(ticks):
-            step()
 
-    return run
+PEERS = {
+    "C++ by hand": by_hand,
+    "pyvicsek (C++)": pyvicsek,
+    "Mesa's boid flockers": mesa_boids,
+}
+"""The others, by name: made from a number of agents and a density, or None."""

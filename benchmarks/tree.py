@@ -40,12 +40,11 @@ def prepare(name: str, changes: dict[str, int]) -> tuple[str, int, int]:
     return start, len(flock.ids), case.ticks
 
 
-def fly() -> Taken:
-    """The time of a round of the prepared case, without that to make its flock and a first tick."""
-    case = PREPARED["case"]
-    flock = case.flock()
+def fly(ticks: int) -> Taken:
+    """The time of so many ticks of the prepared case after making its flock and a first tick."""
+    flock = PREPARED["case"].flock()
     flock.run(1)
-    return clocked(lambda: flock.run(case.ticks))
+    return clocked(lambda: flock.run(ticks))
 
 
 class Tree(AbstractContextManager["Tree"]):
@@ -64,6 +63,6 @@ class Tree(AbstractContextManager["Tree"]):
         """See `prepare`."""
         return self.process.submit(prepare, name, changes).result()
 
-    def fly(self) -> Taken:
+    def fly(self, ticks: int) -> Taken:
         """See `fly`."""
-        return self.process.submit(fly).result()
+        return self.process.submit(fly, ticks).result()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from rich.console import Console
-from rich.progress import track
+from rich.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,10 @@ class Taken:
     wall: float
 
 
+type Flight = Callable[[int], Taken]
+"""Runs so many ticks of a flock and says what they took."""
+
+
 def clocked(work: Callable[[], object]) -> Taken:
     """What a piece of work takes."""
     wall, cpu = time.perf_counter(), time.process_time()
@@ -29,42 +33,48 @@ def clocked(work: Callable[[], object]) -> Taken:
 
 @dataclass
 class Contestant:
-    """Something that does the same amount of work in each round."""
+    """A flock of so many agents that runs the same number of ticks in each round."""
 
     name: str
-    steps: int
-    """Agent-steps of a round."""
-    turn: Callable[[], Taken]
-    """A round of it."""
+    agents: int
+    ticks: int
+    flight: Flight
     taken: list[Taken] = field(default_factory=list)
     """Its rounds so far."""
 
-    def per_step(self, clock: str) -> list[float]:
-        """Seconds of an agent-step in each round, by the clock `cpu` or `wall`."""
-        return [getattr(one, clock) / self.steps for one in self.taken]
+    def per_step(self, clock: str = "cpu") -> list[float]:
+        """Nanoseconds of an agent-step in each round, by the clock `cpu` or `wall`."""
+        return [1e9 * getattr(one, clock) / (self.agents * self.ticks) for one in self.taken]
 
-    def least(self, clock: str) -> float:
+    def least(self, clock: str = "cpu") -> float:
         """The least of them."""
         return min(self.per_step(clock))
 
-    def median(self, clock: str) -> float:
+    def median(self, clock: str = "cpu") -> float:
         """The median of them."""
         return statistics.median(self.per_step(clock))
 
 
-def watched[Item](items: Sequence[Item], doing: str) -> Iterable[Item]:
-    """The items, with a bar of progress and the time left where people watch."""
+def watched[Item](
+    items: Sequence[Item], doing: str, weight: Callable[[Item], float] = lambda _: 1.0
+) -> Iterator[Item]:
+    """The items, with a bar and the time left where people watch; `weight` is each one's share."""
     console = Console(stderr=True)
-    return track(items, doing, console=console, transient=True, disable=not console.is_terminal)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(doing, total=sum(weight(item) for item in items))
+        for item in items:
+            yield item
+            bar.advance(task, weight(item))
 
 
-def take_turns(contestants: Sequence[Contestant], rounds: int, doing: str = "rounds") -> None:
-    """Run so many rounds, in each of which every contestant has its turn.
+def take_turns(contestants: Sequence[Contestant], rounds: int, doing: str = "") -> None:
+    """Run so many rounds, in each of which every contestant has its turn; a bar if it has a name.
 
     One more comes first and does not count: it compiles what is not compiled.
     """
-    for contestant in watched([*contestants] * (rounds + 1), doing):
-        contestant.taken.append(contestant.turn())
+    turns = [*contestants] * (rounds + 1)
+    for contestant in watched(turns, doing) if doing else turns:
+        contestant.taken.append(contestant.flight(contestant.ticks))
     for contestant in contestants:
         del contestant.taken[0]
 
