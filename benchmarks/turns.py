@@ -6,6 +6,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -29,6 +30,15 @@ def clocked(work: Callable[[], object]) -> Taken:
     wall, cpu = time.perf_counter(), time.process_time()
     work()
     return Taken(time.process_time() - cpu, time.perf_counter() - wall)
+
+
+def flight_of(flock: Any) -> Flight:
+    """A flock that flies on in every turn."""
+
+    def fly(ticks: int) -> Taken:
+        return clocked(lambda: flock.run(ticks))
+
+    return fly
 
 
 @dataclass

@@ -52,6 +52,7 @@ DEAR = (
     "tests/test_kernel_cache.py",
     "tests/test_new_rule.py",
     "tests/test_sums.py",
+    "tests/test_benchmarks.py",
     "tests/test_cars.py",
     "tests/test_rules.py",
     "tests/live",

@@ -95,3 +95,29 @@ def test_a_commit_is_checked_out_and_removed():
     with other("HEAD") as tree:
         assert (tree.path / "agents" / "flock.py").is_file()
     assert not tree.path.exists()
+
+
+def test_scaling_prints_and_draws_all_sweeps(tmp_path):
+    few = ("--largest", "100", "--rounds", "1", "--turn", "0")
+    drawn = tmp_path / "scaling.svg"
+    said = json.loads(printed("scaling.py", *few, "--json", "--picture", str(drawn)))
+    rules = {"vem", "couzin", "hwvem", "reynolds", "guarded"}
+    names = {sweep: {one["name"] for one in points} for sweep, points in said["sweeps"].items()}
+    assert rules <= names["agents"]
+    assert rules <= names["density"]
+    assert names["obstacles"] == rules - {"vem", "hwvem"} | {"hwvem-nav", "boundary-points"}
+    assert all(one["least"] > 0 for points in said["sweeps"].values() for one in points)
+    assert [one["pairs"] for one in said["pairs"]] == [100 * 99] * 4
+    assert 0 < said["bytes_per_agent"]["arrays"] < said["bytes_per_agent"]["with_mesa_agents"]
+    assert "Over neighbours" in drawn.read_text()
+
+
+def test_a_tick_that_would_last_too_long_is_left_out_with_a_word():
+    from sweeps import Made, Sweep, run
+    from turns import Taken
+
+    slow = {"slow": lambda agents: Made(int(agents), lambda ticks: Taken(agents * ticks, 0.0))}
+    sweep = Sweep("agents", "agents", (1, 2, 3, 4), slow, lambda agents: agents)
+    points, left_out = run(sweep, 1, 0.0, 2.5, "agents")
+    assert [(one.value, one.least) for one in points] == [(1, 1e9), (2, 1e9)]
+    assert left_out == ["slow from 3 on: a tick would last 3.0 s"]
