@@ -31,7 +31,7 @@ LEAST_HELD, MOST_HELD = 100_000, 1_000_000
 def table(sweep: Sweep, points: list[Point], left_out: list[str]) -> str:
     """Nanoseconds of an agent-step: a line for each name, a column for each value."""
     lines = [f"ns per agent-step over {sweep.title}"]
-    lines += [f"{sweep.axis:22}" + "".join(f"{value:11,g}" for value in sweep.values)]
+    lines += [f"{sweep.axis:22}" + "".join(f"{value:11,.7g}" for value in sweep.values)]
     for name in sweep.makers:
         found = {point.value: point for point in points if point.name == name}
         if found:

@@ -51,7 +51,7 @@ def draw(sweeps: Mapping[str, Sweep], found: Mapping[str, Sequence[Point]], path
         figure.legend(
             signs.values(), signs, loc="outside lower center", ncols=5, fontsize=9, handlelength=3
         )
-        write_figure(figure, path, dots=110)
+        write_figure(figure, path, dots=90)
 
 
 def lines(axes: Any, points: Sequence[tuple[str, float, float]]) -> None:
@@ -62,6 +62,6 @@ def lines(axes: Any, points: Sequence[tuple[str, float, float]]) -> None:
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-        axis.set_major_formatter("{x:,g}")
+        axis.set_major_formatter("{x:,.7g}")
         axis.set_minor_locator(NullLocator())
     axes.grid(True, axis="both")
