@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import statistics
-import time
 
 import numpy as np
+from turns import Contestant, flight_of, take_turns
 
 from agents import Flock
 from worlds.generators import generate
@@ -40,15 +39,9 @@ def scattered(world: World, agents: int) -> dict[str, np.ndarray]:
 
 def tick_times(flocks: dict[str, Flock], ticks: int) -> dict[str, float]:
     """Median seconds of a tick of each flock."""
-    for flock in flocks.values():
-        flock.run(2)
-    seconds: dict[str, list[float]] = {name: [] for name in flocks}
-    for _ in range(ROUNDS):
-        for name, flock in flocks.items():
-            begun = time.perf_counter()
-            flock.run(ticks)
-            seconds[name].append((time.perf_counter() - begun) / ticks)
-    return {name: statistics.median(taken) for name, taken in seconds.items()}
+    turns = [Contestant(name, 1, ticks, flight_of(flock)) for name, flock in flocks.items()]
+    take_turns(turns, ROUNDS)
+    return {one.name: 1e-9 * one.median("wall") for one in turns}
 
 
 def price_of_obstacles() -> None:

@@ -2,118 +2,96 @@
 
     uv run --group bench python benchmarks/speed.py [--quick]
 
-Every contestant runs the 2-D Vicsek geometry at density 4 and r = 1 in float64; each figure is the
-median of several rounds in which all contestants take turns, so that a drift of the machine's speed
-reaches all of them. Mesa's boid flockers run their own rule at the same number of neighbours.
+The 2-D Vicsek geometry at density 4 and r = 1 in float64. Everybody takes turns, and begins each
+round from the same start. One thread is measured by its CPU time, two by the clock on the wall, and
+a ratio of the two by the wall.
 """
 
 from __future__ import annotations
 
 import argparse
-import math
 import os
-import statistics
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from agents import Flock
+from contestants import DENSITY, PEERS, R, mesa_boids, ours
+from turns import Contestant, Flight, take_turns
 
-DENSITY, R, V0, ETA = 4.0, 1.0, 0.03, 0.3
-
-
-@dataclass
-class Contestant:
-    """Something that can run ticks of n agents."""
-
-    name: str
-    n: int
-    ticks: int
-    run: Callable[[int], object]
+BATCH, BOIDS = 300, 1_000
+"""Agents of a small flock whose ticks are short, and of Mesa's."""
+SHORTEST = 5
+"""Ticks of a round at least, of the largest flock."""
 
 
-def ours(n: int, ticks: int, threads: int, label: str) -> Contestant:
-    """flockscope, in one compiled call per round."""
-    flock = Flock("vem", agents=n, size=math.sqrt(n / DENSITY), r=R, v0=V0, eta=ETA, rng=1,
-                  threads=threads)  # fmt: skip
-    flock.run(3)
-    return Contestant(f"flockscope, {label}", n, ticks, flock.run)
+@dataclass(frozen=True)
+class Row:
+    """A line of the table."""
+
+    contestant: Contestant
+    threads: int = 1
+
+    @property
+    def clock(self) -> str:
+        """What it is measured by."""
+        return "cpu" if self.threads == 1 else "wall"
+
+    def __str__(self) -> str:
+        who = self.contestant
+        least, median = who.least(self.clock), who.median(self.clock)
+        return (
+            f"{who.name:24}{who.agents:11,}{self.threads:9}{least:12.1f}{median:10.1f}"
+            f"{1e9 / median:14,.0f}{1e9 / median / who.agents:12,.1f}"
+        )
 
 
-def pyvicsek(n: int, ticks: int) -> Contestant:
-    """The package pyvicsek (C++), which has vectorial noise."""
-    import vicsek
-
-    side = math.sqrt(n / DENSITY)
-    particles = vicsek.initialize_random_particles(
-        n_particles=n, box_length=side, speed=V0, n_dimensions=2, seed=0
-    )
-    model = vicsek.Vicsek(
-        particles=particles, length=side, interaction_range=R, speed=V0, noise_factor=ETA
-    )
-
-    def run(ticks: int) -> None:
-        for _ in range(ticks):
-            model.step()
-
-    return Contestant("pyvicsek (C++), 1 thread", n, ticks, run)
-
-
-def mesa_boids(n: int, ticks: int) -> Contestant:
-    """Mesa's own example, with as many neighbours in sight (4 pi)."""
-    from mesa.examples.basic.boid_flockers.model import BoidFlockers, BoidsScenario
-
-    side = 10.0 * math.sqrt(n / DENSITY)
-    scenario = BoidsScenario(
-        population_size=n, width=side, height=side, vision=10.0, speed=0.3, rng=1
-    )
-    model = BoidFlockers(scenario)
-
-    def run(ticks: int) -> None:
-        for _ in range(ticks):
-            model.step()
-
-    return Contestant("Mesa's boid flockers", n, ticks, run)
-
-
-def race(contestants: list[Contestant], rounds: int) -> dict[str, float]:
-    """Median agent-steps per second of each, over rounds in which all take turns."""
-    rates: dict[str, list[float]] = {c.name: [] for c in contestants}
-    for _ in range(rounds):
-        for c in contestants:
-            begin = time.perf_counter()
-            c.run(c.ticks)
-            rates[c.name].append(c.n * c.ticks / (time.perf_counter() - begin))
-    return {name: statistics.median(values) for name, values in rates.items()}
+def ratio(title: str, fast: Row, slow: Row) -> str:
+    """How many times as fast as another, a line; by the wall unless both have one thread."""
+    clock = "cpu" if fast.clock == slow.clock == "cpu" else "wall"
+    median = slow.contestant.median(clock) / fast.contestant.median(clock)
+    least = slow.contestant.least(clock) / fast.contestant.least(clock)
+    return f"{title:66}{clock:5}{median:9.2f}{least:9.2f}"
 
 
 def main() -> None:
     """Run the race and print it."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--quick", action="store_true", help="fewer and smaller rounds")
-    quick = arguments.parse_args().quick
-    large = 1_000_000
-    contestants = [
-        ours(100_000, 60, 1, "100 000 agents, 1 thread"),
-        ours(100_000, 60, 2, "100 000 agents, 2 threads"),
-        ours(300, 20_000, 1, "300 agents, batch"),
-        pyvicsek(100_000, 1),
-        mesa_boids(1_000, 1),
-    ]
-    if not quick:
-        contestants[2:2] = [
-            ours(large, 3, 1, "1 000 000 agents, 1 thread"),
-            ours(large, 3, 2, "1 000 000 agents, 2 threads"),
-        ]
-    rate = race(contestants, 3 if quick else 9)
-    base = rate[contestants[0].name]
+    arguments.add_argument("--quick", action="store_true", help="fewer rounds, no largest flock")
+    arguments.add_argument("--agents", type=int, default=100_000, help="the flock in the middle")
+    arguments.add_argument("--rounds", type=int, help="9, or 3 of --quick")
+    arguments.add_argument("--steps", type=int, default=2_000_000, help="agent-steps of a round")
+    given = arguments.parse_args()
+    middle, small, large = given.agents, given.agents // 10, 10 * given.agents
+
+    def row(name: str, flight: Flight, agents: int, threads: int = 1) -> Row:
+        ticks = max(SHORTEST, given.steps // agents)
+        return Row(Contestant(name, agents, ticks, flight), threads)
+
+    def ourselves(agents: int, threads: int = 1) -> Row:
+        return row("flockscope", ours(agents, threads=threads), agents, threads)
+
+    one, two = ourselves(middle), ourselves(middle, 2)
+    small_one, small_two = ourselves(small), ourselves(small, 2)
+    larges = [] if given.quick else [ourselves(large), ourselves(large, 2)]
+    peers = {
+        name: row(name, flight, agents)
+        for name, make in PEERS.items()
+        for agents in (BOIDS if make is mesa_boids else middle,)
+        if (flight := make(agents))
+    }
+    rows = [one, two, small_one, small_two, *larges, ourselves(BATCH), *peers.values()]
+    take_turns([row.contestant for row in rows], given.rounds or (3 if given.quick else 9), "race")
+
     print(f"2-D Vicsek, density {DENSITY:g}, r = {R:g}, float64; {os.cpu_count()} cores")
-    print(f"{'':42}{'agent-steps/s':>14}{'ticks/s':>12}{'ratio':>9}")
-    for c in contestants:
-        ratio = rate[c.name] / base
-        print(f"{c.name:42}{rate[c.name]:14,.0f}{rate[c.name] / c.n:12,.1f}{ratio:9.4f}")
-    two = rate[contestants[1].name] / base
-    print(f"two threads over one, 100 000 agents: {two:.2f}")
+    print(f"{'':44}{'ns per agent-step':>22}{'agent-steps/s':>14}{'ticks/s':>12}")
+    print(f"{'':24}{'agents':>11}{'threads':>9}{'least':>12}{'median':>10}{'(median)':>14}")
+    print("\n".join(str(row) for row in rows))
+    print(f"\n{'how many times as fast':66}{'clock':5}{'median':>9}{'least':>9}")
+    print(ratio(f"two threads over one, {small:,} agents", small_two, small_one))
+    print(ratio(f"two threads over one, {middle:,} agents", two, one))
+    for name, peer in peers.items():
+        at = f"{name} at {peer.contestant.agents:,}"
+        print(ratio(f"one thread, {middle:,} agents, over {at}", one, peer))
+        if larges:
+            print(ratio(f"two threads, {large:,} agents, over {at}", larges[1], peer))
 
 
 if __name__ == "__main__":

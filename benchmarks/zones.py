@@ -14,6 +14,8 @@ import time
 from dataclasses import replace
 from typing import Any
 
+from turns import Contestant, flight_of, take_turns
+
 from agents import Flock, catalogue
 from agents.bodies.flyer import FLYER
 from agents.models.model import Model
@@ -45,16 +47,18 @@ def contestants(agents: int) -> list[tuple[str, str, int, dict[str, Any]]]:
     ]
 
 
-def rate(model: str, agents: int, threads: int, rounds: int, **made: Any) -> float:
-    """Agent-steps a second, the best of `rounds`."""
-    flock = Flock(model, agents=agents, dim=3, threads=threads, rng=1, **made)
-    flock.run(2)
-    best = 0.0
-    for _ in range(rounds):
-        begin = time.perf_counter()
-        flock.run(TICKS)
-        best = max(best, agents * TICKS / (time.perf_counter() - begin))
-    return best
+def race(agents: int, rounds: int) -> list[tuple[str, int, float]]:
+    """Title, threads and agent-steps a second, the best of `rounds`, of all contestants."""
+    found = contestants(agents)
+    turns = []
+    for title, model, threads, made in found:
+        flock = Flock(model, agents=agents, dim=3, threads=threads, rng=1, **made)
+        turns.append(Contestant(title, agents, TICKS, flight_of(flock)))
+    take_turns(turns, rounds, "zones")
+    return [
+        (title, threads, 1e9 / one.least("wall"))
+        for (title, _, threads, _), one in zip(found, turns, strict=True)
+    ]
 
 
 def thesis_run(model: str, rounds: int) -> float:
@@ -77,11 +81,10 @@ def main() -> None:
     given = arguments.parse_args()
     rounds = 2 if given.quick else 7
     catalogue.MODELS[BLIND.name] = BLIND
-    first = 0.0
     print(f"{given.agents} agents in three dimensions, best of {rounds} rounds")
-    for title, model, threads, made in contestants(given.agents):
-        steps = rate(model, given.agents, threads, rounds, **made)
-        first = first or steps
+    rates = race(given.agents, rounds)
+    first = rates[0][2]
+    for title, threads, steps in rates:
         print(f"{title:30}{threads} thread(s){steps / 1e6:8.2f} M/s{steps / first:8.2f}")
     for model in ("thesis", "safe"):
         seconds = thesis_run(model, rounds)

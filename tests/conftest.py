@@ -24,6 +24,7 @@ BROWSER = "tests/browser"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
 NOT_QUICK = (
+    "test_benchmarks.py",
     "test_commands.py",
     "test_conformance.py",
     "test_docs.py",
@@ -51,6 +52,7 @@ DEAR = (
     "tests/test_kernel_cache.py",
     "tests/test_new_rule.py",
     "tests/test_sums.py",
+    "tests/test_benchmarks.py",
     "tests/test_cars.py",
     "tests/test_rules.py",
     "tests/live",

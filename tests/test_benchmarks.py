@@ -1,0 +1,123 @@
+"""The benchmarks run, and their C++ is the model that it is compared with."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles import vicsek_family as family
+
+ROOT = Path(__file__).parents[1]
+sys.path.append(str(ROOT / "benchmarks"))
+from reference import COMPILER, reference  # noqa: E402
+
+compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason=f"no {COMPILER}")
+
+
+def printed(name, *arguments):
+    """What a benchmark prints."""
+    command = [sys.executable, str(ROOT / "benchmarks" / name), *arguments]
+    return subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+
+
+def columns(position, heading):
+    """The four columns that the C++ takes."""
+    return [one.copy() for one in (*position.T, *heading.T)]
+
+
+@pytest.fixture(scope="module")
+def by_hand():
+    """The C++, compiled once."""
+    return reference()
+
+
+@compiler
+@pytest.mark.parametrize("side", [3.0, 5.5, 9.2])
+def test_the_cpp_steps_as_the_oracle_does(by_hand, side):
+    rng = np.random.default_rng(3)
+    n, ticks = 120, 6
+    angle = rng.uniform(-math.pi, math.pi, n)
+    heading = np.column_stack([np.cos(angle), np.sin(angle)])
+    p = family.Parameters(v0=0.2)
+    nobody = np.zeros(n, bool)
+    state = family.begin(rng.uniform(0.0, side, (n, 2)), heading, nobody, p, (side, side), "wrap")
+    flown = columns(state.position, state.heading)
+    by_hand(n, side, p.r, p.v0, 0.0, 1, ticks, *flown)
+    for _ in range(ticks):
+        state = family.step("vem", state, p, (side, side), "wrap")
+    apart = np.column_stack(flown[:2]) - state.position
+    assert np.abs(apart - side * np.round(apart / side)).max() < 1e-12
+    assert np.abs(np.column_stack(flown[2:]) - state.heading).max() < 1e-12
+    assert all(((one >= 0.0) & (one < side)).all() for one in flown[:2])
+
+
+@compiler
+def test_the_noise_of_the_cpp_is_uniform_and_new_each_tick(by_hand):
+    n, eta = 10_000, 0.5
+    row = 2.0 * np.arange(100) + 1.0
+    position = np.array([(x, y) for x in row for y in row])  # nobody has a neighbour
+    turns = []
+    for ticks in (1, 2):
+        flown = columns(position, np.tile([1.0, 0.0], (n, 1)))
+        by_hand(n, 200.0, 1.0, 0.0, eta, 7, ticks, *flown)
+        turns.append(np.arctan2(flown[3], flown[2]))
+    first, second = turns[0], turns[1] - turns[0]
+    for turn in (first, second):
+        assert np.abs(turn).max() <= eta / 2
+        share = np.sort(turn) / eta + 0.5  # Kolmogorov and Smirnov: beyond 1.95 once in a thousand
+        assert np.abs(share - (np.arange(n) + 0.5) / n).max() < 1.95 / math.sqrt(n)
+    assert abs(np.corrcoef(first, second)[0, 1]) < 4.0 / math.sqrt(n)
+
+
+def test_speed_prints_its_contestants_and_ratios():
+    said = printed("speed.py", "--agents", "400", "--rounds", "1", "--steps", "2000")
+    assert said.count("flockscope  ") == 7
+    assert "two threads over one, 40 agents" in said
+    assert ("400 agents, over C++ by hand at 400" in said) == (shutil.which(COMPILER) is not None)
+
+
+def test_a_tree_is_compared_with_another():
+    few = ("--agents", "50", "--ticks", "3", "--rounds", "2", "--json")
+    (row,) = json.loads(printed("against.py", str(ROOT), "--cases", "vem", *few))
+    assert (row["case"], row["agents"], row["same_start"]) == ("vem", 50, True)
+    assert row["ratio_cpu"] == pytest.approx(row["then_cpu"] / row["now_cpu"])
+
+
+def test_a_commit_is_checked_out_and_removed():
+    from against import other
+
+    with other("HEAD") as tree:
+        assert (tree.path / "agents" / "flock.py").is_file()
+    assert not tree.path.exists()
+
+
+def test_scaling_prints_and_draws_all_sweeps(tmp_path):
+    few = ("--largest", "100", "--rounds", "1", "--turn", "0")
+    drawn = tmp_path / "scaling.svg"
+    said = json.loads(printed("scaling.py", *few, "--json", "--picture", str(drawn)))
+    rules = {"vem", "couzin", "hwvem", "reynolds", "guarded"}
+    names = {sweep: {one["name"] for one in points} for sweep, points in said["sweeps"].items()}
+    assert rules <= names["agents"]
+    assert rules <= names["density"]
+    assert names["obstacles"] == rules - {"vem", "hwvem"} | {"hwvem-nav", "boundary-points"}
+    assert all(one["least"] > 0 for points in said["sweeps"].values() for one in points)
+    assert [one["pairs"] for one in said["pairs"]] == [100 * 99] * 4
+    assert 0 < said["bytes_per_agent"]["arrays"] < said["bytes_per_agent"]["with_mesa_agents"]
+    assert "Over neighbours" in drawn.read_text()
+
+
+def test_a_tick_that_would_last_too_long_is_left_out_with_a_word():
+    from sweeps import Made, Sweep, run
+    from turns import Taken
+
+    slow = {"slow": lambda agents: Made(int(agents), lambda ticks: Taken(agents * ticks, 0.0))}
+    sweep = Sweep("agents", "agents", (1, 2, 3, 4), slow, lambda agents: agents)
+    points, left_out = run(sweep, 1, 0.0, 2.5, "agents")
+    assert [(one.value, one.least) for one in points] == [(1, 1e9), (2, 1e9)]
+    assert left_out == ["slow from 3 on: a tick would last 3.0 s"]
