@@ -243,7 +243,7 @@ def pages() -> dict[str, str]:
     return {f"{name}.md": page(model) for name, model in MODELS.items()} | {"README.md": index()}
 
 
-def listed() -> str:
+def kept_list() -> str:
     """What `flockscope list` shows of what is built in, as it is kept."""
     return json.dumps(declared_rows(), indent=1, ensure_ascii=False) + "\n"
 
@@ -253,7 +253,7 @@ def main() -> None:
     from rule_pictures import draw
 
     HERE.mkdir(exist_ok=True)
-    LISTED.write_text(listed(), encoding="utf-8")
+    LISTED.write_text(kept_list(), encoding="utf-8")
     for name, text in pages().items():
         (HERE / name).write_text(text, encoding="utf-8")
     for name in sys.argv[1:] or MODELS:

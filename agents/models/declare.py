@@ -142,11 +142,13 @@ def checked(model: type[Parameters], values: dict[str, Any], origin: str = "") -
 
 def as_floats(parameters: Parameters) -> dict[str, float]:
     """Parameters as the compiled code has them: a switch as 0 or 1, a choice as its index."""
-    made = {}
-    for one in declared(type(parameters)):
-        value = getattr(parameters, one.name)
-        made[one.name] = float(one.choices.index(value) if one.kind == "choice" else value)
-    return made
+    fields = type(parameters).model_fields
+    return {
+        name: float(
+            get_args(fields[name].annotation).index(value) if isinstance(value, str) else value
+        )
+        for name, value in parameters
+    }
 
 
 Wished = Literal["heading", "acceleration", "velocity"]

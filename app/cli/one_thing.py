@@ -15,7 +15,6 @@ from app.cli.choices import (
     models,
     names,
     observables,
-    parameters,
 )
 from app.cli.world.list_layouts import worlds
 from worlds.counting import counted
@@ -33,6 +32,8 @@ def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     """
     known = names(rows)
     found = {kind: look(name) for kind, look in ONE.items() if name in known[f"{kind}s"]}
+    if name in known["parameters"]:
+        found["parameter"] = [row for row in rows["parameters"] if row["name"] == name]
     if not found and (name.endswith("-cars") or is_model(name)):
         found = {"model": model(name)}
     if not found:
@@ -101,17 +102,11 @@ def paper(name: str) -> Thing:
     }
 
 
-def parameter(name: str) -> list[Thing]:
-    """The parameters of that name, each with the models that have it."""
-    return [row for row in parameters() if row["name"] == name]
-
-
 ONE: dict[str, Callable[[str], Any]] = {
     "model": model,
     "world": world,
     "observable": observable,
     "paper": paper,
-    "parameter": parameter,
 }
 
 
