@@ -93,11 +93,8 @@ class Flock(Motion, mesa.Model):
         spec = at_home(spec, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
         self.seed = secrets.randbelow(2**31) if spec.seed is None else spec.seed
-        begins: dict[str, Any] = {
-            "seed": self.seed,
-            "start": "random" if start is None else "given",
-        }
-        self.options = spec.model_copy(update=begins)
+        begins = "random" if start is None else "given"
+        self.options = spec.model_copy(update={"seed": self.seed, "start": begins})
         self.interpret = interpret
         self.parameters = checked(self.model.parameters, spec.parameters)
         self.world = find_world(self.options, self.model)

@@ -270,7 +270,7 @@ class Motion(State):
 
 def in_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
     """Numbers of each axis (dim,) with zeros for the axes that a plane has not, (3,)."""
-    made = np.zeros(3, kind)
+    made: np.ndarray = np.zeros(3, kind)
     made[: len(values)] = values
     return made
 

@@ -143,12 +143,11 @@ def checked(model: type[Parameters], values: dict[str, Any], origin: str = "") -
 def as_floats(parameters: Parameters) -> dict[str, float]:
     """Parameters as the compiled code has them: a switch as 0 or 1, a choice as its index."""
     fields = type(parameters).model_fields
-    return {
-        name: float(
-            get_args(fields[name].annotation).index(value) if isinstance(value, str) else value
-        )
-        for name, value in parameters
-    }
+    made = {}
+    for name, value in parameters:
+        choices = get_args(fields[name].annotation) if isinstance(value, str) else ()
+        made[name] = float(choices.index(value) if choices else value)
+    return made
 
 
 Wished = Literal["heading", "acceleration", "velocity"]

@@ -112,7 +112,7 @@ def declared_rows() -> dict[str, Rows]:
 
 
 def rows(brought: bool = False) -> dict[str, Rows]:
-    """The rows of all kinds; from the declarations where more is `brought` than what is built in."""
+    """The rows of all kinds; from the declarations if more is `brought` than is built in."""
     if brought or any(entry_points(group=f"flockscope.{group}") for group in PLUG_INS):
         return declared_rows()
     kept: dict[str, Rows] = json.loads(LISTED.read_text(encoding="utf-8"))

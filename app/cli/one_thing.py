@@ -26,7 +26,7 @@ Thing = dict[str, Any]
 def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     """What has that name, by kind: most names are of one kind only.
 
-    What is none of the rows may be a model that was read from a file, or of a rule that drives cars.
+    What is none of the rows may be a model of a file, or of a rule that drives cars.
 
     Under `parameter` stands a list: models may have different ones under one name. Raises Refusal.
     """
