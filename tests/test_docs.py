@@ -94,9 +94,9 @@ def commands(page):
     """The words of every command that a page shows."""
     for block in blocks_of(page):
         for line in block.lines if block.is_shell else ():
-            words = line.split("&&")[-1].split()
-            if words[:3] == ["uv", "run", "flockscope"]:
-                yield shlex.split(line.split("&&")[-1])[3:]
+            asked = line.split("&&")[-1].replace(" --no-dev", "")
+            if asked.split()[:3] == ["uv", "run", "flockscope"]:
+                yield shlex.split(asked)[3:]
 
 
 def after(words, option):
