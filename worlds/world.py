@@ -75,8 +75,8 @@ class World:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.low:
             object.__setattr__(self, "low", (0.0,) * self.dim)
-        for axis in np.flatnonzero(self.wraps):
-            if self.low[axis] != 0.0:
+        for axis, edge in enumerate(self.edges):
+            if edge == "wrap" and self.low[axis] != 0.0:
                 raise Refusal(
                     f"low = {list(self.low)} is not allowed: axis {'xyz'[axis]} wraps and begins "
                     f"at 0 ({self.name})"
