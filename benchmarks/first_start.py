@@ -8,8 +8,8 @@ each in a process of its own with an empty cache; in numba's own way every part 
 optimised and made machine code by itself, before the loop takes it in.
 
 `--install` takes minutes: how large an environment is without and with the developers' group, and
-how long README's first command takes in a fresh clone, by the clock, until its page is served, and
-until a flock has moved. Packages come from uv's cache if it has them.
+how long it takes by the clock from cloning to the page of README's first command, and to the first
+tick of its flock without a page, which is compiled for it. Packages come from uv's cache if it has them.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import sys
 import tempfile
 import time
 import urllib.request
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -125,24 +126,23 @@ def until_served(clone: Path, surroundings: dict[str, str]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def print_clone() -> None:
-    """Print how long a fresh clone takes, step by step."""
+def until_moved(clone: Path, surroundings: dict[str, str]) -> None:
+    """Run the flock of README's first command in a clone, without a page, for its first tick."""
+    words = ["uv", "run", "--quiet", "--no-dev", "flockscope", "run", "--ticks", "1", "hwvem"]
+    subprocess.run(
+        words, cwd=clone, env=surroundings, check=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def since_cloned(until: Callable[[Path, dict[str, str]], None]) -> float:
+    """Seconds by the clock from nothing at all, not even a clone, until something has happened."""
     with tempfile.TemporaryDirectory() as name:
         folder, clone = Path(name), Path(name) / "clone"
-        surroundings = apart(folder)
         begun = time.perf_counter()
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
-        until_served(clone, surroundings)
-        served = time.perf_counter() - begun
-        begun = time.perf_counter()
-        run = ["uv", "run", "--quiet", "--no-dev", "flockscope", "run", "hwvem", "--ticks", "1"]
-        subprocess.run(
-            run, cwd=clone, env=surroundings, check=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-        moved = time.perf_counter() - begun
-    print(f"from clone to the page of the laboratory: {served:.1f} s")
-    print(f"then from the command to a flock that has moved, compiling it: {moved:.1f} s")
+        until(clone, apart(folder))
+        return time.perf_counter() - begun
 
 
 def main() -> None:
@@ -157,7 +157,8 @@ def main() -> None:
         for title, options in (("without", ["--no-dev"]), ("with", [])):
             size = megabytes(*options)
             print(f"environment {title} the developers' group: {size:.0f} MB")
-        print_clone()
+        print(f"from clone to the page of the laboratory: {since_cloned(until_served):.1f} s")
+        print(f"from clone to a flock that has moved: {since_cloned(until_moved):.1f} s")
 
 
 if __name__ == "__main__":
