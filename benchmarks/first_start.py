@@ -9,7 +9,8 @@ optimised and made machine code by itself, before the loop takes it in.
 
 `--install` takes minutes: how large an environment is without and with the developers' group, and
 how long it takes by the clock from cloning to the page of README's first command, and to the first
-tick of its flock without a page, which is compiled for it. Packages come from uv's cache if it has them.
+tick of its flock without a page, which is compiled for it. Packages come from uv's cache, if it has
+them.
 """
 
 from __future__ import annotations
