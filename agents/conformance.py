@@ -18,7 +18,9 @@ from agents.flock import Flock
 from agents.models.calling import Fault
 from agents.models.declare import declared
 from agents.models.model import Model
+from worlds.extra import demand_parquet
 from worlds.obstacles import Disc
+from worlds.refusal import Refusal
 from worlds.world import World
 
 AGENTS, TICKS = 12, 5
@@ -148,6 +150,10 @@ def order(model: Model) -> None:
 
 def saved(model: Model) -> None:
     """A run that is saved and loaded goes on to the bit."""
+    try:
+        demand_parquet("a state")
+    except Refusal as missing:
+        raise Skipped(str(missing)) from None
     flock = at_home(model)
     flock.run(TICKS)
     with tempfile.TemporaryDirectory() as folder:

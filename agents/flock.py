@@ -93,7 +93,8 @@ class Flock(Motion, mesa.Model):
         spec = at_home(spec, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
         self.seed = secrets.randbelow(2**31) if spec.seed is None else spec.seed
-        self.options = spec.but(seed=self.seed, start="random" if start is None else "given")
+        begins = "random" if start is None else "given"
+        self.options = spec.model_copy(update={"seed": self.seed, "start": begins})
         self.interpret = interpret
         self.parameters = checked(self.model.parameters, spec.parameters)
         self.world = find_world(self.options, self.model)
@@ -105,7 +106,8 @@ class Flock(Motion, mesa.Model):
         self.tick = 0
         begin = self._begin() if start is None else self._given(start)
         knowing = int(begin.informed.sum())
-        self.options = self.options.but(agents=len(begin.position) - knowing, informed=knowing)
+        counted = {"agents": len(begin.position) - knowing, "informed": knowing}
+        self.options = self.options.model_copy(update=counted)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self._lay_out(begin)

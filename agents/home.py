@@ -5,7 +5,7 @@ from __future__ import annotations
 from agents.models.model import Model
 from agents.spec import Options, Spec
 from worlds.generators import drawn
-from worlds.layout import layout_names, own_dim, read_layout, world_from_layout
+from worlds.layout import layout_dim, layout_names, own_dim, world_from_layout
 from worlds.layout import world as build_world
 from worlds.refusal import Refusal
 from worlds.world import World
@@ -25,8 +25,8 @@ def at_home(spec: Spec, model: Model) -> Spec:
     elif spec.dim is not None:
         dim = spec.dim
     else:
-        layout = read_layout(world) if spec.layout is None else spec.layout
-        dim = own_dim(layout, world) or model.dim or model.dimensions[0]
+        own = layout_dim(world) if spec.layout is None else own_dim(spec.layout, world)
+        dim = own or model.dim or model.dimensions[0]
     missing = [key for key in ("agents", *Options.model_fields) if getattr(spec, key) is None]
     return spec.but(world=world, dim=dim, **{key: getattr(model, key) for key in missing})
 

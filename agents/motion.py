@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -81,11 +81,10 @@ class Motion(State):
         return self._engine
 
     def _make_engine(self) -> Synchronous | OfPairs | InTurn:
-        missing = 3 - self.world.dim
         space = Space(
-            np.pad(np.array(self.world.size), (0, missing)),
-            np.pad(self.world.wraps.astype(np.int64), (0, missing)),
-            np.pad(self.world.images.astype(np.int64), (0, missing)),
+            in_space(self.world.size, float),
+            in_space(self.world.wraps, int),
+            in_space(self.world.images, int),
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
         place = Place(space, survey(self.world, self.sight))
@@ -276,6 +275,13 @@ class Motion(State):
     def signal(self, name: str) -> np.ndarray:
         """One row of `signals` by name, a copy (N,); a layer of N + 1 is unknown. Or Refusal."""
         return self.snapshot(copy=False, signals=name in self.model.signals).signal(name)
+
+
+def in_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
+    """Numbers of each axis (dim,) with zeros for the axes that a plane has not, (3,)."""
+    made: np.ndarray = np.zeros(3, kind)
+    made[: len(values)] = values
+    return made
 
 
 @cache

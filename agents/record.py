@@ -25,6 +25,7 @@ from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.rows import no_crashes
 from worlds.counting import counted
+from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 from worlds.writing import demand_writable, writing
 
@@ -77,6 +78,7 @@ class Recorder:
         self.over = False
 
     def __enter__(self) -> Recorder:
+        demand_parquet(f"recording {str(self.path)!r}")
         import pyarrow as pa
 
         now = self.snapshot()
@@ -248,6 +250,7 @@ def recover(part: str | Path) -> tuple[Path, int]:
 
     Raises Refusal if `part` is no such file, or the recording exists already.
     """
+    demand_parquet(f"recovering {str(part)!r}")
     import pyarrow as pa
 
     part = Path(part)
@@ -269,6 +272,7 @@ def read_state(path: str | Path, tick: int | None = None) -> tuple[Spec, Snapsho
 
     Raises Refusal.
     """
+    demand_parquet(f"reading {str(path)!r}")
     import pyarrow as pa
     import pyarrow.parquet as pq
 

@@ -193,9 +193,12 @@ class Snapshot(State):
         Agents whose position, heading or speed is no number are left out too, and a warning says
         how many (`agents.observables.checks.LeftOut`).
         """
-        there = self.active
         arrays = self.position, self.heading, self.speed
-        if not all(is_finite(array) for array in arrays):
+        sound = all(map(is_finite, arrays))
+        if sound and not self.can_crash:
+            return self
+        there = self.active
+        if not sound:
             whole = whole_rows(*arrays)
             leave_out(int((there & ~whole).sum()), int(there.sum()), "agents")
             there = there & whole

@@ -220,6 +220,8 @@ class Spec(Options):
 
     def taking(self, **words: Any) -> Spec:
         """The same run with options that are not None, and parameters: all other words."""
+        if not words:
+            return self
         options = {key: words.pop(key) for key in OPTIONS if key in words}
         given = {key: value for key, value in options.items() if value is not None}
         return self.but(**given, parameters={**self.parameters, **words})

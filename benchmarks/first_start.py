@@ -1,18 +1,38 @@
-"""The first start of a model: CPU seconds that its loop compiles, and in numba's own way.
+"""The first start: of the command, of a model that nobody has compiled, and of a fresh clone.
 
-uv run python benchmarks/first_start.py [MODEL ...]
+    uv run python benchmarks/first_start.py [--install] [MODEL ...]
 
-Each in a process of its own with an empty cache. In numba's own way every part of the loop is
+First the CPU seconds of what every command and every script pays, the least of several processes
+that have their .pyc files. Then those that the loop of each model compiles, beside numba's own way,
+each in a process of its own with an empty cache; in numba's own way every part of the loop is
 optimised and made machine code by itself, before the loop takes it in.
+
+`--install` takes minutes: how large an environment is without and with the developers' group, and
+how long it takes by the clock from cloning to the page of README's first command, and to the first
+tick of its flock without a page, which is compiled for it. Packages come from uv's cache, if it has
+them.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
+import re
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
+import time
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
 
+ROOT = Path(__file__).parents[1]
+ROUNDS = 9
+COMMAND = [sys.executable, "-m", "flockscope"]
+PATIENCE = 900.0
+"""Seconds that a page may take to be served."""
 CHILD = """
 import sys, time
 from numba.core.compiler import Compiler
@@ -28,7 +48,31 @@ print(time.process_time() - begins)
 """
 
 
-def first_start(model: str, way: str) -> float:
+def cpu_of(words: list[str]) -> float:
+    """CPU seconds of a program from its start to its end: the least of several rounds."""
+    found = []
+    for _ in range(ROUNDS):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(words, cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(found)
+
+
+def print_commands() -> None:
+    """Print what commands that only tell something cost, and importing the face."""
+    told = cpu_of([*COMMAND, "--help"])
+    print(f"--help: {told:.2f} s of CPU")
+    for words in ("list", "list models", "world list", "paper --help"):
+        spent = cpu_of([*COMMAND, *words.split()])
+        print(f"{words}: {spent:.2f} s; over --help {spent / told:.2f}")
+    nothing = cpu_of([sys.executable, "-c", "pass"])
+    for names in ("", "World", "MODELS", "Flock"):
+        code = f"from flockscope import {names}" if names else "import flockscope"
+        print(f"{code}: {cpu_of([sys.executable, '-c', code]) - nothing:.3f} s beside Python's own")
+
+
+def first_tick(model: str, way: str) -> float:
     """CPU seconds of the first tick of a model that nobody has compiled."""
     with tempfile.TemporaryDirectory() as cache:
         done = subprocess.run(
@@ -41,11 +85,81 @@ def first_start(model: str, way: str) -> float:
     return float(done.stdout)
 
 
-def main() -> None:
+def print_models(models: list[str]) -> None:
     """Print a line for each model."""
-    for model in sys.argv[1:] or ["hwvem", "squashing-best", "guarded"]:
-        ours, numbas = first_start(model, "ours"), first_start(model, "numba's")
+    for model in models:
+        ours, numbas = first_tick(model, "ours"), first_tick(model, "numba's")
         print(f"{model}: {ours:.1f} s; numba's own way {numbas:.1f} s; ratio {ours / numbas:.2f}")
+
+
+def apart(folder: Path) -> dict[str, str]:
+    """Surroundings of a program in which nothing is installed or compiled yet."""
+    own = {"UV_PROJECT_ENVIRONMENT": str(folder / "env"), "FLOCKSCOPE_CACHE": str(folder / "cache")}
+    kept = {name: value for name, value in os.environ.items() if name != "VIRTUAL_ENV"}
+    return kept | own
+
+
+def megabytes(*options: str) -> float:
+    """What an environment takes on the disk, in units of 10^6 bytes."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        sync = ["uv", "sync", "--quiet", "--locked", *options]
+        subprocess.run(sync, cwd=ROOT, env=apart(folder), check=True)
+        files = [path.lstat() for path in (folder / "env").rglob("*")]
+        return sum(512 * one.st_blocks for one in files) / 1e6
+
+
+def until_served(clone: Path, surroundings: dict[str, str]) -> None:
+    """Start README's first command in a clone, read its page, and stop it."""
+    words = ["uv", "run", "--quiet", "--no-dev", "flockscope", "lab", "--port", "0", "--no-open"]
+    with subprocess.Popen(
+        words, cwd=clone, env=surroundings, text=True, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        try:
+            address = next(
+                found[0] for line in process.stdout if (found := re.search(r"http://\S+:\d+", line))
+            )
+            with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
+                assert b"<html" in answer.read()
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def until_moved(clone: Path, surroundings: dict[str, str]) -> None:
+    """Run the flock of README's first command in a clone, without a page, for its first tick."""
+    words = ["uv", "run", "--quiet", "--no-dev", "flockscope", "run", "--ticks", "1", "hwvem"]
+    subprocess.run(
+        words, cwd=clone, env=surroundings, check=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def since_cloned(until: Callable[[Path, dict[str, str]], None]) -> float:
+    """Seconds by the clock from nothing at all, not even a clone, until something has happened."""
+    with tempfile.TemporaryDirectory() as name:
+        folder, clone = Path(name), Path(name) / "clone"
+        begun = time.perf_counter()
+        subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
+        until(clone, apart(folder))
+        return time.perf_counter() - begun
+
+
+def main() -> None:
+    """Print what is asked for."""
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("models", nargs="*", default=["hwvem", "squashing-best", "guarded"])
+    arguments.add_argument("--install", action="store_true", help="environments and a clone too")
+    asked = arguments.parse_args()
+    print_commands()
+    print_models(asked.models)
+    if asked.install:
+        for title, options in (("without", ["--no-dev"]), ("with", [])):
+            size = megabytes(*options)
+            print(f"environment {title} the developers' group: {size:.0f} MB")
+        print(f"from clone to the page of the laboratory: {since_cloned(until_served):.1f} s")
+        print(f"from clone to a flock that has moved: {since_cloned(until_moved):.1f} s")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,15 @@
 """Writes one page per model from its declaration, with a picture of it at work.
 
+Beside them what `flockscope list` shows, so that listing need not import what models are made of.
+
     uv run python docs/make.py [MODEL ...]
 
-Without names all are written. A test holds the pages against the declarations.
+Without names all are written. Tests hold the pages and the list against the declarations.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -16,6 +19,7 @@ from agents.catalogue import MODELS, Model
 from agents.flock import Flock
 from agents.models.declare import Declared, declared
 from agents.observables.catalogue import OBSERVABLES, usual_charts
+from app.cli.choices import LISTED, declared_rows
 from worlds.layout import read_layout
 
 HERE = Path(__file__).parent / "rules"
@@ -239,11 +243,17 @@ def pages() -> dict[str, str]:
     return {f"{name}.md": page(model) for name, model in MODELS.items()} | {"README.md": index()}
 
 
+def kept_list() -> str:
+    """What `flockscope list` shows of what is built in, as it is kept."""
+    return json.dumps(declared_rows(), indent=1, ensure_ascii=False) + "\n"
+
+
 def main() -> None:
     """Write everything, or the pages of some models and the list."""
     from rule_pictures import draw
 
     HERE.mkdir(exist_ok=True)
+    LISTED.write_text(kept_list(), encoding="utf-8")
     for name, text in pages().items():
         (HERE / name).write_text(text, encoding="utf-8")
     for name in sys.argv[1:] or MODELS:

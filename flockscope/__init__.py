@@ -20,19 +20,21 @@ Importing it costs nothing: what a name stands for is imported when it is first 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than all of this
 if TYPE_CHECKING:
-    from flockscope._flocks import MODELS as MODELS
+    from typing import Any
+
     from flockscope._flocks import Flock as Flock
     from flockscope._flocks import Member as Member
     from flockscope._flocks import MissionRecord as MissionRecord
     from flockscope._flocks import Series as Series
-    from flockscope._flocks import Spec as Spec
     from flockscope._flocks import fly as fly
     from flockscope._flocks import follow as follow
-    from flockscope._flocks import from_file as from_file
-    from flockscope._flocks import model as model
+    from flockscope._models import MODELS as MODELS
+    from flockscope._models import Spec as Spec
+    from flockscope._models import from_file as from_file
+    from flockscope._models import model as model
     from flockscope.worlds import Box as Box
     from flockscope.worlds import CShape as CShape
     from flockscope.worlds import Disc as Disc
@@ -83,11 +85,11 @@ _MODULES = ("flight", "live", "observables", "rules", "worlds")
 
 
 def __getattr__(name: str) -> Any:
-    """What a name stands for; worlds come first: they need no compiler."""
+    """What a name stands for; worlds need no compiler, and models no Mesa."""
     if name in _MODULES:
         return import_module(f"{__name__}.{name}")
     if name in __all__:
-        for home in ("worlds", "_flocks"):
+        for home in ("worlds", "_models", "_flocks"):
             found = import_module(f"{__name__}.{home}")
             if name in found.__all__:
                 return getattr(found, name)

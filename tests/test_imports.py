@@ -18,6 +18,7 @@ LAZY = {
     ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
     ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
+    ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined
     ("worlds/readers/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
 }
 """Libraries that a file of agents or worlds imports within a function, because they are slow."""

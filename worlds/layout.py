@@ -64,8 +64,13 @@ def read_layout(name: str) -> dict[str, Any]:
 
     Raises Refusal for an unknown name, a missing file or a file that is not TOML.
     """
+    return deepcopy(shared_layout(name))
+
+
+def shared_layout(name: str) -> dict[str, Any]:
+    """What `read_layout` copies, for who does not change it. Raises Refusal."""
     if name in BROUGHT:
-        return deepcopy(BROUGHT[name])
+        return BROUGHT[name]
     if Path(name).suffix.lower() in DRAWINGS:
         again = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
         raise Refusal(
@@ -74,20 +79,20 @@ def read_layout(name: str) -> dict[str, Any]:
     if name not in BUILT_IN and not name.endswith(".toml"):
         raise unknown("world", name, layout_names())
     if name in BUILT_IN:
-        return deepcopy(built_in(name))
+        return built_in(name)
     named = f"world file {name!r}"
     return toml(read_text(named, name), named)
 
 
 @functools.cache
 def built_in(name: str) -> dict[str, Any]:
-    """A built-in layout, read once: whoever changes it takes a copy."""
+    """A built-in layout, read once."""
     return toml(BUILT_IN[name].read_text(encoding="utf-8"), f"world {name!r}")
 
 
 def layout_dim(name: str) -> int | None:
     """The dimension that a layout is written in, None where it fits both. Raises Refusal."""
-    return own_dim(read_layout(name), name)
+    return own_dim(shared_layout(name), name)
 
 
 def world(
@@ -100,7 +105,7 @@ def world(
 
     See `world_from_layout`. Raises Refusal, also for the first error that `worlds.checks` finds.
     """
-    found = world_from_layout(read_layout(name), name, dim, size, unsized)
+    found = world_from_layout(shared_layout(name), name, dim, size, unsized)
     demand_sound(found)
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +16,7 @@ LIMITS = (
 """Where a container says how much of the machine it has."""
 
 
+@functools.cache
 def memory() -> float:
     """Bytes of memory that this machine, or the container, has; infinity where it does not say."""
     found = [float("inf")]

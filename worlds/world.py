@@ -71,10 +71,12 @@ class World:
     """Obstacles still to be drawn from a seed, see `worlds.generators.drawn`."""
 
     def __post_init__(self) -> None:
+        for name in ("size", "edges", "low", "obstacles"):  # lists would make it no value
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.low:
             object.__setattr__(self, "low", (0.0,) * self.dim)
-        for axis in np.flatnonzero(self.wraps):
-            if self.low[axis] != 0.0:
+        for axis, edge in enumerate(self.edges):
+            if edge == "wrap" and self.low[axis] != 0.0:
                 raise Refusal(
                     f"low = {list(self.low)} is not allowed: axis {'xyz'[axis]} wraps and begins "
                     f"at 0 ({self.name})"

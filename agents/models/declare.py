@@ -142,10 +142,11 @@ def checked(model: type[Parameters], values: dict[str, Any], origin: str = "") -
 
 def as_floats(parameters: Parameters) -> dict[str, float]:
     """Parameters as the compiled code has them: a switch as 0 or 1, a choice as its index."""
+    fields = type(parameters).model_fields
     made = {}
-    for one in declared(type(parameters)):
-        value = getattr(parameters, one.name)
-        made[one.name] = float(one.choices.index(value) if one.kind == "choice" else value)
+    for name, value in parameters:
+        choices = get_args(fields[name].annotation) if isinstance(value, str) else ()
+        made[name] = float(choices.index(value) if choices else value)
     return made
 
 

@@ -166,8 +166,8 @@ def look(rows):
 
 
 def is_finite(array: np.ndarray) -> bool:
-    """Whether all of an array are numbers; quick for vectors (N, dim)."""
-    if array.ndim == 2 and math.isfinite(look(np.ascontiguousarray(array))[0]):
+    """Whether all of an array are numbers."""
+    if math.isfinite(np.vdot(array, array)):
         return True  # beyond 1e150 the square of a number is not one, and all are looked at
     return bool(np.isfinite(array).all())
 

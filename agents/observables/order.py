@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from agents.observables.checks import headings
@@ -27,4 +29,5 @@ def polarisation(heading: np.ndarray) -> float:
     heading = headings(heading)
     if len(heading) == 0:
         return 0.0
-    return min(1.0, float(np.linalg.norm(np.mean(heading, axis=0))))
+    mean = np.add.reduce(heading) / len(heading)
+    return min(1.0, math.sqrt(mean.dot(mean)))

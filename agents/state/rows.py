@@ -38,7 +38,7 @@ def begun(start: Start, model: Model, first_id: int) -> Arrays:
         start.informed.astype(np.bool_),
         np.arange(first_id, first_id + n),
         np.zeros(n, np.int32),
-        np.tile(model.beginning[:, None], n),
+        np.repeat(model.beginning[:, None], n, axis=1),
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),
     )
 

@@ -75,7 +75,7 @@ def random_start(
     first = free_positions(world, informed, rng)
     if not world.is_solid:
         first[:1] = 0.0
-    know = np.tile(goal_heading(world.dim), (informed, 1))
+    know = np.repeat(goal_heading(world.dim)[None], informed, axis=0)
     return Start(
         np.concatenate([first, position]),
         np.concatenate([know, heading]),
@@ -104,6 +104,8 @@ def spread(
     They keep at least `spacing` to each other and `gap` to what is solid. Raises Refusal if they do
     not fit, with the number that does.
     """
+    if not world.is_solid and spacing == 0.0:
+        return rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
     before = rng.bit_generator.state
     position, fit = tried(world, low, size, n, spacing, rng, gap)
     if fit == n:

@@ -1,7 +1,15 @@
-"""What there is to choose from: a row for each thing of each kind, and tables of them."""
+"""What there is to choose from: a row for each thing of each kind, and tables of them.
+
+The rows are made from the declarations, which takes the libraries that models are declared with.
+`listed.json` keeps them, so that listing needs none; `docs/make.py` writes it and a test holds it
+against the declarations.
+"""
 
 from __future__ import annotations
 
+import json
+from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 from worlds.counting import counted
@@ -9,6 +17,10 @@ from worlds.counting import counted
 Rows = list[dict[str, Any]]
 WIDE = 80
 """Columns of the overview, and of what is said of one thing."""
+LISTED = Path(__file__).with_name("listed.json")
+"""The rows of all kinds, of what is built in."""
+PLUG_INS = ("rules", "bodies", "observables", "layouts")
+"""What other packages may add to the rows: groups of entry points, after `flockscope.`."""
 
 
 def models() -> Rows:
@@ -87,11 +99,31 @@ def papers() -> Rows:
 
 KINDS = {
     "models": models,
-    "parameters": parameters,
     "worlds": worlds,
     "observables": observables,
     "papers": papers,
+    "parameters": parameters,
 }
+
+
+def declared_rows() -> dict[str, Rows]:
+    """The rows of all kinds, made from the declarations."""
+    return {kind: made() for kind, made in KINDS.items()}
+
+
+def rows(brought: bool = False) -> dict[str, Rows]:
+    """The rows of all kinds; from the declarations if more is `brought` than is built in."""
+    if brought or any(entry_points(group=f"flockscope.{group}") for group in PLUG_INS):
+        return declared_rows()
+    kept: dict[str, Rows] = json.loads(LISTED.read_text(encoding="utf-8"))
+    return kept
+
+
+def names(rows: dict[str, Rows]) -> dict[str, list[str]]:
+    """The names of each kind of things, each once."""
+    return {kind: list(dict.fromkeys(row["name"] for row in of)) for kind, of in rows.items()}
+
+
 ON_SCREEN = {
     "models": ("name", "what it does"),
     "parameters": ("name", "default", "allowed", "models", "description"),
@@ -102,23 +134,6 @@ ARTICLES = {
     "acceleration": "an acceleration",
     "velocity": "a velocity",
 }
-
-
-def names() -> dict[str, list[str]]:
-    """The names of each kind of things."""
-    from agents.catalogue import MODELS
-    from agents.observables.catalogue import OBSERVABLES
-    from app.experiments.experiment import experiment_names
-    from worlds.layout import layout_names
-
-    parameters = {one: None for model in MODELS.values() for one in model.parameters.model_fields}
-    return {
-        "models": list(MODELS),
-        "worlds": layout_names(),
-        "observables": list(OBSERVABLES),
-        "papers": list(experiment_names()),
-        "parameters": list(parameters),
-    }
 
 
 def show(made: dict[str, Rows]) -> None:

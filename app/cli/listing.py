@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.choices import KINDS, WIDE, names, show
+from app.cli.choices import KINDS, WIDE, Rows, names, rows, show
 from app.cli.one_thing import in_words, things_called
 from app.cli.rule_option import Rules, by_name
 
@@ -20,36 +20,33 @@ def listing(
             help=f"{', '.join(KINDS)}, or one name: a model, a world ...", callback=by_name
         ),
     ] = None,
-    rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
+    rule: Rules = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show what there is to choose from: all names, one kind of things, or one thing."""
+    made = rows(brought=bool(rule))
     if what is None:
-        if as_json:
-            typer.echo(json.dumps({kind: rows() for kind, rows in KINDS.items()}))
-        else:
-            typer.echo("\n".join(overview()))
+        typer.echo(json.dumps(made) if as_json else "\n".join(overview(made)))
     elif what in KINDS:
-        made = KINDS[what]()
         if as_json:
-            typer.echo(json.dumps(made))
+            typer.echo(json.dumps(made[what]))
         else:
-            show({what: made})
+            show({what: made[what]})
     else:
-        found = things_called(what)
+        found = things_called(what, made)
         if as_json:
             typer.echo(json.dumps(found))
         else:
             typer.echo("\n".join(in_words(found)))
 
 
-def overview() -> list[str]:
+def overview(made: dict[str, Rows]) -> list[str]:
     """All names on one screen, and how to see more of them."""
     lines = [
         "One thing:  flockscope list NAME, as in `flockscope list hwvem`",
         "One kind:   flockscope list KIND, as in `flockscope list models`",
     ]
-    for kind, found in names().items():
+    for kind, found in names(made).items():
         lines.append(f"{kind} ({len(found)})")
         if kind == "parameters":
             lines.append("  flockscope list MODEL shows those of a model, with unit and range")

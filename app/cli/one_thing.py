@@ -6,7 +6,16 @@ import textwrap
 from collections.abc import Callable
 from typing import Any
 
-from app.cli.choices import ARTICLES, KINDS, WIDE, cell, models, names, observables, parameters
+from app.cli.choices import (
+    ARTICLES,
+    KINDS,
+    WIDE,
+    Rows,
+    cell,
+    models,
+    names,
+    observables,
+)
 from app.cli.world.list_layouts import worlds
 from worlds.counting import counted
 from worlds.refusal import Refusal, shortened, suggestion
@@ -14,20 +23,31 @@ from worlds.refusal import Refusal, shortened, suggestion
 Thing = dict[str, Any]
 
 
-def things_called(name: str) -> dict[str, Any]:
+def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     """What has that name, by kind: most names are of one kind only.
+
+    What is none of the rows may be a model of a file, or of a rule that drives cars.
 
     Under `parameter` stands a list: models may have different ones under one name. Raises Refusal.
     """
-    known = names()
+    known = names(rows)
     found = {kind: look(name) for kind, look in ONE.items() if name in known[f"{kind}s"]}
-    if not found and name.endswith("-cars"):
+    if name in known["parameters"]:
+        found["parameter"] = [row for row in rows["parameters"] if row["name"] == name]
+    if not found and (name.endswith("-cars") or is_model(name)):
         found = {"model": model(name)}
     if not found:
         every = [one for kind in known.values() for one in kind]
         hint = suggestion(name, [*KINDS, *every])
         raise Refusal(f"unknown name {shortened(name)}{hint} (`flockscope list` shows all)")
     return found
+
+
+def is_model(name: str) -> bool:
+    """Whether there is a model of that name by now."""
+    from agents.catalogue import MODELS
+
+    return name in MODELS
 
 
 def model(name: str) -> Thing:
@@ -82,17 +102,11 @@ def paper(name: str) -> Thing:
     }
 
 
-def parameter(name: str) -> list[Thing]:
-    """The parameters of that name, each with the models that have it."""
-    return [row for row in parameters() if row["name"] == name]
-
-
 ONE: dict[str, Callable[[str], Any]] = {
     "model": model,
     "world": world,
     "observable": observable,
     "paper": paper,
-    "parameter": parameter,
 }
 
 

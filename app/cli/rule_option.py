@@ -9,9 +9,11 @@ import typer
 
 def bring(files: list[str] | None) -> list[str]:
     """Take the rules of files into the catalogue; the names of their models. Raises Refusal."""
+    if not files:
+        return []
     from agents.catalogue import from_file
 
-    return [from_file(file).name for file in files or []]
+    return [from_file(file).name for file in files]
 
 
 def by_name(model: str | None) -> str | None:

@@ -19,6 +19,7 @@ from app.cli.rule_option import Rules, by_name, first_of
 from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names
 from worlds.counting import counted
+from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 from worlds.writing import demand_apart, demand_writable, write_text
 
@@ -202,6 +203,9 @@ def demand_outputs(
     from agents.record import RECORDINGS, STATES
 
     demand_apart({"--record": record, "--save": save, "--save-spec": save_spec})
+    for option, path in (("--record", record), ("--save", save)):
+        if path is not None:
+            demand_parquet(option)
     for option, path, endings in (
         ("--record", record, RECORDINGS),
         ("--save", save, STATES),

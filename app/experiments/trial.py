@@ -85,9 +85,10 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[R
         if stop.is_set():
             raise Stopped
 
-    results = []
+    results: list[Result] = []
     for case in trial.cases:
-        flock.set(**case.spec.parameters)
+        if results:  # it has begun with the parameters of the first
+            flock.set(**case.spec.parameters)
         measures = settings.run(flock, go_on)
         ended = time.perf_counter()
         look()

@@ -73,7 +73,7 @@ def run(code, **more):
 
 
 def test_importing_it_imports_nothing_heavy():
-    heavy = "{'viser', 'matplotlib', 'numba', 'mesa', 'numpy', 'pydantic'}"
+    heavy = "{'viser', 'matplotlib', 'numba', 'mesa', 'numpy', 'pydantic', 'typing'}"
     ran = run(f"import sys, flockscope; print({heavy} & set(sys.modules))")
     assert ran.stdout == "set()\n", ran.stderr
 
@@ -84,8 +84,16 @@ def test_worlds_need_no_flock_and_flocks_no_window():
         "print({'viser', 'matplotlib.pyplot', 'app'} & set(sys.modules))"
     )
     assert ran.stdout == "set()\n", ran.stderr
-    ran = run("import sys; from flockscope import World; print('mesa' in sys.modules)")
-    assert ran.stdout == "False\n", ran.stderr
+    ran = run(
+        "import sys; from flockscope import MODELS, Spec; "
+        "print({'mesa', 'pandas', 'networkx'} & set(sys.modules))"
+    )
+    assert ran.stdout == "set()\n", ran.stderr
+    ran = run(
+        "import sys; from flockscope import World, world; world('wrap', size=3.0); "
+        "print({'mesa', 'numba', 'scipy', 'matplotlib'} & set(sys.modules))"
+    )
+    assert ran.stdout == "set()\n", ran.stderr
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -67,8 +67,9 @@ class Installed:
         uv("venv", "--quiet", "--python", version, folder / "env")
         locked = folder / "locked.txt"
         locked.write_text(uv("export", "--quiet", "--locked", "--no-hashes", "--no-emit-project"))
+        whole = f"flockscope[parquet] @ {wheel.as_uri()}"
         uv("pip", "install", "--quiet", "--python", self.python, "--constraints", locked,
-           wheel, NEIGHBOUR, "pytest", "hypothesis")  # fmt: skip
+           whole, NEIGHBOUR, "pytest", "hypothesis")  # fmt: skip
         self.folder.mkdir()
         for name in MESAS_FILES:
             (self.folder / name).write_text("raise SystemExit('this is mine')\n")

@@ -122,7 +122,7 @@ def arguments(command: str) -> list[str]:
 
     Without any command flockscope opens the laboratory.
     """
-    words = shlex.split(command)
+    words = [word for word in shlex.split(command) if word != "--no-dev"]
     if words[:1] == ["flockscope"]:
         raise NotAsPrintedError(
             f"{command!r}: command not found in a checkout; print `uv run {command}`"

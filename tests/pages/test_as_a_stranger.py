@@ -14,8 +14,10 @@ from pages.blocks import ROOT, blocks_of
 UV = f"""#!/bin/sh
 # Stands for uv: runs a program of the environment that these tests run in.
 [ "$1" = run ] || exit 64
-program=$2
-shift 2
+shift
+[ "$1" != --no-dev ] || shift
+program=$1
+shift
 exec "{Path(sys.executable).parent}/$program" "$@" $MORE
 """
 PIP = """#!/bin/sh
@@ -76,7 +78,7 @@ def test_a_plain_flockscope_is_not_found_there(shell):
 
 
 def test_the_first_command_opens_the_laboratory(shell, checkout):
-    done = shell(block_with("README.md", "&& uv run flockscope"), more="--port 0")
+    done = shell(block_with("README.md", "&& uv run --no-dev flockscope"), more="--port 0")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("flockscope is at http://")
     assert "Traceback" not in done.stderr

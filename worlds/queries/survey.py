@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -30,12 +31,23 @@ class Edges(NamedTuple):
     chunks: Chunks
 
 
+KEPT = 16
+"""Surroundings that are kept for flocks that are made in the same world."""
+
+
 def survey(world: World, reach: float) -> Surroundings:
     """The surroundings of a world, for queries up to a distance `reach` (length) from a surface.
 
-    Raises Refusal for an obstacle whose outline crosses itself, and for a world that has not drawn
-    its random obstacles.
+    Equal worlds share all arrays but that of the goal, which moves. Raises Refusal for an obstacle
+    whose outline crosses itself, and for a world that has not drawn its random obstacles.
     """
+    kept = surveyed(world, float(reach))
+    return kept._replace(goal=kept.goal.copy())
+
+
+@lru_cache(KEPT)
+def surveyed(world: World, reach: float) -> Surroundings:
+    """What `survey` finds."""
     if world.random is not None:
         raise Refusal(
             f"the random obstacles of {world.name} are not drawn: worlds.generators.drawn"
@@ -55,7 +67,7 @@ def survey(world: World, reach: float) -> Surroundings:
         points = boundary_points(world, list(united.values()), reach)
     mission = world.mission or Mission()
     return Surroundings(
-        float(reach),
+        reach,
         len(edges.edge) + len(ball) + len(plane),
         plane,
         np.array(spans, float).reshape(-1, 2),

@@ -8,9 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from worlds.readers.shapes import Area, Curve, Line, Point, Solid, area, at, line
 from worlds.refusal import Refusal
@@ -117,6 +114,10 @@ def chain(
 
 def joints_of(lines: Sequence[Line], tolerance: float) -> tuple[list[Joint], list[str]]:
     """Where exactly two ends meet, and a word where more do. Raises Refusal."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     if not lines:
         return [], []
     ends = np.array([point for one in lines for point in (one.points[0], one.points[-1])])

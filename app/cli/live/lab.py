@@ -11,6 +11,7 @@ import typer
 
 from app.cli.rule_option import Rules
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
+from worlds.extra import demand_parquet
 
 if TYPE_CHECKING:
     from app.viewer.live.page import LivePage
@@ -45,6 +46,8 @@ def lab(
     from app.live.operating.choices import laboratory
     from app.viewer.web.origin import allowed
 
+    if record is not None:
+        demand_parquet("--record")
     names = tuple(allowed(name) for name in allow_host or ())
     choices = laboratory(file, EMULATED if file is None and source is None else source)
 

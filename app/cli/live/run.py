@@ -10,6 +10,7 @@ import typer
 from app.cli.live.options import LinkName, SourceName
 from app.cli.outcome import as_json
 from app.cli.rule_option import Rules
+from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ def conduct(
     """Run a laboratory from the terminal. Raises Refusal."""
     if not 0.0 <= seconds < 1e6:
         raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
+    if record is not None:
+        demand_parquet("--record")
 
     def report(words: str) -> None:
         if not quiet:

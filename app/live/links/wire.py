@@ -9,10 +9,10 @@ import time
 from contextlib import suppress
 from typing import Any
 
-from app.live.extra import INSTALL
 from app.live.links.jam import Jam
 from app.live.links.link import LinkLost
 from app.live.place import Place
+from worlds.extra import install
 from worlds.refusal import Refusal
 
 LEAST_BAUD, MOST_BAUD = 300, 4_000_000
@@ -46,7 +46,7 @@ def open_wire(place: Place, baud: int) -> Wire:
     try:
         import serial
     except ImportError:
-        raise Refusal(f"the link {place.text!r} needs pyserial: {INSTALL}") from None
+        raise Refusal(f"the link {place.text!r} needs pyserial: {install('live')}") from None
     try:
         return Wire(serial.Serial(port, baud, exclusive=True), place.text)
     except (OSError, ValueError) as error:

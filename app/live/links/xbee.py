@@ -10,11 +10,11 @@ import logging
 from contextlib import suppress
 from typing import Any
 
-from app.live.extra import INSTALL
 from app.live.links.frame import encode, size
 from app.live.links.link import CarLink, LinkLost
 from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, take_port, why
 from app.live.place import Place
+from worlds.extra import install
 from worlds.refusal import Refusal
 
 BAUD = 57600
@@ -77,7 +77,7 @@ def open_xbee(place: Place) -> XBeeLink:
         from digi.xbee.exception import XBeeException
         from digi.xbee.models.address import XBee16BitAddress
     except ImportError:
-        raise Refusal(f"the link {place.text!r} needs digi-xbee: {INSTALL}") from None
+        raise Refusal(f"the link {place.text!r} needs digi-xbee: {install('live')}") from None
     # The library writes to the log what is raised as well: without a handler, to the terminal.
     logging.getLogger("digi").addHandler(logging.NullHandler())
     device = Raw802Device(port, baud, _sync_ops_timeout=ANSWER)

@@ -12,6 +12,7 @@ from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, RUN
 from app.live.recording.record import EVERY, TABLES
 from app.live.recording.stream import finish
+from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 
 END = "end"
@@ -77,6 +78,7 @@ def recover(folder: str | Path) -> dict[str, int]:
 
 def recovered(part: Part) -> dict[str, int]:
     """The rows by table of what was left of a part, of which tables are made. Raises Refusal."""
+    demand_parquet("a recording of the laboratory")
     import pyarrow as pa
 
     found = {}

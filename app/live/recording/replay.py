@@ -21,6 +21,7 @@ from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
 from app.live.recording.record import TABLES
+from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 
 BATCH = 10_000
@@ -122,6 +123,7 @@ def demand_recording(folder: Path) -> None:
 
 def meta_of(path: Path) -> dict[str, Any]:
     """The metadata of a table. Raises Refusal if it is none of a recording."""
+    demand_parquet("a recording of the laboratory")
     import pyarrow as pa
     import pyarrow.parquet as pq
 

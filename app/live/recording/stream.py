@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.record import KEY
+from worlds.extra import demand_parquet
 
 GROUP = 100_000
 """Rows of a row group of the Parquet file; the stream has some hundreds in a batch."""
@@ -17,10 +18,11 @@ GROUP = 100_000
 class Stream:
     """Rows of one table, with metadata, in a `.part` beside where its Parquet file will be.
 
-    `columns` are names and Arrow types. Raises OSError if it cannot be written.
+    `columns` are names and Arrow types. Raises OSError if it cannot be written, or Refusal.
     """
 
     def __init__(self, path: Path, columns: Mapping[str, str], meta: Mapping[str, Any]):
+        demand_parquet("a recording of the laboratory")
         import pyarrow as pa
 
         self.path = path

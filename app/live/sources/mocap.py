@@ -16,9 +16,9 @@ from itertools import count
 from typing import Any
 
 from app.live.control.pose import MocapFrame, Sighting, seen, unseen
-from app.live.extra import demand
 from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
+from worlds.extra import demand
 from worlds.refusal import Refusal, unknown
 
 
@@ -92,7 +92,7 @@ class MotionCapture:
 
         Raises Refusal if the package is missing, RuntimeError if the system cannot be used.
         """
-        demand("motioncapture", self.name)
+        demand("motioncapture", self.name, "live")
         import motioncapture
 
         system = motioncapture.connect(self.name, {"hostname": self.host, **self.options})
@@ -137,7 +137,7 @@ def opened(address: Address) -> MotionCapture:
         raise unknown("motion-capture system", address.kind, SYSTEMS)
     system = SYSTEMS[address.kind]
     address.known((*AXES, *system.options))
-    demand("motioncapture", address.kind)
+    demand("motioncapture", address.kind, "live")
     options = {name: value for name, value in address.options if name not in AXES}
     try:
         return MotionCapture(address.kind, address.place, address.axes(system.up), options)

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from app.live.control.pose import Sighting, seen, unseen
 from app.live.sources.axes import Axes, turned
 from app.live.sources.recording import RecordedFrame
+from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 
 POINT = ("x", "y", "z")
@@ -137,6 +138,7 @@ def _of_csv(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _of_parquet(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
     """The rows of a Parquet file and where each stands, the first being row 1."""
+    demand_parquet(str(path))
     import pyarrow
     import pyarrow.parquet
 

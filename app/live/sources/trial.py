@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.live.control.pose import Pose, Sighting, seen, unseen
-from app.live.extra import demand
 from app.live.sources.axes import UNITS, Axes
 from app.live.sources.recording import RecordedFrame
+from worlds.extra import demand
 from worlds.refusal import Refusal, unknown
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def read_trial(path: Path, axes: Axes, bodies: tuple[MarkedBody, ...] = ()) -> l
 
     Raises Refusal if the file cannot be read, has no such marker, or nothing makes a body.
     """
-    demand("ezc3d", "a C3D file")
+    demand("ezc3d", "a C3D file", "live")
     import ezc3d
 
     if not path.is_file():

@@ -1,0 +1,14 @@
+"""What `flockscope` promises of models, and of runs as values."""
+
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
+from agents.catalogue import MODELS, from_file, model
+from agents.spec import Spec
+
+__all__ = [
+    "MODELS",
+    "Spec",
+    "from_file",
+    "model",
+]
