@@ -10,8 +10,9 @@ from worlds.refusal import Refusal
 
 MOST_AGENTS = 300
 """A tick of more agents takes too long in plain Python."""
-SLOWEST = 0.4
-"""Time of a tick at which a preview rather stands still, s: commands wait for it."""
+SLOWEST, OFTEN = 0.4, 3
+"""CPU time of a tick that is too long, s, as commands wait for it; and after how many such ticks a
+preview rather stands."""
 LOOKS = 100
 """Times that the curves are measured on the way to where the preview is."""
 
@@ -29,11 +30,17 @@ class Preview:
         """The compiled run, at tick 0."""
         self.changes: list[tuple[int, Callable[[Run], None]]] = []
         """What was changed on the way, and at which tick."""
-        self.too_slow = False
+        self.slow = 0
+        """Ticks that have taken too long, one after the other."""
+
+    @property
+    def stands(self) -> bool:
+        """Whether it is too slow to go on."""
+        return self.slow >= OFTEN
 
     def took(self, seconds: float) -> None:
-        """Note what a tick has taken."""
-        self.too_slow = seconds > SLOWEST
+        """Note what a tick has taken, s of CPU."""
+        self.slow = self.slow + 1 if seconds > SLOWEST else 0
 
     def taken_over(self, shown: Run) -> Run:
         """The compiled run, brought to where the preview is."""

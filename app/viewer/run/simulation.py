@@ -237,12 +237,13 @@ class Simulation:
         ticks = self.pace.ticks_due(time.perf_counter())
         if ticks == 0:
             return
-        began = time.perf_counter()
+        began, worked = time.perf_counter(), time.thread_time()
         self.advance(run, ticks)
         now = time.perf_counter()
         self.pace.took(ticks, now - began)
         if self.preview is not None:
-            self.preview.took((now - began) / ticks)
+            self.preview.took((time.thread_time() - worked) / ticks)
+            self.state = replace(self.state, preview=not self.preview.stands)
         self.stale = now >= self.next_frame
 
     def advance(self, run: Run, ticks: int) -> None:
@@ -254,7 +255,8 @@ class Simulation:
         run.advance(ticks)
         self.state = replace(self.state, busy=False)
         self.pace.restart()
-        self.ready.set()
+        if self.state.compiling is None:
+            self.ready.set()
 
     def leave(self) -> None:
         """Leave a frame and readings for whoever watches, if there is anything new."""
@@ -356,8 +358,8 @@ class Simulation:
     @property
     def stands(self) -> bool:
         """Whether the flock stands until it is compiled."""
-        slow = self.preview is None or self.preview.too_slow
-        return self.state.compiling is not None and slow
+        moves = self.preview is not None and not self.preview.stands
+        return self.state.compiling is not None and not moves
 
     def compiled_run(self, wanted: str) -> Run:
         """The run, if it is no preview. Raises Refusal."""

@@ -26,7 +26,7 @@ class State:
     compiling: Estimate | None = None
     """How long it may take until what the run calls is compiled; None: it is."""
     preview: bool = False
-    """Whether the flock on screen is a preview meanwhile: the same run as plain Python."""
+    """Whether the flock on screen is a preview meanwhile, the same run as plain Python."""
     error: str = ""
     """What stopped the run; Setup or Reset mends it."""
     speed: float = 15.0
