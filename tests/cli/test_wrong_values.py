@@ -70,13 +70,13 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "folder").mkdir()
     monkeypatch.chdir(tmp_path)
     for thing in (
-        "app.cli.run.compile_loop", "app.cli.paper.carried_out", "app.cli.lab.serve", "webbrowser.open",
+        "app.cli.run.compile_loop", "app.cli.paper.carried_out", "app.cli.lab.serve",
         "app.cli.live.lab.serve", "app.cli.live.run.conduct", "app.cli.live.check.look_at_devices",
         "app.live.operating.flock_driver.FlockDriver",
         "app.cli.formation.trimmed", "app.flight.flown.flown",
         "app.flight.curve.swept", "agents.flight.trim.trim", "app.worlds.picture.draw_world",
         "app.formation.files.table", "agents.observables.formation.vee_saved",
-        "app.cli.live.emulate.emulate",
+        "app.cli.live.emulate.emulate", "webbrowser.open",
     ):  # fmt: skip
         monkeypatch.setattr(thing, stop)
     return tmp_path

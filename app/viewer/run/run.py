@@ -11,7 +11,7 @@ import numpy as np
 
 from agents.engine.cache import is_at_hand
 from agents.flock import Flock
-from agents.state.whereabouts import Stray, strays
+from agents.state.whereabouts import Stray
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.picture import Camera, Wanted
@@ -73,14 +73,9 @@ class Run:
     def is_at_hand(self) -> bool:
         """Whether all that it calls has been compiled, or is on disk."""
         return all(
-            one.flock.is_compiled and all(map(is_at_hand, one.measuring)) for one in self.both
+            one.flock.is_compiled and all(map(is_at_hand, one.readings.extremes.kernels))
+            for one in self.both
         )
-
-    @property
-    def measuring(self) -> tuple[Any, ...]:
-        """What is compiled to measure it, and holds up the flock."""
-        walls = (strays,) if self.flock.world.is_solid else ()
-        return (*self.readings.extremes.kernels, *walls) if self.measures else ()
 
     def want(self, wanted: Wanted) -> None:
         """Change what frames hold beside positions and headings."""

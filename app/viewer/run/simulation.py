@@ -276,7 +276,7 @@ class Simulation:
         second = self.run.second
         self.readings_beside = None if second is None else second.readings
         self.state = replace(self.state, rate=self.pace.rate(now) if self.state.running else 0.0)
-        if not self.state.running and self.state.compiling is None:
+        if not self.state.running:
             self.ready.set()
 
     def set_up(self) -> None:
@@ -350,6 +350,8 @@ class Simulation:
             self.run = self.preview.taken_over(run)
             self.run.want(self.wanted)
             self.run.watch(self.watched)
+            if self.run.is_compiled:
+                self.ready.set()
         self.preview = None
         self.state = replace(self.state, compiling=None, preview=False)
         self.pace.restart()
