@@ -27,7 +27,7 @@ from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
 from worlds.refusal import Refusal
 
-USUAL = 12.0
+USUAL = 15.0
 """What one model takes where nothing is known of it on this machine, s."""
 READY = "ready"
 
@@ -52,13 +52,13 @@ class Estimate:
 
         >>> Estimate(0.0, 8.0, True).words(3.2), Estimate(0.0, 8.0, True).words(9.0)
         ('about 5 s more', 'any moment now')
-        >>> Estimate(0.0, 12.0, False).words(1.0)
-        'usually some 12 s'
+        >>> Estimate(0.0, 15.0, False).words(1.0), Estimate(0.0, 15.0, False).words(16.0)
+        ('usually some 15 s', 'longer than usual')
         """
         left = self.expected - (now - self.began)
-        if left <= 0.0:
-            return "any moment now"
-        return f"about {left:.0f} s more" if self.known else f"usually some {self.expected:.0f} s"
+        if self.known:
+            return f"about {left:.0f} s more" if left > 0.5 else "any moment now"
+        return f"usually some {self.expected:.0f} s" if left > 0.0 else "longer than usual"
 
 
 class Compiling:
