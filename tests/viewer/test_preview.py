@@ -63,7 +63,7 @@ def test_a_preview_moves_says_so_and_is_not_measured(simulate):
     assert simulation.readings.values == {}
     shown = status(simulation.state)
     assert "<b>preview</b>" in shown
-    assert "Preview</b> while the model is compiled: about 8 s more" in shown
+    assert "Preview</b> until compiled: about 8 s more" in shown
 
 
 def test_the_compiled_run_repeats_it_from_tick_0_and_goes_on_from_the_tick_on_screen(simulate):
@@ -121,7 +121,7 @@ def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_ho
     simulation.go().result(5)
     simulation.set("eta", 1.0).result(5)
     assert simulation.run.flock.tick == 0
-    assert "Waiting</b> until the model is compiled" in status(simulation.state)
+    assert "Waiting</b> until compiled" in status(simulation.state)
     simulation.compiling.ready.set_result(None)
     until(lambda: simulation.frame.tick > 3)
     assert simulation.run.flock.parameters.eta == 1.0

@@ -118,8 +118,8 @@ def status(state: State) -> str:
 def compile_bar(compiling: Estimate, preview: bool) -> str:
     """Over the picture: what the page waits for, and how far that is."""
     now = time.monotonic()
-    kind = "Preview</b> while" if preview else "Waiting</b> until"
+    kind = "Preview" if preview else "Waiting"
     return (
-        f'<div class="fs-compiling"><b>{kind} the model is compiled: {compiling.words(now)}'
+        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.words(now)}'
         f'<i><i style="width:{100.0 * compiling.share(now):.0f}%"></i></i></div>'
     )
