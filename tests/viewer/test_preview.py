@@ -152,6 +152,20 @@ def test_the_same_kernel_goes_on_compiling_over_a_reset_and_another_one_is_begun
     assert first.closed
 
 
+def test_a_change_in_the_very_moment_when_it_is_compiled_begins_no_other_compile(simulate):
+    simulation = simulate(agents=5, running=False)
+    first = simulation.compiling
+
+    def change() -> None:
+        first.ready.set_result(None)
+        simulation.set_now("eta", 1.5, False, None)
+
+    simulation.tell(change).result(5)
+    until(lambda: simulation.state.compiling is None)
+    assert simulation.compiling is first
+    assert simulation.run.flock.parameters.eta == 1.5
+
+
 def test_a_model_that_cannot_be_compiled_stops_the_run_and_says_why(simulate):
     simulation = simulate(agents=5)
     simulation.compiling.ready.set_exception(Refusal("rule 'x', decide, line 3: no"))

@@ -81,9 +81,9 @@ class Compiling:
         threading.Thread(target=self.attend, name="compiling", daemon=True).start()
 
     def covers(self, flocks: Sequence[Flock]) -> bool:
-        """Whether what these flocks need is under way."""
-        under_way = not (self.closed or self.ready.done())
-        return under_way and self.kernels.issuperset(map(kernel, flocks))
+        """Whether what these flocks need is under way, or done."""
+        failed = self.ready.done() and self.ready.exception() is not None
+        return not (self.closed or failed) and self.kernels.issuperset(map(kernel, flocks))
 
     def close(self) -> None:
         """End the process."""
@@ -117,6 +117,8 @@ class Compiling:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
             )
+            if self.closed:
+                self.process.kill()
             assert self.process.stdin is not None
             assert self.process.stdout is not None
             pickle.dump((list(map(str, FILES.values())), self.specs), self.process.stdin)

@@ -334,10 +334,13 @@ class Simulation:
         if self.preview is None and all(run.is_at_hand for run in runs):
             self.state = replace(self.state, compiling=None)
             return
-        if self.compiling is None or not self.compiling.covers(flocks):
-            if self.compiling is not None:
-                self.compiling.close()
+        before = self.compiling
+        over = self.preview is None and before is not None and before.ready.done()
+        if before is None or over or not before.covers(flocks):
+            if before is not None:
+                before.close()
             self.compiling = self.compile(flocks)
+        assert self.compiling is not None
         self.state = replace(self.state, compiling=self.compiling.estimate)
 
     def look_for_kernels(self) -> None:
