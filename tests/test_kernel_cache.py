@@ -8,6 +8,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 PLUGIN = """
 from flockscope import MODELS
 from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Wish, compiled
@@ -131,3 +133,68 @@ def test_processes_that_want_the_same_kernel_at_once_compile_it_once(tmp_path):
         for _ in range(3)
     ]
     assert sorted(int(one.communicate()[0]) for one in asked) == [0, 0, 1]
+
+
+DOUBLED = """
+import resource, sys
+from agents.engine.cache import is_kept, kept
+
+def doubled(x):
+    return 2.0 * x
+
+def trebled(x):
+    return 3.0 * x
+
+if {most}:
+    resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, {most}))
+made = kept(doubled), kept(trebled)
+print(is_kept(made[0]), made[0](3.0), made[1](3.0), sum(made[0].stats.cache_misses.values()))
+"""
+
+
+def calls(folder: Path, cache: Path, most: int = 0) -> tuple[list[str], list[str]]:
+    """What calls of two kernels print, and what is told; files hold at most `most` bytes."""
+    (folder / "script.py").write_text(DOUBLED.format(most=most))
+    environment = {**os.environ, "FLOCKSCOPE_CACHE": str(cache), "PYTHONPATH": os.getcwd()}
+    done = subprocess.run(
+        [sys.executable, str(folder / "script.py")],
+        env=environment | {"PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.split(), done.stderr.splitlines()
+
+
+def test_a_cache_that_cannot_be_written_is_told_once_and_done_without(tmp_path):
+    (tmp_path / "no-folder").write_text("")
+    printed, told = calls(tmp_path, tmp_path / "no-folder")
+    assert printed == ["False", "6.0", "9.0", "1"]
+    assert len(told) == 1
+    assert told[0].startswith(f"flockscope: compiled kernels cannot be kept in {tmp_path}")
+    assert not list(tmp_path.rglob("*.nbi"))
+
+
+def test_a_full_disk_is_told_once_and_done_without(tmp_path):
+    printed, told = calls(tmp_path, tmp_path / "cache", most=100)
+    assert printed == ["False", "6.0", "9.0", "1"]
+    assert len(told) == 1
+    assert "cannot be kept" in told[0]
+    assert not [one for one in tmp_path.rglob("*.nb*") if one.is_file()]
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize(
+    "damage",
+    [lambda whole: whole[:-20], lambda _: b"", lambda whole: whole[:80] + b"?" + whole[81:]],
+    ids=["cut", "empty", "one byte"],
+)
+def test_what_is_damaged_is_told_once_and_compiled_anew(tmp_path, kind, damage):
+    assert calls(tmp_path, tmp_path / "cache") == (["False", "6.0", "9.0", "1"], [])
+    for path in tmp_path.rglob(f"*.{kind}"):
+        path.write_bytes(damage(path.read_bytes()))
+    printed, told = calls(tmp_path, tmp_path / "cache")
+    assert printed == ["False", "6.0", "9.0", "1"]
+    assert len(told) == 1
+    assert "are damaged: they are compiled anew" in told[0]
+    assert calls(tmp_path, tmp_path / "cache") == (["True", "6.0", "9.0", "0"], [])

@@ -2,21 +2,27 @@
 
 numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
 named by a hash over the bytecode of every function that it reaches and the value of every constant.
+What cannot be written is done without; what is damaged is compiled anew. Either is told once.
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib.metadata
+import itertools
 import os
+import pickle
 import sys
 import threading
 import types
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy as np
 import platformdirs
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
 
 from worlds.compiled import entry
@@ -24,6 +30,8 @@ from worlds.compiled import entry
 KEEPING = threading.Lock()
 IN_LLVM = ("flat.py", "lanes.py", "pairs/meeting.py", "pairs/sums.py")
 """Files of the engine that write LLVM's own words, which no function's bytecode shows."""
+CHECKSUM = hashlib.sha256().digest_size
+"""Bytes at the head of every file: the checksum of the rest."""
 
 
 def cache_base() -> Path:
@@ -89,32 +97,115 @@ def new_digest():
     return digest
 
 
+@functools.cache
+def tell_once(words: str) -> None:
+    """Tell the user something, once, on stderr."""
+    print(f"flockscope: {words}", file=sys.stderr)
+
+
+class KernelFiles(IndexDataCacheFile):
+    """The files of a kernel, each with a checksum; one that is damaged counts as not there."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep what was compiled for a key: first itself, then the index that names it."""
+        names = self._load_index()
+        taken = set(names.values())
+        name = names.get(key) or next(
+            name for name in map(self._data_name, itertools.count(1)) if name not in taken
+        )
+        self._save_data(name, data)
+        self._save_index(names | {key: name})
+
+    def whole(self) -> bool:
+        """Whether anything is kept, all of it undamaged."""
+        paths = [self._data_path(name) for name in self._load_index().values()]
+        return bool(paths) and all(read(path) is not None for path in paths)
+
+    def _load_index(self) -> dict:
+        content = read(self._index_path)
+        try:
+            return {} if content is None else pickle.loads(content)
+        except (ImportError, AttributeError):  # a class among the keys has moved: compile anew
+            return {}
+
+    def _save_index(self, overloads: dict) -> None:
+        self._write(self._index_path, overloads)
+
+    def _load_data(self, name: str) -> Any:
+        content = read(self._data_path(name))
+        return None if content is None else pickle.loads(content)
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(self._data_path(name), data)
+
+    def _write(self, path: str, value: Any) -> None:
+        content = self._dump(value)
+        with self._open_for_write(path) as file:
+            file.write(hashlib.sha256(content).digest() + content)
+
+
+def read(path: str) -> bytes | None:
+    """The content of a file behind its checksum, None if there is none, or none that is whole."""
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return None
+    if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
+        return content[CHECKSUM:]
+    tell_once(f"compiled kernels in {cache_base()} are damaged: they are compiled anew")
+    return None
+
+
+class KernelCache(FunctionCache):
+    """numba's cache of one function over such files; without what cannot be written."""
+
+    _cache_file: KernelFiles
+
+    def __init__(self, function: types.FunctionType):
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = KernelFiles(self._cache_path, self._impl.filename_base, stamp)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled, if that can be."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            tell_unwritable(error)
+
+
+def tell_unwritable(error: OSError) -> None:
+    """Tell that kernels are not kept."""
+    tell_once(
+        f"compiled kernels cannot be kept in {cache_base()} ({error.strerror}): every start "
+        "compiles anew"
+    )
+
+
 def keep(entry, digest) -> Path:
     """Keep what `entry` compiles to in a folder named by the digest; returns the folder."""
     folder = cache_base() / "kernels" / digest.hexdigest()[:24]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "lock").touch()
+    except OSError as error:
+        tell_unwritable(error)
+        return folder
     with KEEPING:
         setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
-        entry.enable_caching()
-    forget_if_unreadable(entry)
+        entry._cache = KernelCache(entry.py_func)
     entry.lock = folder / "lock"
     return folder
 
 
 def is_kept(entry) -> bool:
     """Whether what `entry` compiles to is on disk, from this very checkout or installation."""
-    return bool(entry._cache._cache_file._load_index())
+    return isinstance(entry._cache, KernelCache) and entry._cache._cache_file.whole()
 
 
-def forget_if_unreadable(entry) -> None:
-    """Forget kernels whose arguments are of classes that have moved since: compile them anew.
-
-    A class that a kernel meets only in its arguments is not in the kernel's name.
-    """
-    kept = entry._cache._cache_file
-    try:
-        kept._load_index()
-    except (ImportError, AttributeError):
-        Path(kept._index_path).unlink(missing_ok=True)
+def is_at_hand(entry) -> bool:
+    """Whether `entry` need not be compiled before it runs: it has been, or is on disk."""
+    return bool(entry.signatures) or is_kept(entry)
 
 
 def kept(function):

@@ -10,7 +10,7 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.flock import Flock
+from agents.home import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.given import Asked, given, with_options
@@ -18,7 +18,6 @@ from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stopping import Stopping, leave
 from app.settings import assignment
-from app.viewer.run.beside import companion, shared_by
 from app.viewer.run.home import at_home
 from app.viewer.web.origin import allowed
 from worlds.refusal import Refusal
@@ -61,7 +60,9 @@ def lab(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
-    from app.viewer.lab.laboratory import Laboratory
+    from app.viewer.web.addresses import here
+    from app.viewer.web.server import close_server, open_server
+    from app.viewer.web.serving.front import Front
 
     names = tuple(allowed(name) for name in allow_host or ())
     model = first_of(model, rule) or DEFAULT
@@ -71,12 +72,25 @@ def lab(
         if isinstance(spec.size, tuple):
             raise Refusal(f"size = {list(spec.size)} is not allowed: here all sides are alike")
         spec = at_home(**{**dict(spec), "parameters": own})
+        find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
-        flock = Flock(spec, threads=threads)
-        if second is not None:
-            companion(flock, second)
-    laboratory = Laboratory(spec, host, port, speed, allow=names, beside=second, threads=threads)
-    serve(laboratory, open_browser)
+    server = open_server(host, port, Front(allow=names))
+    try:  # the page is served, and loads in the browser, before what takes long to import
+        if open_browser:
+            webbrowser.open(here(host, server.get_port()))
+        from agents.flock import Flock
+        from app.viewer.lab.laboratory import Laboratory
+        from app.viewer.run.beside import companion
+
+        with origins.named():
+            flock = Flock(spec, threads=threads)
+            if second is not None:
+                companion(flock, second)
+    except BaseException:
+        close_server(server)
+        raise
+    laboratory = Laboratory(spec, host, speed=speed, beside=second, threads=threads, server=server)
+    serve(laboratory)
 
 
 def parameters(
@@ -89,6 +103,8 @@ def parameters(
     given = dict(assignment(setting) for setting in settings)
     if beside is None:
         return lively(model, given), {}
+    from app.viewer.run.beside import shared_by
+
     both = shared_by(model, find_model(beside).name)
     first, second = (set(MODELS[name].parameters.model_fields) for name in (model, beside))
     others = {name: value for name, value in given.items() if name in second - first}
@@ -106,17 +122,13 @@ def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
     return {name: made[name] for name in moved | given}
 
 
-def serve(laboratory: Any, open_browser: bool) -> None:
+def serve(laboratory: Any) -> None:
     """Tell the address and serve until Ctrl-C or SIGTERM."""
     with Stopping() as stopping:
         try:
             announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")
             if not laboratory.simulation.ready.wait(0.8):
-                typer.echo(
-                    "compiling: only the first start of a model takes this long ...", err=True
-                )
-            if open_browser:
-                webbrowser.open(laboratory.address)
+                typer.echo("compiling, this once: a preview is shown meanwhile ...", err=True)
             while not stopping.asked:
                 time.sleep(LOOK)
         finally:

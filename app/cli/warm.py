@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-import warnings
 from typing import Annotated
 
 import typer
@@ -53,18 +52,15 @@ def warm(
 def compiled(name: str) -> tuple[bool, float]:
     """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
     from agents.flock import Flock
-    from agents.observables.catalogue import OBSERVABLES
-    from app.experiments.workers.kernels import compile_loop
+    from app.experiments.workers.kernels import compile_measures
+    from app.viewer.run.compiling import try_out
 
     begun = time.perf_counter()
     flock = Flock(name, agents=3, rng=0)
     before = flock.is_compiled
-    compile_loop(flock, None)
+    try_out(flock)
     flock.warm()
-    with warnings.catch_warnings(action="ignore"):
-        for one in OBSERVABLES.values():
-            if one.over is None and one.applies(flock):
-                flock.observe(one.name)
+    compile_measures(flock)
     return before, round(time.perf_counter() - begun, 2)
 
 

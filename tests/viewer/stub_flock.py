@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import Future
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,6 +14,7 @@ from agents.models.declare import Parameters, checked, parameter
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.crashes import Crashes
+from app.viewer.run.compiling import Estimate
 from app.viewer.run.home import at_home
 from worlds.refusal import Refusal
 from worlds.world import World
@@ -24,6 +26,22 @@ class Knobs(Parameters):
     eta: float = parameter(0.5, "Noise", symbol=r"\eta", source="none", low=0.0, high=6.28)
 
 
+class StubCompiling:
+    """A compile that is done when a test says so: `ready.set_result(None)`."""
+
+    def __init__(self, flocks):
+        self.flocks = list(flocks)
+        self.estimate = Estimate(time.monotonic(), 8.0, True)
+        self.ready: Future[None] = Future()
+        self.closed = False
+
+    def covers(self, _flocks) -> bool:
+        return not self.closed
+
+    def close(self) -> None:
+        self.closed = True
+
+
 class StubSnapshot(Snapshot):
     """A stub at a tick, with links, groups and layers of its places."""
 
@@ -32,6 +50,8 @@ class StubSnapshot(Snapshot):
 
 class StubFlock:
     """Agents that fly straight on; at the tick `breaks_at` they raise `error` instead."""
+
+    is_compiled = True
 
     def __init__(
         self,

@@ -87,7 +87,7 @@ def test_a_busy_port_is_one_line_and_exit_code_2():
     ],
 )
 def test_what_cannot_be_is_one_line_and_exit_code_2(arguments, words, monkeypatch):
-    monkeypatch.setattr("app.cli.lab.serve", lambda laboratory, _: laboratory.close())
+    monkeypatch.setattr("app.cli.lab.serve", lambda laboratory: laboratory.close())
     assert words in refusal("lab", "--no-open", "--agents", 20, "--port", 0, *arguments)
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from agents import Flock
+    from agents.spec import Spec
 
 
 def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
@@ -17,7 +19,22 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
         return
     if tell and not flock.is_compiled:
         tell(f"compiling {flock.model.name} (only its first start takes these seconds) ...")
-    alone = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
-    twin = Flock(flock.options.but(world=flock.world, **alone))
+    twin = Flock(alone(flock))
     twin.run(1)
     twin.stray()
+
+
+def alone(flock: Flock) -> Spec:
+    """The run of one agent that takes the same kernels."""
+    one = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
+    return flock.options.but(world=flock.world, **one)
+
+
+def compile_measures(flock: Flock) -> None:
+    """Compile all that can be measured of a flock."""
+    from agents.observables.catalogue import OBSERVABLES
+
+    with warnings.catch_warnings(action="ignore"):
+        for one in OBSERVABLES.values():
+            if one.over is None and one.applies(flock):
+                flock.observe(one.name)

@@ -49,8 +49,8 @@ from app.viewer.web.values import show
 class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
 
-    `allow`: names by which browsers may reach it beside this machine's own. Raises Refusal if the
-    port is busy.
+    `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
+    open already, on this host. Raises Refusal if the port is busy.
     """
 
     def __init__(
@@ -63,8 +63,9 @@ class Laboratory:
         allow: tuple[Allowed, ...] = (),
         beside: Spec | None = None,
         threads: int = 1,
+        server: viser.ViserServer | None = None,
     ):
-        self.server = open_server(host, port, Front(allow=allow))
+        self.server = server or open_server(host, port, Front(allow=allow))
         accept_uploads(self.server, LARGEST)
         self.host = host
         spec = spec or at_home()

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from agents.flock import Flock
-from agents.observables.following import least_clearances, nearest_pairs
+from agents.observables.following import (
+    bring_clearances,
+    bring_pairs,
+    least_clearances,
+    nearest_pairs,
+)
 
 MOST_AGENTS = 256
 """Of a larger flock the distances between agents are not kept: there are too many pairs."""
@@ -32,6 +38,11 @@ class Extremes:
         world = self.flock.world
         few = len(self.flock.ids) <= MOST_AGENTS and not self.flock.can_crash
         return few and (world.mission is not None or world.is_solid)
+
+    @property
+    def kernels(self) -> tuple[Any, ...]:
+        """What is compiled to watch it."""
+        return (bring_pairs, bring_clearances) if self.wanted else ()
 
     def run(self, ticks: int) -> None:
         """Run the flock, and watch it if it is to be watched."""

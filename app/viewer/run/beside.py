@@ -94,7 +94,7 @@ def companion(first: Flock, beside: Spec) -> Flock:
         arrays = {name: getattr(first, name) for name in ("position", "heading", "speed")}
         spec = spec.but(informed=0)
     try:
-        flock = Flock(spec, threads=first.threads, start=arrays)
+        flock = Flock(spec, threads=first.threads, start=arrays, interpret=first.interpret)
     except Refusal as refusal:
         raise Refusal(f"{model.title}: {refusal}") from None
     if arrays is not None:

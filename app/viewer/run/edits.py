@@ -37,6 +37,8 @@ class Host(Protocol):
 
     def sound_run(self) -> Run: ...
 
+    def change(self, change: Callable[[Run], None]) -> None: ...
+
     def schedule(self, spec: Spec, beside: Spec | None) -> None: ...
 
 
@@ -111,7 +113,7 @@ class Edits:
         assert before is not None
         after = change(before)
         if after.world is not run.flock.world:
-            inhabit(run, after)
+            self.host.change(lambda run: inhabit(run, after))
         self.editor = after
         spec, plain = self.host.state.spec, self.plain
         if after.world is self.untouched and plain is not None:

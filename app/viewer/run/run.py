@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from agents.engine.cache import is_at_hand
 from agents.flock import Flock
 from agents.state.whereabouts import Stray
 from app.viewer.measuring.crowd import refuse_too_dense
@@ -25,6 +26,8 @@ class Run:
 
     second: Run | None = None
     """The run of the flock beside it, if there is one: see `beside.Pair`."""
+    measures: bool = True
+    """Whether it is measured; a preview is only looked at."""
 
     def __init__(
         self,
@@ -66,6 +69,14 @@ class Run:
         """Whether the next tick need not be compiled, neither here nor beside."""
         return all(one.compiled for one in self.both)
 
+    @property
+    def is_at_hand(self) -> bool:
+        """Whether all that it calls has been compiled, or is on disk."""
+        return all(
+            one.flock.is_compiled and all(map(is_at_hand, one.readings.extremes.kernels))
+            for one in self.both
+        )
+
     def want(self, wanted: Wanted) -> None:
         """Change what frames hold beside positions and headings."""
         self.camera.want(wanted)
@@ -91,7 +102,10 @@ class Run:
 
     def advance(self, ticks: int) -> None:
         """Run ticks. Raises whatever the rule raises."""
-        self.readings.extremes.run(ticks)
+        if self.measures:
+            self.readings.extremes.run(ticks)
+        else:
+            self.flock.advance(ticks)
         self.compiled = True
 
     def look(self, closely: bool) -> Frame:
@@ -107,6 +121,8 @@ class Run:
                 f"agent {flock.ids[row]} has position {flock.position[row].tolist()} at tick "
                 f"{flock.tick}: every position must be a finite number"
             )
+        if not self.measures:
+            return self.camera.take()
         if self.astray is None:
             self.astray = flock.stray()
             self.troubles += [] if self.astray is None else [Astray(str(self.astray))]

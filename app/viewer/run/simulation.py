@@ -7,7 +7,7 @@ import queue
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any
@@ -20,9 +20,11 @@ from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.beside import Pair, companion
 from app.viewer.run.command_queue import CommandQueue, Waiting
+from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.pace import Pace
 from app.viewer.run.picture import Wanted
+from app.viewer.run.preview import Preview, is_quick
 from app.viewer.run.run import Run
 from app.viewer.run.state import State
 from app.viewer.run.words import Astray, in_words
@@ -32,6 +34,8 @@ from worlds.refusal import Refusal
 
 FRAMES = 1 / 50
 """Shortest time between two frames, s."""
+LOOK = 0.05
+"""Time between two looks whether the run is compiled, s."""
 OBEDIENCE = 0.03
 """Longest time for commands before ticks are run again, s."""
 
@@ -45,7 +49,8 @@ class Simulation:
 
     Commands return at once and are carried out in order, between two ticks; a pause comes first.
     However much is told, little waits: what comes to the same is merged, and what is too much is
-    refused. What a user must be told is left in `notices`; `edits` change the world.
+    refused. What a user must be told is left in `notices`; `edits` change the world. While a run is
+    not compiled a preview of it goes on, if it is quick enough, and takes the same commands.
     """
 
     def __init__(
@@ -54,8 +59,9 @@ class Simulation:
         beside: Spec | None = None,
         speed: float = 15.0,
         running: bool = True,
-        build: Callable[[Spec], Flock] = Flock,
+        build: Callable[..., Flock] = Flock,
         build_beside: Callable[[Flock, Spec], Flock] = companion,
+        compiling: Callable[[Sequence[Flock]], Compiling] = Compiling,
     ):
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
@@ -68,7 +74,12 @@ class Simulation:
         """Set when the first flock can be seen and, if it is to run, is compiled."""
         self.build = build
         self.build_beside = build_beside
+        self.compile = compiling
+        self.compiling: Compiling | None = None
+        """What compiles, or has compiled, what the run calls."""
+        self.preview: Preview | None = None
         self.run: Run | None = None
+        """The run on screen; a preview until its own is compiled."""
         self.wanted = Wanted()
         self.watched: frozenset[str] = frozenset()
         self.pace = Pace(speed)
@@ -86,6 +97,8 @@ class Simulation:
         self.closing = True
         self.commands.wake()
         self.thread.join(wait)
+        if self.compiling is not None:
+            self.compiling.close()
 
     # Commands, from any thread.
 
@@ -177,7 +190,7 @@ class Simulation:
 
     def saved(self) -> Future:
         """The flock's saved state, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.sound_run().saved(), "saved")
+        return self.tell(lambda: self.compiled_run("what is saved").saved(), "saved")
 
     # The simulation's own thread.
 
@@ -188,6 +201,7 @@ class Simulation:
             try:
                 if self.next is not None:
                     self.set_up()
+                self.look_for_kernels()
                 self.leave()
                 if self.state.running:
                     self.run_due()
@@ -210,22 +224,30 @@ class Simulation:
         """How long to wait for commands, s; None for ever."""
         if self.next is not None or self.stale:
             return 0.0
-        return self.pace.wait(time.perf_counter()) if self.state.running else None
+        due = self.pace.wait(time.perf_counter()) if self.state.running else None
+        if self.state.compiling is None:
+            return due
+        return LOOK if due is None or self.stands else min(due, LOOK)
 
     def run_due(self) -> None:
         """Run the ticks that are due."""
+        if self.stands:
+            return
         run = self.sound_run()
         ticks = self.pace.ticks_due(time.perf_counter())
         if ticks == 0:
             return
-        began = time.perf_counter()
+        began, worked = time.perf_counter(), time.thread_time()
         self.advance(run, ticks)
         now = time.perf_counter()
         self.pace.took(ticks, now - began)
+        if self.preview is not None:
+            self.preview.took((time.thread_time() - worked) / ticks)
+            self.state = replace(self.state, preview=not self.preview.stands)
         self.stale = now >= self.next_frame
 
     def advance(self, run: Run, ticks: int) -> None:
-        """Run ticks; the first ones of a model may have to be compiled."""
+        """Run ticks; the first ones of a model may have to be loaded."""
         if run.is_compiled:
             run.advance(ticks)
             return
@@ -233,7 +255,8 @@ class Simulation:
         run.advance(ticks)
         self.state = replace(self.state, busy=False)
         self.pace.restart()
-        self.ready.set()
+        if self.state.compiling is None:
+            self.ready.set()
 
     def leave(self) -> None:
         """Leave a frame and readings for whoever watches, if there is anything new."""
@@ -264,7 +287,7 @@ class Simulation:
         try:
             flock = self.build(spec)
             refuse_too_dense(flock)
-            self.run = self.new_run(flock, beside)
+            run = self.new_run(flock, beside)
         except Refusal as refusal:
             self.notices.put(str(refusal))
             self.state = replace(
@@ -272,6 +295,14 @@ class Simulation:
             )
             self.ready.set()
             return
+        self.run, self.preview = run, None
+        self.have_compiled(run)
+        if self.state.compiling is not None and is_quick(run):
+            twin = self.build(spec.but(seed=flock.seed), interpret=True)
+            self.preview = Preview(run)
+            self.run = self.new_run(twin, beside)
+            for one in self.run.both:
+                one.measures = False
         self.edits.take_over(self.run, spec)
         self.pace.restart()
         self.stale = True
@@ -281,6 +312,7 @@ class Simulation:
             beside=beside,
             run=self.run.number,
             busy=False,
+            preview=self.preview is not None,
             error="",
             agents=len(flock.ids),
             values=self.run.values,
@@ -296,13 +328,78 @@ class Simulation:
         refuse_too_dense(second)
         return Pair(flock, second, number, self.wanted, self.watched)
 
+    def have_compiled(self, *runs: Run) -> None:
+        """Have compiled what runs call, and nothing else, if it is not at hand."""
+        flocks = [one.flock for run in runs for one in run.both]
+        if self.preview is None and all(run.is_at_hand for run in runs):
+            self.state = replace(self.state, compiling=None)
+            return
+        before = self.compiling
+        over = self.preview is None and before is not None and before.ready.done()
+        if before is None or over or not before.covers(flocks):
+            if before is not None:
+                before.close()
+            self.compiling = self.compile(flocks)
+        assert self.compiling is not None
+        self.state = replace(self.state, compiling=self.compiling.estimate)
+
+    def look_for_kernels(self) -> None:
+        """Go on with the compiled run as soon as it can: from where the preview is."""
+        compiling, run = self.compiling, self.run
+        if self.state.compiling is None or compiling is None or not compiling.ready.done():
+            return
+        compiling.ready.result()
+        if self.preview is not None and run is not None:
+            self.run = self.preview.taken_over(run)
+            self.run.want(self.wanted)
+            self.run.watch(self.watched)
+            if self.run.is_compiled:
+                self.ready.set()
+        self.preview = None
+        self.state = replace(self.state, compiling=None, preview=False)
+        self.pace.restart()
+        self.stale = True
+
+    @property
+    def stands(self) -> bool:
+        """Whether the flock stands until it is compiled."""
+        moves = self.preview is not None and not self.preview.stands
+        return self.state.compiling is not None and not moves
+
+    def compiled_run(self, wanted: str) -> Run:
+        """The run, if it is no preview. Raises Refusal."""
+        if self.preview is not None and self.state.compiling is not None:
+            left = self.state.compiling.words(time.monotonic())
+            raise Refusal(f"this is a preview, and {wanted} is the compiled run ({left})")
+        return self.sound_run()
+
+    def change(self, change: Callable[[Run], None]) -> None:
+        """Change the run; of a preview, the run that takes over too, at the same tick."""
+        run = self.sound_run()
+        tick = run.flock.tick
+        change(run)
+        if self.preview is None:
+            self.have_compiled(run)
+        else:
+            self.preview.changes.append((tick, change))
+            self.have_compiled(self.preview.coming, run)
+
     def fail(self, error: Exception) -> None:
         """A rule went wrong: stop the run, say why and live on."""
         if not isinstance(error, Refusal | ArithmeticError):
             traceback.print_exception(error)
         self.stale = False
         self.notices.put(in_words(error))
-        self.state = replace(self.state, running=False, busy=False, rate=0.0, error=in_words(error))
+        self.preview = None
+        self.state = replace(
+            self.state,
+            running=False,
+            busy=False,
+            compiling=None,
+            preview=False,
+            rate=0.0,
+            error=in_words(error),
+        )
         self.ready.set()
 
     def sound_run(self) -> Run:
@@ -331,6 +428,9 @@ class Simulation:
 
     def step_now(self, ticks: int) -> None:
         run = self.sound_run()
+        if self.stands and self.state.compiling is not None:
+            left = self.state.compiling.words(time.monotonic())
+            raise Refusal(f"the flock stands until it is compiled ({left})")
         self.state = replace(self.state, running=False)
         try:
             self.advance(run, ticks)
@@ -350,7 +450,7 @@ class Simulation:
         if models not in (None, self.state.models):
             return value
         taken = run.allowed(name, value, beside)
-        run.set(name, taken, beside)
+        self.change(lambda run: run.set(name, taken, beside))
         if taken != value:
             flock = run.second.flock if beside and run.second is not None else run.flock
             self.notices.put(stopped(flock, name, taken))
@@ -360,8 +460,8 @@ class Simulation:
         return taken
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
-        run = self.sound_run()
-        run.place(row, freed(run, position), heading)
+        place = freed(self.sound_run(), position)
+        self.change(lambda run: run.place(row, place, heading))
         self.stale = True
 
     def look_again_now(self) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from agents.spec import Spec
+from app.viewer.run.compiling import Estimate
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,11 @@ class State:
     """Counts the set-ups."""
     running: bool = False
     busy: bool = False
-    """Whether a flock is being set up or compiled."""
+    """Whether a flock is being set up."""
+    compiling: Estimate | None = None
+    """How long it may take until what the run calls is compiled; None: it is."""
+    preview: bool = False
+    """Whether the flock on screen is a preview meanwhile, the same run as plain Python."""
     error: str = ""
     """What stopped the run; Setup or Reset mends it."""
     speed: float = 15.0

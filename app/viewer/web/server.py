@@ -24,6 +24,7 @@ import websockets.asyncio.server
 from viser import _messages as messages
 from websockets.http11 import Request, Response
 
+from app.viewer.web.icons import keep_icons_open
 from app.viewer.web.incoming.connection import PROTOCOL, Connection
 from app.viewer.web.incoming.controls import guard
 from app.viewer.web.incoming.door import Door
@@ -75,6 +76,7 @@ def open_server(
     the port is busy or the host is not this machine's.
     """
     hand_over()
+    keep_icons_open()
     entrance, quiet = Entrance(front or Front()), contextlib.redirect_stdout(io.StringIO())
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet:

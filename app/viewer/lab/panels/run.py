@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import html
 import math
+import time
 
 import viser
 
 from agents.catalogue import MODELS
 from app.viewer.lab.panels.setup import SetupPanel
-from app.viewer.panels.style import GREEN, GREY, ORANGE, block
+from app.viewer.panels.style import GREEN, GREY, ORANGE, VIOLET, block
+from app.viewer.run.compiling import Estimate
 from app.viewer.run.home import lively_speed
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
@@ -102,9 +104,22 @@ def status(state: State) -> str:
     words = MODELS[model].title if beside is None else f"{model} beside {beside}"
     title = "" if state.busy else f" · {html.escape(words)}"
     colour, words = GREY, "paused"
-    if state.busy:
+    if state.compiling is not None:
+        colour, words = (VIOLET, "preview") if state.preview else (ORANGE, "waiting")
+        title += compile_bar(state.compiling, state.preview)
+    elif state.busy:
         colour, words = ORANGE, "setting up …"
     elif state.running:
         colour, words = GREEN, "running"
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
     return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'
+
+
+def compile_bar(compiling: Estimate, preview: bool) -> str:
+    """Over the picture: what the page waits for, and how far that is."""
+    now = time.monotonic()
+    kind = "Preview" if preview else "Waiting"
+    return (
+        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.words(now)}'
+        f'<i><i style="width:{100.0 * compiling.share(now):.0f}%"></i></i></div>'
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d, uniform_filter1d
+from numpy.lib.stride_tricks import sliding_window_view
 
 from app.viewer.scene.draw.oklch import attainable, oklch
 
@@ -126,8 +126,13 @@ def _heading_table() -> np.ndarray:
     lightness = 0.675 + 0.085 * np.cos(hue - HUE_YELLOW) + rise
     # What sRGB can show changes abruptly with the hue; an even wheel must change slowly.
     chroma = attainable(lightness, np.full_like(lightness, 0.20), hue + 0.0 * lightness)
-    least = minimum_filter1d(chroma, _SMOOTH, axis=1, mode="wrap")
-    return oklch(lightness, uniform_filter1d(least, _SMOOTH, axis=1, mode="wrap"), hue)
+    return oklch(lightness, _around(_around(chroma).min(axis=-1)).mean(axis=-1), hue)
+
+
+def _around(rows: np.ndarray) -> np.ndarray:
+    """(rises, hues, _SMOOTH): of each value (rises, hues) those around it; hues go round."""
+    ends = np.pad(rows, ((0, 0), (_SMOOTH // 2, _SMOOTH // 2)), mode="wrap")
+    return sliding_window_view(ends, _SMOOTH, axis=1)
 
 
 def _speed_table() -> np.ndarray:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import io
+
 import numpy as np
+from PIL import Image
 from viser import SceneApi
+from viser import _messages as messages
 
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.picture import Changes, Picture
@@ -31,10 +35,19 @@ def set_light(scene: SceneApi) -> None:
         cast_shadow=True,
         position=SUN,
     )
+    scene._websock_interface.queue_message(
+        messages.BackgroundImageMessage(format="png", rgb_data=sky(), depth_data=None)
+    )
+
+
+def sky() -> bytes:
+    """The background as PNG; viser would import all of imageio to make it one."""
     steps = np.linspace(0.0, 1.0, 64)[:, None, None]
-    sky = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
-    image = np.rint(255.0 * np.broadcast_to(sky, (64, 4, 3))).astype(np.uint8)
-    scene.set_background_image(image, format="png")
+    rows = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
+    made = io.BytesIO()
+    image = np.rint(255.0 * np.broadcast_to(rows, (64, 4, 3))).astype(np.uint8)
+    Image.fromarray(image).save(made, "png")
+    return made.getvalue()
 
 
 class Fog:
