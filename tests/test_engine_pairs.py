@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import threading
 
@@ -18,7 +19,11 @@ from agents.engine.lanes import WIDTH, load, store, where
 from agents.engine.pairs.meeting import STOP
 from agents.engine.pairs.runner import OfPairs
 from agents.engine.runner import NotANumber
+from agents.models.calling import Fault
 from agents.motion import Motion
+from agents.rules.terms.sums import of_pairs
+from flockscope.rules import CONSTANT_SPEED, VEM, Model, Wish
+from worlds.compiled import compiled
 
 finite = st.floats(-1e6, 1e6)
 eight = drawn(float, WIDTH, elements=finite)
@@ -157,3 +162,33 @@ def test_threads_that_wait_for_one_that_never_comes_leave_with_nothing_done(monk
     other.run(4)
     flock.run(3)
     assert np.array_equal(flock.position, other.position)
+
+
+@compiled
+def asks_with_if(me, other, p):  # noqa: ARG001
+    return (1.0 if other.d2 < p.r else 0.0,)
+
+
+@compiled
+def too_few(me, other, p):  # noqa: ARG001
+    return other.ux, other.uy
+
+
+@compiled
+def of_one(me, sums, surroundings, p):  # noqa: ARG001
+    return Wish(sums[0], 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("term", "reason"),
+    [
+        (asks_with_if, "asks_with_if, line .*: `if` cannot ask about eight agents at once"),
+        (too_few, "a term has 2 numbers, but 1 are declared"),
+    ],
+)
+def test_what_is_wrong_with_a_term_is_one_line(term, reason):
+    made = of_pairs(1, term, of_one)
+    rule = dataclasses.replace(VEM, name="wrong", weigh=None, **made)
+    with pytest.raises(Fault, match=reason) as caught:
+        Flock(Model(rule, CONSTANT_SPEED), agents=20, rng=1).run(1)
+    assert "\n" not in str(caught.value)

@@ -181,6 +181,8 @@ def in_words(message: str, model: Model, code: CodeType) -> str:
     if called := re.search(r"Untyped global name '(\w+)': .* of <class '(\w+)'>", message):
         why = "is not @compiled" if called[2] == "function" else "works in plain Python only"
         return f"{called[1]!r} {why}"
+    if "Truths" in message and "bool" in message:
+        return "`if` cannot ask about eight agents at once: use where(condition, this, other)"
     if "NRT required" in message:
         return "a compiled function cannot make a list, an array or anything else of its own"
     return message[:LONGEST]

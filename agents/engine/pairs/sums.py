@@ -7,6 +7,7 @@ from typing import Any
 
 from numba import types
 from numba.core import cgutils
+from numba.core.errors import TypingError
 from numba.core.extending import overload
 
 from agents.engine.lanes import FREE, LANES, TRUTHS, address, in_llvm, spread
@@ -45,6 +46,8 @@ def compiled_no_sums(typingctx, number, like):  # noqa: ARG001
 def compiled_added(typingctx, sums, terms):  # noqa: ARG001
     """`added`, in compiled code."""
     kind = sums.dtype
+    if len(terms) != sums.count:
+        raise TypingError(f"a term has {len(terms)} numbers, but {sums.count} are declared")
 
     def codegen(context, builder, sig, args):
         made = []
