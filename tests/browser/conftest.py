@@ -16,7 +16,7 @@ from agents.catalogue import MODELS
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
 from app.viewer.run.home import at_home, titled
-from tests.browser.window import Window
+from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
 CHROMIUM = os.environ.get("FLOCKSCOPE_CHROMIUM") or shutil.which("chromium")
@@ -111,6 +111,7 @@ def laboratory(served):
     simulation.setup(START)
     refill(served.setup)
     until(lambda: simulation.state.run > before and simulation.frame.run == simulation.state.run)
+    until(lambda: is_compiled(simulation), COMPILED)
     until(lambda: served.drawing.drawn and served.drawing.drawn[0] is simulation.frame)
     return served
 

@@ -7,6 +7,7 @@ import zipfile
 
 import numpy as np
 
+from tests.browser.window import COMPILED, is_compiled
 from tests.viewer.waiting import until
 
 
@@ -52,6 +53,7 @@ def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, la
     page.get_by_text("Changed: beside").wait_for()
     window.press("Setup")
     until(lambda: simulation.state.models[1] == "ivem", 60)
+    until(lambda: is_compiled(simulation), COMPILED)
     until(lambda: laboratory.scene._sights[1:], 20)
     titles = page.locator(".fs-pair-titles")
     titles.wait_for(timeout=20_000)
@@ -92,6 +94,7 @@ def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, la
     page.get_by_role("option", name="none", exact=True).click()
     window.press("Setup")
     until(lambda: simulation.state.models[1] is None, 60)
+    until(lambda: is_compiled(simulation), COMPILED)
     until(lambda: window.card("groups") != "", 20, "cards again")
     assert column(window, "polarisation") == []
     until(lambda: len(laboratory.scene._sights) == 1)

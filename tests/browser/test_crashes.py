@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.browser.window import Window
+from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
 
@@ -26,9 +26,9 @@ def test_a_flock_that_can_crash_is_watched_and_another_is_not(window, laboratory
     page.get_by_text("only looked at as the run starts").wait_for()
     until(lambda: page.get_by_label("Dimension", exact=True).input_value() == "3-D")
     window.press("Setup")
-    until(lambda: simulation.state.spec.model == "thesis" and not simulation.state.busy, 60)
+    until(lambda: simulation.state.spec.model == "thesis" and is_compiled(simulation), COMPILED)
     until(lambda: [chosen(window, n) for n in (1, 2, 3)] == ["groups", "polarisation", "crashes"])
-    assert "Crashed 0 of 50" in window.text()
+    until(lambda: "Crashed 0 of 50" in window.text())
     assert window.card("drag saved") == "–"
     simulation.step(2).result(120)
     crashed = simulation.run.flock.crashes

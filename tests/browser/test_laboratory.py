@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import viser
 
-from tests.browser.window import Window
+from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
 
@@ -74,6 +74,7 @@ def test_another_model_brings_its_own_sliders(window, laboratory):
     window.page.get_by_role("option", name="Vicsek model", exact=True).click()
     window.press("Setup")
     until(lambda: laboratory.simulation.state.spec.model == "vem", 20)
+    until(lambda: is_compiled(laboratory.simulation), COMPILED)
     until(lambda: set(laboratory.parameters.controls) == {"r", "eta", "v0"})
     window.tab("Rule")
     window.page.get_by_text("η (rad)").wait_for()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.viewer.scene.draw import palette
-from tests.browser.window import Window
+from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
 
@@ -34,6 +34,7 @@ def test_a_model_proposes_its_world_and_the_mission_is_drawn_and_measured(window
     until(lambda: page.get_by_label("Side", exact=True).is_disabled())
     window.press("Setup")
     until(lambda: laboratory.simulation.state.spec.world == "liu2021-mission", 60)
+    until(lambda: is_compiled(laboratory.simulation), COMPILED)
     until(lambda: window.card("waypoint") == "1 / 4", 20)
     assert window.card("collisions") == "0"
     assert float(window.card("to path's end")) > 40.0

@@ -9,7 +9,16 @@ import numpy as np
 from PIL import Image
 
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.run.simulation import Simulation
 from tests.viewer.waiting import until
+
+COMPILED = 180.0
+"""Seconds that a model may take to be compiled, on a busy machine."""
+
+
+def is_compiled(simulation: Simulation) -> bool:
+    """Whether what is shown is the run itself and no preview of it."""
+    return not simulation.state.busy and simulation.state.compiling is None
 
 
 class Window:
