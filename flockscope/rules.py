@@ -18,11 +18,12 @@ from agents.bodies.point_mass import BODY as POINT_MASS
 from agents.bodies.steered import BODY as STEERED
 from agents.bodies.turning import BODY as TURNING
 from agents.bodies.zero_turn import BODY as ZERO_TURN
-from agents.engine.block import Moved, Wish, adjacent
+from agents.engine.block import Moved, Wish, adjacent, is_neighbour
+from agents.engine.lanes import where
 from agents.engine.noise import uniform
 from agents.models.declare import Body, Parameters, Rule, Zone, parameter
 from agents.models.model import Model
-from agents.rules.terms.sums import mean_heading, sum_of
+from agents.rules.terms.sums import mean_heading, of_pairs, sum_of
 from agents.rules.vicsek import VEM, Vicsek
 from worlds.compiled import compiled
 from worlds.queries.surroundings import nearest_surface
@@ -49,9 +50,12 @@ __all__ = [
     "adjacent",
     "compiled",
     "driving",
+    "is_neighbour",
     "mean_heading",
     "nearest_surface",
+    "of_pairs",
     "parameter",
     "sum_of",
     "uniform",
+    "where",
 ]

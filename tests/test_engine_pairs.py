@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import threading
 
@@ -13,12 +14,17 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays as drawn
 
 from agents import Flock
+from agents.catalogue import MODELS
 from agents.engine import lanes
 from agents.engine.lanes import WIDTH, load, store, where
 from agents.engine.pairs.meeting import STOP
 from agents.engine.pairs.runner import OfPairs
 from agents.engine.runner import NotANumber
+from agents.models.calling import Fault
 from agents.motion import Motion
+from agents.rules.terms.sums import of_pairs
+from flockscope.rules import CONSTANT_SPEED, VEM, Model, Wish
+from worlds.compiled import compiled
 
 finite = st.floats(-1e6, 1e6)
 eight = drawn(float, WIDTH, elements=finite)
@@ -157,3 +163,34 @@ def test_threads_that_wait_for_one_that_never_comes_leave_with_nothing_done(monk
     other.run(4)
     flock.run(3)
     assert np.array_equal(flock.position, other.position)
+
+
+@compiled
+def asks_with_if(me, other, p):  # noqa: ARG001
+    return (1.0 if other.d2 < p.r else 0.0,)
+
+
+@compiled
+def too_few(me, other, p):  # noqa: ARG001
+    return other.ux, other.uy
+
+
+@compiled
+def of_one(me, sums, surroundings, p):  # noqa: ARG001
+    return Wish(sums[0], 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("term", "reason"),
+    [
+        (asks_with_if, "term, line .*: `if` cannot ask about eight agents at once"),
+        (too_few, "term, line .*: it has to have as many numbers as its rule says, 1"),
+    ],
+)
+def test_what_is_wrong_with_a_term_is_one_line(monkeypatch, term, reason):
+    made = of_pairs(1, term, of_one)
+    rule = dataclasses.replace(VEM, name="wrong", weigh=None, **made)
+    monkeypatch.setitem(MODELS, "wrong", Model(rule, CONSTANT_SPEED))
+    with pytest.raises(Fault, match=reason) as caught:
+        Flock("wrong", agents=20, rng=1).run(1)
+    assert "\n" not in str(caught.value)

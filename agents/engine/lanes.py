@@ -171,6 +171,8 @@ def of_llvm(name: str) -> Callable:
 operation(math.sqrt, LANES, LANES)(of_llvm("sqrt"))
 operation(math.floor, LANES, LANES)(of_llvm("floor"))
 operation(math.fabs, LANES, LANES)(of_llvm("fabs"))
+for function in (math.exp, math.log, math.sin, math.cos):
+    operation(function, LANES, LANES)(of_llvm(function.__name__))
 operation(min, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered("<", y, x), y, x))
 operation(max, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered(">", y, x), y, x))
 

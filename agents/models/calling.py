@@ -147,6 +147,10 @@ def uncompiled(model: Model, error: NumbaError) -> Fault:
     for code in own:
         if callee is not None and code.co_name == callee[1]:
             return at_fault(own, code, line_of(code, message), in_words(message, model, code))
+    if (found := re.search(r">>> added\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
+        code = model.rule.term.py_func.__code__  # type: ignore[attr-defined]
+        reason = f"it has to have as many numbers as its rule says, {found[1]}"
+        return at_fault(own, code, max(lines(code)), reason)
     return Fault(f"model {model.name!r} cannot be compiled: {message[:LONGEST]}")
 
 
@@ -181,6 +185,8 @@ def in_words(message: str, model: Model, code: CodeType) -> str:
     if called := re.search(r"Untyped global name '(\w+)': .* of <class '(\w+)'>", message):
         why = "is not @compiled" if called[2] == "function" else "works in plain Python only"
         return f"{called[1]!r} {why}"
+    if "Truths" in message and "bool" in message:
+        return "`if` cannot ask about eight agents at once: use where(condition, this, other)"
     if "NRT required" in message:
         return "a compiled function cannot make a list, an array or anything else of its own"
     return message[:LONGEST]

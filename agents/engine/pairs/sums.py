@@ -45,6 +45,8 @@ def compiled_no_sums(typingctx, number, like):  # noqa: ARG001
 def compiled_added(typingctx, sums, terms):  # noqa: ARG001
     """`added`, in compiled code."""
     kind = sums.dtype
+    if len(terms) != sums.count:
+        return None
 
     def codegen(context, builder, sig, args):
         made = []
