@@ -154,7 +154,7 @@ class Model:
         floats = SimpleNamespace(**as_floats(parameters))
         return self.body.passes_with if passes.py_func(floats) else ""  # type: ignore[attr-defined]
 
-    @property
+    @cached_property
     def is_of_pairs(self) -> bool:
         """Whether its agents can act eight at once: see `agents.engine.pairs`."""
         rule, body = self.rule, self.body
