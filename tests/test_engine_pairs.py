@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays as drawn
 
 from agents import Flock
+from agents.catalogue import MODELS
 from agents.engine import lanes
 from agents.engine.lanes import WIDTH, load, store, where
 from agents.engine.pairs.meeting import STOP
@@ -182,13 +183,14 @@ def of_one(me, sums, surroundings, p):  # noqa: ARG001
 @pytest.mark.parametrize(
     ("term", "reason"),
     [
-        (asks_with_if, "asks_with_if, line .*: `if` cannot ask about eight agents at once"),
-        (too_few, "a term has 2 numbers, but 1 are declared"),
+        (asks_with_if, "term, line .*: `if` cannot ask about eight agents at once"),
+        (too_few, "term, line .*: it has to have as many numbers as its rule says, 1"),
     ],
 )
-def test_what_is_wrong_with_a_term_is_one_line(term, reason):
+def test_what_is_wrong_with_a_term_is_one_line(monkeypatch, term, reason):
     made = of_pairs(1, term, of_one)
     rule = dataclasses.replace(VEM, name="wrong", weigh=None, **made)
+    monkeypatch.setitem(MODELS, "wrong", Model(rule, CONSTANT_SPEED))
     with pytest.raises(Fault, match=reason) as caught:
-        Flock(Model(rule, CONSTANT_SPEED), agents=20, rng=1).run(1)
+        Flock("wrong", agents=20, rng=1).run(1)
     assert "\n" not in str(caught.value)

@@ -147,6 +147,10 @@ def uncompiled(model: Model, error: NumbaError) -> Fault:
     for code in own:
         if callee is not None and code.co_name == callee[1]:
             return at_fault(own, code, line_of(code, message), in_words(message, model, code))
+    if (found := re.search(r">>> added\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
+        code = model.rule.term.py_func.__code__  # type: ignore[attr-defined]
+        reason = f"it has to have as many numbers as its rule says, {found[1]}"
+        return at_fault(own, code, max(lines(code)), reason)
     return Fault(f"model {model.name!r} cannot be compiled: {message[:LONGEST]}")
 
 

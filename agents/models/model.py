@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,12 +20,16 @@ from agents.engine.layers import UNKNOWN
 from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats
 
 
+def python_of(function: Callable) -> FunctionType:
+    """The Python of a compiled function."""
+    return function.py_func  # type: ignore[attr-defined]
+
+
 def looks_at(name: str, function: Callable) -> bool:
     """Whether a compiled function uses its argument of that name."""
-    code = function.py_func  # type: ignore[attr-defined]
     return any(
         name in (one.argval if isinstance(one.argval, tuple) else (one.argval,))
-        for one in dis.get_instructions(code)
+        for one in dis.get_instructions(python_of(function))
         if one.opname.startswith("LOAD_FAST")
     )
 
@@ -34,7 +38,7 @@ def reads(name: str, function: Callable | None) -> bool:
     """Whether a compiled function, or one that it reaches, reads an attribute of that name."""
     if function is None:
         return False
-    python = function.py_func  # type: ignore[attr-defined]
+    python = python_of(function)
     inner = [one for one in reached(python) if isinstance(one, Dispatcher)]
     return name in python.__code__.co_names or any(reads(name, one) for one in inner)
 
@@ -154,13 +158,17 @@ class Model:
         floats = SimpleNamespace(**as_floats(parameters))
         return self.body.passes_with if passes.py_func(floats) else ""  # type: ignore[attr-defined]
 
-    @property
+    @cached_property
     def is_of_pairs(self) -> bool:
-        """Whether its agents can act eight at once: see `agents.engine.pairs`."""
+        """Whether its agents can act eight at once: see `agents.engine.pairs`.
+
+        A rule whose `decide` is not made of its term, but has been put in its place, goes by that.
+        """
         rule, body = self.rule, self.body
         asks = (rule.perceive, rule.prepare, body.measure, body.touches)
         return (
             rule.term is not None
+            and any(one is rule.term for one in reached(python_of(rule.decide)))
             and not self.columns
             and not rule.sees_points
             and not any(asks)
