@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import sys
 from pathlib import Path
@@ -100,13 +101,12 @@ def test_the_short_form_on_the_page_is_the_same_rule(tmp_path, monkeypatch):
 def test_the_three_ways_to_write_it_do_the_same(tmp_path, monkeypatch):
     """Written out, as a weight, and as the term of a pair."""
     code = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    source = tmp_path / "ways.py"
-    source.write_text("\n".join(code))
-    made = {"__name__": "ways"}
-    exec(compile(source.read_text(), str(source), "exec"), made)
+    (tmp_path / "ways.py").write_text("\n".join(code))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    ways = importlib.import_module("ways")
     flocks = []
     for rule in ("RULE", "SHORT", "FAST"):
-        monkeypatch.setitem(MODELS, rule, Model(made[rule], constant_speed.BODY))
+        monkeypatch.setitem(MODELS, rule, Model(getattr(ways, rule), constant_speed.BODY))
         flocks.append(Flock(rule, agents=150, size=6.0, rng=1, eta=0.3, fade=0.4))
         flocks[-1].run(10)
     assert [flock.of_pairs for flock in flocks] == [False, False, True]
