@@ -102,7 +102,21 @@ def as_near(
     sent = np.ascontiguousarray(signals[:shared, rows])
     heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(seen.T)
-    return Near(len(rows), x, y, z, ux, uy, uz, sent, heard, len(seen), px, py, np.zeros(len(seen)))
+    return Near(
+        len(rows),
+        x,
+        y,
+        z,
+        ux,
+        uy,
+        uz,
+        sent,
+        heard,
+        len(seen),
+        px,
+        py,
+        np.zeros((4, max(len(rows), len(seen)))),
+    )
 
 
 def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:

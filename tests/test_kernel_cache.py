@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from agents.engine.cache import kept
+
 PLUGIN = """
 from flockscope import MODELS
 from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Wish, compiled
@@ -102,6 +104,32 @@ def test_kernels_whose_arguments_have_moved_to_another_module_are_compiled_anew(
     assert doubled("here") == "6.0\n"
     (tmp_path / "here.py").unlink()
     assert doubled("there") == "6.0\n"
+
+
+GONE = """
+from worlds.compiled import compiled
+
+@compiled
+def twice(x):
+    return 2.0 * x
+
+def doubled(x):
+    return twice(x)
+"""
+
+
+def test_a_kernel_of_a_module_that_is_gone_is_compiled_anew(tmp_path, monkeypatch):
+    """As of a rule that a notebook has made."""
+    monkeypatch.setenv("FLOCKSCOPE_CACHE", str(tmp_path))
+    path = tmp_path / "gone.py"
+    path.write_text(GONE)
+    code = compile(GONE, str(path), "exec")
+    for _ in range(2):
+        names: dict = {"__name__": "gone"}
+        exec(code, names)
+        made = kept(names["doubled"])
+        assert made(3.0) == 6.0
+    assert sum(made.stats.cache_misses.values()) == 1
 
 
 AT_ONCE = """

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import Moved
+from agents.engine.lanes import where
+from agents.engine.noise import cos_sin
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
 
@@ -51,18 +53,23 @@ def towards(ux, uy, uz, x, y, z, most):
     `most` is in rad. A direction straight behind has no shorter side: it is turned to the left, or
     about the vertical.
     """
-    along = min(1.0, max(-1.0, ux * x + uy * y + uz * z))
-    if math.acos(along) <= most:
-        return x, y, z
+    c, s = cos_sin(min(most, math.pi))
+    along = ux * x + uy * y + uz * z
     ax, ay, az = x - along * ux, y - along * uy, z - along * uz
     length = math.sqrt(ax * ax + ay * ay + az * az)
-    if length < 1e-9:
-        ax, ay, az = -uy, ux, 0.0
-        length = math.sqrt(ax * ax + ay * ay)
-        if length < 1e-9:
-            ax, length = 1.0, 1.0
-    c, s = math.cos(most), math.sin(most) / length
-    return c * ux + s * ax, c * uy + s * ay, c * uz + s * az
+    behind = length < 1e-9
+    level = math.sqrt(ux * ux + uy * uy)
+    upright = level < 1e-9
+    ax = where(behind, where(upright, 1.0, -uy), ax)
+    ay = where(behind, where(upright, 0.0, ux), ay)
+    az = where(behind, 0.0, az)
+    s = s / where(behind, where(upright, 1.0, level), length)
+    within = along >= c
+    return (
+        where(within, x, c * ux + s * ax),
+        where(within, y, c * uy + s * ay),
+        where(within, z, c * uz + s * az),
+    )
 
 
 @compiled
@@ -82,6 +89,7 @@ BODY = Body(
     source="Couzin et al. 2002",
     parameters=Turning,
     move=move,
+    by_lanes=True,
     lasts=lambda p: p.tau,
     unit="s",
 )

@@ -28,8 +28,6 @@ FADES = 10.0
 """Distance behind a bird in which its wake fades to 1/e, in spans."""
 NOTHING = 1e-24
 """Keeps a division by the square of a length from being one by 0."""
-FEW = 4
-"""Where more than one of so many in a block counts, all are worked out in vector instructions."""
 ALIGNED = math.cos(math.radians(30.0))
 """Least cosine of the angle between the headings of two birds that are aligned."""
 
@@ -113,21 +111,14 @@ def share_of(me, near, j, b):
 @compiled
 def saved_within(me, near, b, limit):
     """As `saved`, with the birds up to `limit` away: a length, at most 6 spans."""
-    some = 0
+    found = near.spare[0]
+    n = 0
     for j in range(near.n):
-        some += 1 if counts(me, near, j, limit) else 0
+        found[n] = j
+        n += 1 if counts(me, near, j, limit) else 0
     total = 0.0
-    if FEW * some >= near.n:
-        for j in range(near.n):
-            share = share_of(me, near, j, b)
-            total += share if counts(me, near, j, limit) else 0.0
-        return total
-    j = 0
-    while some > 0 and j < near.n:
-        if counts(me, near, j, limit):
-            total += share_of(me, near, j, b)
-            some -= 1
-        j += 1
+    for k in range(n):
+        total += share_of(me, near, int(found[k]), b)
     return total
 
 

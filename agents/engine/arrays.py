@@ -83,7 +83,9 @@ class Workspace(NamedTuple):
     found: np.ndarray
     """Boundary points around one agent: indices, int32."""
     points: np.ndarray
-    """Their coordinates and a spare row, (3, points)."""
+    """Their coordinates, (2, points)."""
+    spare: np.ndarray
+    """For the rule's own working, (4, the larger of capacity and points)."""
 
 
 def empty_workspace(
@@ -102,7 +104,8 @@ def empty_workspace(
         np.zeros(private),
         np.zeros(measures),
         np.zeros(points, np.int32),
-        np.zeros((3, points)),
+        np.zeros((2, points)),
+        np.zeros((4, max(capacity, points))),
     )
 
 

@@ -63,7 +63,7 @@ class Near(NamedTuple):
     point_x: np.ndarray
     point_y: np.ndarray
     spare: np.ndarray
-    """A place for the rule's own working, at least `points` long."""
+    """A place for the rule's own working, four rows, each at least as long as n and points."""
 
 
 class Other(NamedTuple):

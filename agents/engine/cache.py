@@ -91,7 +91,7 @@ def reached(python: types.FunctionType) -> list:
 def new_digest():
     """A digest of what every kernel depends on."""
     versions = numba.__version__, importlib.metadata.version("llvmlite"), sys.version_info[:3]
-    digest = hashlib.sha256(repr(versions).encode())
+    digest = hashlib.sha256(repr((*versions, CHECKSUM)).encode())
     for name in IN_LLVM:
         digest.update((Path(__file__).parent / name).read_bytes())
     return digest
@@ -122,18 +122,13 @@ class KernelFiles(IndexDataCacheFile):
         return bool(paths) and all(read(path) is not None for path in paths)
 
     def _load_index(self) -> dict:
-        content = read(self._index_path)
-        try:
-            return {} if content is None else pickle.loads(content)
-        except (ImportError, AttributeError):  # a class among the keys has moved: compile anew
-            return {}
+        return unpickled(read(self._index_path)) or {}
 
     def _save_index(self, overloads: dict) -> None:
         self._write(self._index_path, overloads)
 
     def _load_data(self, name: str) -> Any:
-        content = read(self._data_path(name))
-        return None if content is None else pickle.loads(content)
+        return unpickled(read(self._data_path(name)))
 
     def _save_data(self, name: str, data: Any) -> None:
         self._write(self._data_path(name), data)
@@ -154,6 +149,14 @@ def read(path: str) -> bytes | None:
         return content[CHECKSUM:]
     tell_once(f"compiled kernels in {cache_base()} are damaged: they are compiled anew")
     return None
+
+
+def unpickled(content: bytes | None) -> Any:
+    """What was pickled; None where a module or a class that it names has moved: compile anew."""
+    try:
+        return None if content is None else pickle.loads(content)
+    except (ImportError, AttributeError):
+        return None
 
 
 class KernelCache(FunctionCache):

@@ -18,6 +18,10 @@ MARGIN = 1.0 + 1e-9
 """Cells are wider than the range by this factor, so that rounding never hides a neighbour."""
 
 
+FAR = 1.0 + 1e-9
+"""Times the square of the reach: who is farther is so after any rounding."""
+
+
 class Space(NamedTuple):
     """The world as the engine needs it; arrays have one entry per axis (3)."""
 

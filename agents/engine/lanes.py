@@ -221,6 +221,50 @@ def float_of_one(number):
 operation(as_float, LANES, WORDS)(lambda b, x: b.uitofp(x, LANES.vector))
 
 
+def mantissa(number: Any) -> Any:
+    """m in [0.5, 1) of a normal number m * 2**e > 0."""
+    return math.frexp(number)[0]
+
+
+def exponent(number: Any) -> Any:
+    """e of a normal number m * 2**e > 0, as a float."""
+    return float(math.frexp(number)[1])
+
+
+@overload(mantissa)
+def mantissa_of_one(number):
+    """The mantissa for one agent."""
+    return (lambda number: math.frexp(number)[0]) if isinstance(number, types.Float) else None
+
+
+@overload(exponent)
+def exponent_of_one(number):
+    """The exponent for one agent."""
+    return (
+        (lambda number: float(math.frexp(number)[1])) if isinstance(number, types.Float) else None
+    )
+
+
+def bits(value: int) -> ir.Constant:
+    """A word in all lanes."""
+    return ir.Constant(WORDS.vector, [value] * WIDTH)
+
+
+@operation(mantissa, LANES, LANES)
+def mantissa_of_lanes(builder, value):
+    """The bits of the fraction, with those of the exponent of 0.5."""
+    word = builder.bitcast(value, WORDS.vector)
+    kept = builder.and_(word, bits((1 << 52) - 1))
+    return builder.bitcast(builder.or_(kept, bits(1022 << 52)), LANES.vector)
+
+
+@operation(exponent, LANES, LANES)
+def exponent_of_lanes(builder, value):
+    """The bits of the exponent."""
+    word = builder.lshr(builder.bitcast(value, WORDS.vector), bits(52))
+    return builder.sitofp(builder.sub(word, bits(1022)), LANES.vector)
+
+
 def in_llvm(function: Callable, **options: Any) -> Any:
     """A function that is written down in LLVM's own words, for compiled code to call."""
     return intrinsic(**options)(function) if options else intrinsic(function)
@@ -262,3 +306,15 @@ def store(typingctx, table, row, lanes):  # noqa: ARG001
         return context.get_dummy_value()
 
     return types.none(table, row, lanes), codegen
+
+
+@in_llvm
+def is_any(typingctx, truths):  # noqa: ARG001
+    """1 where a condition holds for any of eight agents, else 0."""
+
+    def codegen(context, builder, sig, args):  # noqa: ARG001
+        bits = builder.bitcast(args[0], ir.IntType(WIDTH))
+        some = builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+        return builder.zext(some, INT64)
+
+    return types.uint64(truths), codegen

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from agents.engine.lanes import as_float, where, words
+from agents.engine.lanes import as_float, exponent, mantissa, where, words
 from worlds.compiled import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -27,6 +27,8 @@ ANGULAR, VECTORIAL = 0, 1
 
 HALF_PI_HIGH = 1.57079632673412561417
 HALF_PI_LOW = 6.07710050650619224932e-11
+LN2_HIGH = 6.93147180369123816490e-01
+LN2_LOW = 1.90821492927058770002e-10
 
 
 @compiled
@@ -52,7 +54,7 @@ def uniform(key, agent, draw):
 
 @compiled
 def cos_sin(angle):
-    """Cosine and sine of |angle| <= 8 rad, within 2 units in the last place, without a branch.
+    """Cosine and sine of |angle| <= 20 rad, within 2 units in the last place, without a branch.
 
     Argument reduction and polynomials are those of fdlibm; written out so that the bits do not
     depend on the machine's mathematical library.
@@ -104,6 +106,39 @@ def cos_sin(angle):
     cosine = where((quadrant == 1.0) | (quadrant == 2.0), -cosine, cosine)
     sine = where(quadrant >= 2.0, -sine, sine)
     return cosine, sine
+
+
+@compiled
+def log(x):
+    """The natural logarithm of a normal number x > 0, within 2 units in the last place.
+
+    By the polynomial of fdlibm, for the reason of `cos_sin`.
+    """
+    m, k = mantissa(x), exponent(x)
+    small = m < math.sqrt(0.5)
+    m, k = where(small, 2.0 * m, m), where(small, k - 1.0, k)
+    f = m - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    w = z * z
+    even = w * (
+        3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01)
+    )
+    odd = z * (
+        6.666666666666735130e-01
+        + w
+        * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01))
+    )
+    half = 0.5 * f * f
+    return k * LN2_HIGH - ((half - (s * (half + even + odd) + k * LN2_LOW)) - f)
+
+
+@compiled
+def normal(key, agent, draw):
+    """A normal number of deviation 1 for this tick's key, agent id and draws `draw`, `draw` + 1."""
+    radius = math.sqrt(-2.0 * log(1.0 - uniform(key, agent, draw)))
+    c, _ = cos_sin(2.0 * math.pi * uniform(key, agent, draw + 1))
+    return radius * c
 
 
 @compiled

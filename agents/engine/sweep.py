@@ -18,6 +18,7 @@ import numpy as np
 from agents.engine.around import fill_block, nearest_images
 from agents.engine.block import Me, Near
 from agents.engine.cells import (
+    FAR,
     count_rows,
     fill_slots,
     into_box,
@@ -61,8 +62,6 @@ if TYPE_CHECKING:
     )
 
 
-FAR = 1.0 + 1e-9
-"""Those that are farther than the reach by this factor, squared, are surely out of it."""
 MANY = 24
 """Agents in a block from which on those within reach are picked out for a rule that `SIFTS`."""
 
@@ -231,7 +230,7 @@ def nearby(m, workspace, at, points):
         points,
         spot[0],
         spot[1],
-        spot[2],
+        workspace.spare,
     )
 
 

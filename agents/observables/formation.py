@@ -43,7 +43,7 @@ def relieve(dx, dy, dz, core, out):
 
 @kept
 def sum_up(position, heading, size, images, b, block, none, out):
-    """Each bird's `saved` (N,); `block` (3, N) holds the others' nearest images, `none` nothing."""
+    """Each bird's `saved` (N,); `block` (7, N) holds the others' nearest images, `none` nothing."""
     n = position.shape[1]
     x, y, z = position[0], position[1], position[2]
     ux, uy, uz = heading[0], heading[1], heading[2]
@@ -58,7 +58,7 @@ def sum_up(position, heading, size, images, b, block, none, out):
             x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
         )
         near = Near(
-            n, block[0], block[1], block[2], ux, uy, uz, none, none[0], 0, none[0], none[0], none[0]
+            n, block[0], block[1], block[2], ux, uy, uz, none, none[0], 0, none[0], none[0], block[3:]
         )
         out[i] = saved_within(me, near, b, WITHIN * b)
 
@@ -138,7 +138,7 @@ def saved_shares(
     if size is not None and images is not None:
         sides[:dim], wraps[:dim] = box(size, images, dim)
     out = np.zeros(n)
-    sum_up(places, ways, sides, wraps, float(span), np.empty((3, n)), np.zeros((1, 1)), out)
+    sum_up(places, ways, sides, wraps, float(span), np.empty((7, n)), np.zeros((1, 1)), out)
     return spread(stay, out, np.nan)
 
 

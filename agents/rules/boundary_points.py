@@ -154,18 +154,18 @@ def boundary_end(me, near, ax, ay, p):
     for k in range(near.points):
         phase = math.atan2(near.point_y[k] - me.y, near.point_x[k] - me.x) - axis
         phase = sign * (phase + TURN if phase < 0.0 else phase)
-        near.spare[k] = phase
+        near.spare[0, k] = phase
         now = phase if phase < now else now
     while True:
         ahead = now
         for k in range(near.points):
-            phase = near.spare[k]
+            phase = near.spare[0, k]
             ahead = phase if (phase - now < p.dtheta) & (phase > ahead) else ahead
         if ahead == now:
             break
         now = ahead
     k = 0
-    while near.spare[k] != now:
+    while near.spare[0, k] != now:
         k += 1
     return near.point_x[k], near.point_y[k], sign * now
 

@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import Wish
-from agents.engine.noise import cos_sin, uniform
+from agents.engine.lanes import where
+from agents.engine.noise import cos_sin, normal, uniform
 from agents.models.declare import Parameters, Rule, Zone, parameter
 from agents.rules.terms.sums import of_pairs
 from agents.rules.terms.zone_sums import ALL_ROUND, ZONE_SUMS, edge_of, weigh_zones, zone_terms
 from worlds.compiled import compiled
 
-RADIUS, ANGLE, ROLL = 4, 5, 6
-"""Draws of the rule's own noise."""
+MISS, ROLL = 4, 6
+"""Draws of the rule's own noise, of which the first takes two."""
 
 
 class Couzin(Parameters):
@@ -92,38 +93,38 @@ def term(me, other, p):
 def missed(me, x, y, z, sigma):
     """The direction turned by a normal angle of deviation sigma (rad), to any side."""
     length = math.sqrt(x * x + y * y + z * z)
-    if length < 1e-12:
-        x, y, z, length = me.ux, me.uy, me.uz, 1.0
-    x, y, z = x / length, y / length, z / length
+    lost = length < 1e-12
+    length = where(lost, 1.0, length)
+    x, y, z = (
+        where(lost, me.ux, x / length),
+        where(lost, me.uy, y / length),
+        where(lost, me.uz, z / length),
+    )
     if sigma == 0.0:
         return Wish(x, y, z)
-    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(me.key, me.id, RADIUS)))
-    c, _ = cos_sin(2.0 * math.pi * uniform(me.key, me.id, ANGLE))
-    angle = sigma * radius * c
-    ca, sa = math.cos(angle), math.sin(angle)
-    if z == 0.0 and me.uz == 0.0:
-        return Wish(ca * x - sa * y, sa * x + ca * y, 0.0)
     # An orthonormal pair across the direction (Duff et al. 2017), and a side by chance.
-    sign = math.copysign(1.0, z)
+    sign = where(z < 0.0, -1.0, 1.0)
     a = -1.0 / (sign + z)
     b = x * y * a
     cr, sr = cos_sin(2.0 * math.pi * uniform(me.key, me.id, ROLL))
-    px, py, pz = 1.0 + sign * x * x * a, sign * b, -sign * x
-    qx, qy, qz = b, sign + y * y * a, -y
-    return Wish(
-        ca * x + sa * (cr * px + sr * qx),
-        ca * y + sa * (cr * py + sr * qy),
-        ca * z + sa * (cr * pz + sr * qz),
+    sx, sy, sz = (
+        cr * (1.0 + sign * x * x * a) + sr * b,
+        cr * sign * b + sr * (sign + y * y * a),
+        -cr * sign * x - sr * y,
     )
+    flat = (z == 0.0) & (me.uz == 0.0)
+    sx, sy, sz = where(flat, -y, sx), where(flat, x, sy), where(flat, 0.0, sz)
+    c, s = cos_sin(sigma * normal(me.key, me.id, MISS))
+    return Wish(c * x + s * sx, c * y + s * sy, c * z + s * sz)
 
 
 @compiled
 def answer(me, sums, surroundings, p):
     """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
     rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, _, _ = sums
-    if n_r > 0.0:
-        return missed(me, rx, ry, rz, p.sigma)
-    return missed(me, ox + ax, oy + ay, oz + az, p.sigma)
+    close = n_r > 0.0
+    x, y, z = where(close, rx, ox + ax), where(close, ry, oy + ay), where(close, rz, oz + az)
+    return missed(me, x, y, z, p.sigma)
 
 
 @compiled
@@ -143,7 +144,8 @@ COUZIN = Rule(
     r"\text{else} \end{cases}",
     source="Couzin et al. 2002, (1) to (3)",
     parameters=Couzin,
-    **of_pairs(ZONE_SUMS, term, answer),
+    **of_pairs(ZONE_SUMS, term, answer, by_lanes=True),
+    sifts=True,
     reach="range",
     weigh=weigh,
     zones=(

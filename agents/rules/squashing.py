@@ -16,6 +16,7 @@ from agents.rules.terms.pulls import (
     ERROR_Y,
     HUNTS,
     chase,
+    hearing,
     injected,
     is_heard,
     is_hunter,
@@ -202,9 +203,10 @@ def remember(me, near, p, out):
 def weigh(me, near, p, out):
     """1 for the cars that are heard and for predators."""
     hunts = near.signal[HUNTS]
+    limit = hearing(me, near, p)
     for j in range(near.n):
         flees = adjacent(me, near, j, p.r) * hunts[j]
-        out[j] = max(is_heard(me, near, j, p), flees)
+        out[j] = max(is_heard(me, near, j, limit, p), flees)
 
 
 SQUASHING = Rule(

@@ -42,9 +42,7 @@ class OfPairs:
         self.parts = max(1, threads)
         self.slots = padded_slots(n, dim)
         self.grid = empty_grid(n, self.parts)
-        rows = max(pairs.SPEED + 1, module.SUMS)
-        self.tables = [np.zeros((rows, WIDTH)) for _ in range(self.parts)]
-        self.ids = [np.zeros(WIDTH, np.int64) for _ in range(self.parts)]
+        self.notes = [pairs.empty_notes(module.SUMS) for _ in range(self.parts)]
         self.meeting = np.zeros(BAD + self.parts, np.int64)
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
@@ -59,8 +57,7 @@ class OfPairs:
             self.surroundings,
             self.grid,
             self.slots,
-            self.tables[part],
-            self.ids[part],
+            self.notes[part],
             context,
             self.seed,
             tick,

@@ -18,17 +18,17 @@ the same for any number of threads, in a run of many ticks, and where one agent 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from agents.engine.around import axis_cells, wrapped
 from agents.engine.block import Me, Moved, Near, Other
-from agents.engine.cells import into_box, number_of, plan, share_slots
+from agents.engine.cells import FAR, into_box, number_of, plan, share_slots
 from agents.engine.flat import ones, zeros
 from agents.engine.guide import guided
 from agents.engine.hold import PASSES, held
-from agents.engine.lanes import WIDTH, load, store
+from agents.engine.lanes import WIDTH, is_any, load, store
 from agents.engine.noise import tick_key
 from agents.engine.pairs.meeting import BAD, NEXT, STOP, add, meet, read
 from agents.engine.pairs.sorting import cell_at, count_places, fill_slots, order_cells, put_back
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         DIM,
         HEADS,
         MEETS,
+        SIFTS,
         SUMS,
         answer,
         holds,
@@ -54,10 +55,29 @@ if TYPE_CHECKING:
 
 SHARE = 512
 """Slots that a thread takes at a time."""
+CHOSEN = 256
+"""Candidates that are picked out at a time."""
 RUN, OPEN, ONE = 0, 1, 2
 """What `advance` is asked for: whole ticks, the sort of one, or one slot of an opened tick."""
 X, Y, Z, UX, UY, UZ, SPEED = range(7)
 """Rows of the table in which the moves of eight agents are written down."""
+
+
+class Notes(NamedTuple):
+    """What a thread writes down for itself."""
+
+    table: np.ndarray
+    """Sums and moves of eight agents, (SPEED + 1 or as many sums, 8)."""
+    ids: np.ndarray
+    """Their numbers, (8,)."""
+    chosen: np.ndarray
+    """Slots of candidates that are within reach, (CHOSEN,)."""
+
+
+def empty_notes(number: int) -> Notes:
+    """Notes of nothing yet, for so many sums."""
+    table = np.zeros((max(SPEED + 1, number), WIDTH))
+    return Notes(table, np.zeros(WIDTH, np.int64), np.zeros(CHOSEN, np.uint64))
 
 
 @compiled
@@ -89,26 +109,50 @@ def nearest(space, grid, axis, d):
 
 
 @compiled
-def with_run(sums, slots, first, last, place, me, p, space, grid, lone):
-    """The sums with the terms of slots first to last; `place` is that of `me`, less their shift."""
-    x, y, z = place
+def met(slots, j, place, space, grid, lone):
+    """Slot j as eight agents at `place` see it; `place` is less the shift of their images."""
+    dx = slots.x[j] - place[0]
+    dy = slots.y[j] - place[1]
+    dz = slots.z[j] - place[2] if DIM == 3 else 0.0
+    if lone:
+        dx = nearest(space, grid, 0, dx)
+        dy = nearest(space, grid, 1, dy)
+        dz = nearest(space, grid, 2, dz) if DIM == 3 else 0.0
+    d2 = dx * dx + dy * dy + dz * dz
+    uz = slots.uz[j] if DIM == 3 else 0.0
+    return Other(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, True)
+
+
+@compiled
+def sift(slots, first, last, place, space, grid, lone, reach, chosen):
+    """Write down those of slots first to last that are within reach of any of eight; how many."""
+    r2 = reach * reach * FAR
+    n = np.uintp(0)
     for j in range(np.uintp(first), np.uintp(last)):
-        dx = slots.x[j] - x
-        dy = slots.y[j] - y
-        dz = slots.z[j] - z if DIM == 3 else 0.0
-        if lone:
-            dx = nearest(space, grid, 0, dx)
-            dy = nearest(space, grid, 1, dy)
-            dz = nearest(space, grid, 2, dz) if DIM == 3 else 0.0
-        d2 = dx * dx + dy * dy + dz * dz
-        uz = slots.uz[j] if DIM == 3 else 0.0
-        other = Other(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, True)
-        sums = added(sums, term(me, other, p))
+        chosen[n] = j
+        n += is_any(met(slots, j, place, space, grid, lone).d2 <= r2)
+    return n
+
+
+@compiled
+def with_run(sums, slots, first, last, place, me, context, space, grid, lone, chosen):
+    """The sums with the terms of slots first to last; `place` is less the shift of their images."""
+    p = context.parameters
+    if SIFTS:
+        for begin in range(first, last, CHOSEN):
+            end = min(begin + CHOSEN, last)
+            n = sift(slots, begin, end, place, space, grid, lone, context.reach, chosen)
+            for k in range(n):
+                other = met(slots, np.uintp(chosen[k]), place, space, grid, lone)
+                sums = added(sums, term(me, other, p))
+        return sums
+    for j in range(np.uintp(first), np.uintp(last)):
+        sums = added(sums, term(me, met(slots, j, place, space, grid, lone), p))
     return sums
 
 
 @compiled
-def pair_sums(grid, space, slots, low, high, me, p, lone):
+def pair_sums(grid, space, slots, low, high, me, context, lone, chosen):
     """The sums of eight agents that are in cells low to high of one row of cells along x."""
     nx, ny = grid.shape[0], grid.shape[1]
     cy, cz = (low // nx) % ny, low // (nx * ny)
@@ -131,18 +175,20 @@ def pair_sums(grid, space, slots, low, high, me, p, lone):
                     )
                 first, last = grid.start[row + begin], grid.start[row + end]
                 place = (me.x - side * space.size[0], me.y - sy, me.z - sz)
-                sums = with_run(sums, slots, first, last, place, me, p, space, grid, lone)
+                sums = with_run(
+                    sums, slots, first, last, place, me, context, space, grid, lone, chosen
+                )
     return sums
 
 
 @compiled
-def eight_of(flock, slots, slot, last, table, ids, numbered, tick, key):
+def eight_of(flock, slots, slot, last, notes, numbered, tick, key):
     """`Me` of eight slots from one on; those from `last` on are of no account."""
     if not numbered or ASKS_SPEED:
         for lane in range(last - slot):
             row = slots.row[slot + lane]
-            ids[lane] = flock.ids[row]
-            table[SPEED, lane] = flock.speed[row]
+            notes.ids[lane] = flock.ids[row]
+            notes.table[SPEED, lane] = flock.speed[row]
     return Me(
         load(slots.x, slot),
         load(slots.y, slot),
@@ -150,12 +196,12 @@ def eight_of(flock, slots, slot, last, table, ids, numbered, tick, key):
         load(slots.ux, slot),
         load(slots.uy, slot),
         load(slots.uz, slot) if DIM == 3 else 0.0,
-        load(table[SPEED], 0),
-        table[0],
-        table[0],
+        load(notes.table[SPEED], 0),
+        notes.table[0],
+        notes.table[0],
         False,
         1.0,
-        load(slots.row, slot) + flock.ids[0] if numbered else load(ids, 0),
+        load(slots.row, slot) + flock.ids[0] if numbered else load(notes.ids, 0),
         tick,
         key,
         flock.ids.shape[0],
@@ -247,7 +293,7 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
 
 
 @compiled
-def sweep(flock, space, surroundings, grid, slots, table, ids, context, now, key, span, how):
+def sweep(flock, space, surroundings, grid, slots, notes, context, now, key, span, how):
     """The agents of slots span[0] to span[1] act, up to eight of a row of cells at a time.
 
     `how` = (whether they are written to their rows, whether their numbers follow one another).
@@ -264,9 +310,9 @@ def sweep(flock, space, surroundings, grid, slots, table, ids, context, now, key
         high = low
         while grid.start[high + 1] < end:
             high += 1
-        me = eight_of(flock, slots, slot, end, table, ids, numbered, now, key)
-        sums = pair_sums(grid, space, slots, low, high, me, context.parameters, lone)
-        act(flock, space, surroundings, slots, slot, end, me, sums, table, context, to_rows)
+        me = eight_of(flock, slots, slot, end, notes, numbered, now, key)
+        sums = pair_sums(grid, space, slots, low, high, me, context, lone, notes.chosen)
+        act(flock, space, surroundings, slots, slot, end, me, sums, notes.table, context, to_rows)
         slot = end
 
 
@@ -319,8 +365,7 @@ def advance(
     surroundings,
     grid,
     slots,
-    table,
-    ids,
+    notes,
     context,
     seed,
     tick,
@@ -333,7 +378,7 @@ def advance(
     """Run `ticks` ticks, sort one, or let one slot of a sorted one act.
 
     `work` = (what is asked for, part, parts, slot). All threads of a run call this at once, each
-    with its part, its table and its ids. `until` is when to stop (`Until`), for one thread. `trace`
+    with its part and its notes. `until` is when to stop (`Until`), for one thread. `trace`
     (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
     tick at which `holds` did not or -1, first row with a position that is no number or -1).
     """
@@ -372,7 +417,7 @@ def advance(
         how = (each_to_rows or done == ticks - 1, numbered)
         while first < end:
             span = (first, min(first + size, end))
-            sweep(flock, space, surroundings, grid, slots, table, ids, context, now, key, span, how)
+            sweep(flock, space, surroundings, grid, slots, notes, context, now, key, span, how)
             first = add(meeting, NEXT, SHARE) if parts > 1 else end
         meet(meeting, parts)
         if part == 0 and trace.shape[0] > 0:

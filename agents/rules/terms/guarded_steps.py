@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from agents.engine.noise import cos_sin
 from agents.rules.terms.reserved_ball import (
     OUT_X,
     OUT_Y,
@@ -15,6 +16,7 @@ from agents.rules.terms.reserved_ball import (
     beside,
     escape,
     nearer,
+    note_planes,
     overlap,
     own_ball,
     reserved_ball,
@@ -22,12 +24,12 @@ from agents.rules.terms.reserved_ball import (
 )
 from worlds.compiled import compiled
 
-EIGHTH = 0.25 * math.pi
-"""Headings and sides of escapes are tried in eight directions."""
+HALF = math.sqrt(0.5)
+COSINES = (1.0, HALF, HALF, 0.0, 0.0, -HALF, -HALF, -1.0)
+SINES = (0.0, HALF, -HALF, 1.0, -1.0, HALF, -HALF, 0.0)
+"""Of 0, 45, -45, 90, -90, 135, -135, 180 degrees: headings and sides of escapes that are tried."""
 SIDES, PACES, HEADINGS = 8, 2, 9
 """How many sides to escape to, speeds and headings are tried."""
-TRIES = SIDES * PACES * HEADINGS
-"""Steps that are tried; the last resort comes on top of them."""
 
 
 class Step(NamedTuple):
@@ -61,13 +63,6 @@ class Choice(NamedTuple):
 
 
 @compiled
-def eighths(k):
-    """Cosine and sine of the k-th of 0, 45, -45, 90, -90, 135, -135, 180 degrees."""
-    angle = EIGHTH * ((k + 1) // 2) * (1.0 if k % 2 == 1 else -1.0)
-    return math.cos(angle), math.sin(angle)
-
-
-@compiled
 def leaves(flat, k):
     """Whether the k-th of eight directions leads out of the plane of a flat world."""
     return flat and 0 < k < SIDES - 1
@@ -75,8 +70,8 @@ def leaves(flat, k):
 
 @compiled
 def about(u, n, k):
-    """The unit vector n turned about the unit vector u, at right angles to it, to `eighths(k)`."""
-    c, s = eighths(k)
+    """The unit vector n turned about the unit vector u, at right angles to it, by the k-th angle."""
+    c, s = COSINES[k], SINES[k]
     return Direction(
         c * n.x + s * (u.y * n.z - u.z * n.y),
         c * n.y + s * (u.z * n.x - u.x * n.z),
@@ -87,7 +82,7 @@ def about(u, n, k):
 @compiled
 def towards(u, n, angle):
     """The heading u turned by an angle (rad) towards n, at right angles to it."""
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = cos_sin(angle)
     return Direction(c * u.x + s * n.x, c * u.y + s * n.y, c * u.z + s * n.z)
 
 
@@ -124,47 +119,56 @@ def heading_tried(me, of, k):
 
 
 @compiled
-def tried(me, of, number, p):
-    """The step of a number from 0 to TRIES - 1: the nearest to the wish, and to its escape, first.
-
-    For each heading the wanted speed comes before slowing down, and for each speed the escapes to
-    the sides near the present one before the others.
-    """
-    side = number % SIDES
-    slows = number // SIDES % PACES == 1
-    u = heading_tried(me, of, number // (SIDES * PACES))
-    n = about(u, beside(u, of.out), side)
-    speed = of.slow if slows else of.fast
-    d = speed * p.tau
-    at = Direction(me.x + d * u.x, me.y + d * u.y, me.z + d * u.z)
-    return Step(u, speed, reserved_ball(at, u, n, of.slow_way if slows else of.fast_way))
-
-
-@compiled
 def onward(me, of, own):
     """The last resort, to go on with the escape: the ball stays."""
     return Step(towards(Direction(me.ux, me.uy, me.uz), of.out, of.most), of.slow, own)
 
 
 @compiled
+def beyond(speed, way, p):
+    """How far from an agent the ball reaches that it reserves after a step, at most; length."""
+    return speed * p.tau + math.sqrt(way.along**2 + way.across**2) + way.radius
+
+
+@compiled
+def farthest(me, of, own, p):
+    """How far beyond the ball `own` any ball can reach that is tried, at most; length."""
+    to = math.sqrt((own.x - me.x) ** 2 + (own.y - me.y) ** 2 + (own.z - me.z) ** 2)
+    reach = max(beyond(of.fast, of.fast_way, p), beyond(of.slow, of.slow_way, p))
+    return max(to + reach - own.radius, 0.0)
+
+
+@compiled
 def safe_step(me, near, surroundings, wish, pace, p):
     """The first safe step for an agent that wishes a heading (unit vector) and a speed.
 
-    If none is safe, which happens only while reserved balls overlap as a run starts, the least
-    unsafe. Without the guard (p.guard) the step that is wished, safe or not.
+    Those nearest to the wish, and to the present escape, come first: for each heading the wanted
+    speed before slowing down, and for each speed the escapes to the sides near the present one
+    before the others; at last the present escape. If none is safe, which happens only while
+    reserved balls overlap as a run starts, the least unsafe. Without the guard (p.guard) the step
+    that is wished, safe or not.
     """
     of = choice(me, wish, pace, p)
     own = own_ball(me)
-    best = onward(me, of, own)
+    planes = note_planes(me, near, own, farthest(me, of, own, p), p)
+    best = last = onward(me, of, own)
     least = math.inf
-    for number in range(TRIES + 1):
-        aside = number // (SIDES * PACES) - 1
-        if number < TRIES and (leaves(of.flat, number % SIDES) or leaves(of.flat, aside)):
+    for heading in range(HEADINGS):
+        if leaves(of.flat, heading - 1):
             continue
-        step = tried(me, of, number, p) if number < TRIES else onward(me, of, own)
-        over = overlap(me, near, surroundings, own, step.ball, p)
-        if over < least:
-            least, best = over, step
-        if over == 0.0 or p.guard == 0.0:
-            break
-    return best
+        u = heading_tried(me, of, heading)
+        side = beside(u, of.out)
+        for slows in range(PACES):
+            speed, way = (of.slow, of.slow_way) if slows else (of.fast, of.fast_way)
+            d = speed * p.tau
+            at = Direction(me.x + d * u.x, me.y + d * u.y, me.z + d * u.z)
+            for k in range(SIDES):
+                if leaves(of.flat, k):
+                    continue
+                ball = reserved_ball(at, u, about(u, side, k), way)
+                over = overlap(near, planes, surroundings, own, ball, p)
+                if over == 0.0 or p.guard == 0.0:
+                    return Step(u, speed, ball)
+                if over < least:
+                    least, best = over, Step(u, speed, ball)
+    return last if overlap(near, planes, surroundings, own, own, p) < least else best

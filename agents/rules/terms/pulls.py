@@ -36,33 +36,46 @@ def apart(me, near, j):
 
 
 @compiled
-def is_heard(me, near, j, p):
-    """1.0 if car j is one of the k nearest that are no predators, or of all of them; else 0.0."""
+def is_heard(me, near, j, limit, p):
+    """1.0 if car j is one that is heard, see `hearing`, and no predator; else 0.0."""
+    dx, dy = apart(me, near, j)
+    near_enough = 1.0 if dx * dx + dy * dy <= limit else 0.0
+    return near_enough * adjacent(me, near, j, p.r) * (1.0 - near.signal[HUNTS][j])
+
+
+@compiled
+def hearing(me, near, p):
+    """Square of the distance (m^2) up to which other cars are heard: to the k-th nearest of them."""
     hunts = near.signal[HUNTS]
-    heard = adjacent(me, near, j, p.r) * (1.0 - hunts[j])
-    if p.k > 0.0 and heard > 0.0:
-        dx, dy = apart(me, near, j)
-        d2 = dx * dx + dy * dy
-        nearer = 0.0
-        for m in range(near.n):
-            ex, ey = apart(me, near, m)
-            counts = adjacent(me, near, m, p.r) * (1.0 - hunts[m])
-            nearer += counts if ex * ex + ey * ey < d2 else 0.0
-        heard = 1.0 if nearer < p.k else 0.0
-    return heard
+    limit, heard = -1.0, 0.0
+    while heard < p.k:
+        following = math.inf
+        for j in range(near.n):
+            dx, dy = apart(me, near, j)
+            d2 = dx * dx + dy * dy
+            counts = (adjacent(me, near, j, p.r) * (1.0 - hunts[j]) > 0.0) & (d2 > limit)
+            following = d2 if counts & (d2 < following) else following
+        if following == math.inf:
+            return math.inf
+        limit = following
+        heard = 0.0
+        for j in range(near.n):
+            heard += is_heard(me, near, j, limit, p)
+    return limit if p.k > 0.0 else math.inf
 
 
 @compiled
 def pulls(me, near, p):
     """The sums of sigma over the cars that are heard and over predators, and of headings: six."""
     hunts = near.signal[HUNTS]
+    limit = hearing(me, near, p)
     cx = cy = px = py = ax = ay = 0.0
     for j in range(near.n):
         dx, dy = apart(me, near, j)
         r = math.sqrt(dx * dx + dy * dy)
-        heard = is_heard(me, near, j, p)
+        heard = is_heard(me, near, j, limit, p)
         flees = adjacent(me, near, j, p.r) * hunts[j]
-        over = 1.0 / r if r > 0.0 else 0.0
+        over = (1.0 if r > 0.0 else 0.0) / (r if r > 0.0 else 1.0)
         pull = heard * squashed(r, p.beta, p.C, p.gamma) * over
         push = flees * squashed(r, p.beta_p, p.C_p, p.gamma) * over
         cx += pull * dx

@@ -149,18 +149,18 @@ def beside(u, v):
 
 
 @compiled
-def overlap(me, near, surroundings, own, then, p):
-    """By how much the ball `then` is over the planes around the ball `own`, and in solids; length.
+def note_planes(me, near, own, most, p):
+    """Note the planes between the ball `own` and those of others in `near.spare`; how many.
 
-    The sum over all others, and the nearest surface. 0: the step to it is safe. Nobody beyond
-    reach is in the way, see `agents.rules.guarded_zones.GuardedZones.range`.
+    Rows: the unit vector from the centre to the other centre (x, y, z), and how far a ball may
+    reach beyond `own` on that side, length. Left out are those farther than `most`, beyond which no
+    ball reaches.
     """
-    vx, vy, vz = then.x - own.x, then.y - own.y, then.z - own.z
-    grown = then.radius - own.radius
     apart = own.radius + p.body + 2.0 * SKIN
     out_x, out_y, out_z = near.signal[OUT_X], near.signal[OUT_Y], near.signal[OUT_Z]
     radius = near.signal[RADIUS]
-    total = 0.0
+    x, y, z, room = near.spare[0], near.spare[1], near.spare[2], near.spare[3]
+    n = 0
     for j in range(near.n):
         dx = near.x[j] - me.x
         dy = near.y[j] - me.y
@@ -169,11 +169,32 @@ def overlap(me, near, surroundings, own, then, p):
         ex = near.x[j] + out_x[j] - own.x
         ey = near.y[j] + out_y[j] - own.y
         ez = near.z[j] + out_z[j] - own.z
-        e2 = ex * ex + ey * ey + ez * ez
+        x[n], y[n], z[n], room[n] = ex, ey, ez, apart + radius[j]
+        far = room[n] + 2.0 * most
+        n += 1 if (d2 > 0.0) & (ex * ex + ey * ey + ez * ez < far * far) else 0
+    for k in range(n):
+        e2 = x[k] * x[k] + y[k] * y[k] + z[k] * z[k]
         e = math.sqrt(e2 if e2 > 0.0 else 1.0)
-        gap = e - apart - radius[j]
-        over = (vx * ex + vy * ey + vz * ez) / e + grown - 0.5 * gap
-        total += over if (d2 > 0.0) & (over > ENOUGH) else 0.0
+        x[k], y[k], z[k], room[k] = x[k] / e, y[k] / e, z[k] / e, 0.5 * (e - room[k])
+    return n
+
+
+@compiled
+def overlap(near, planes, surroundings, own, then, p):
+    """By how much the ball `then` is over the planes around the ball `own`, and in solids; length.
+
+    The sum over the `planes` that `note_planes` has noted, and the nearest surface. 0: the step to
+    it is safe. Nobody beyond reach is in the way, see
+    `agents.rules.guarded_zones.GuardedZones.range`.
+    """
+    vx, vy, vz = then.x - own.x, then.y - own.y, then.z - own.z
+    grown = then.radius - own.radius
+    plane = near.spare
+    total = 0.0
+    for j in range(planes):
+        reach = vx * plane[0, j] + vy * plane[1, j] + vz * plane[2, j] + grown
+        over = reach - plane[3, j]
+        total += over if over > ENOUGH else 0.0
     clear = (
         signed_distance(surroundings, then.x, then.y, then.z) - then.radius - 0.5 * p.body - SKIN
     )
