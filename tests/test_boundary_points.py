@@ -178,7 +178,8 @@ def around(points):
     me = Me(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, none, np.zeros(10), False, 1.0, 1, 0, key, 1)
     x, y = points.T.copy()
     table = np.zeros((1, 0))
-    near = Near(0, none, none, none, none, none, none, table, none, len(x), x, y, np.empty((4, len(x))))
+    spare = np.empty((4, len(x)))
+    near = Near(0, none, none, none, none, none, none, table, none, len(x), x, y, spare)
     return me, near
 
 

@@ -46,6 +46,7 @@ def sum_up(position, heading, size, images, b, block, none, out):
     """Each bird's `saved` (N,); `block` (7, N) holds the others' nearest images, `none` nothing."""
     n = position.shape[1]
     x, y, z = position[0], position[1], position[2]
+    no, spare = none[0], block[3:]
     ux, uy, uz = heading[0], heading[1], heading[2]
     for i in range(n):
         for axis in range(3):
@@ -57,9 +58,7 @@ def sum_up(position, heading, size, images, b, block, none, out):
         me = Me(
             x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
         )
-        near = Near(
-            n, block[0], block[1], block[2], ux, uy, uz, none, none[0], 0, none[0], none[0], block[3:]
-        )
+        near = Near(n, block[0], block[1], block[2], ux, uy, uz, none, no, 0, no, no, spare)
         out[i] = saved_within(me, near, b, WITHIN * b)
 
 

@@ -70,7 +70,7 @@ def leaves(flat, k):
 
 @compiled
 def about(u, n, k):
-    """The unit vector n turned about the unit vector u, at right angles to it, by the k-th angle."""
+    """The unit vector n turned by the k-th angle about u, a unit vector at right angles to it."""
     c, s = COSINES[k], SINES[k]
     return Direction(
         c * n.x + s * (u.y * n.z - u.z * n.y),

@@ -45,7 +45,7 @@ def is_heard(me, near, j, limit, p):
 
 @compiled
 def hearing(me, near, p):
-    """Square of the distance (m^2) up to which other cars are heard: to the k-th nearest of them."""
+    """Square of the distance (m^2) up to which cars are heard: that of the k-th nearest."""
     hunts = near.signal[HUNTS]
     limit, heard = -1.0, 0.0
     while heard < p.k:
