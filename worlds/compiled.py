@@ -11,6 +11,7 @@ Python that they are written in.
 from __future__ import annotations
 
 import functools
+import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
@@ -20,6 +21,7 @@ from typing import Any
 import numba
 import numpy as np
 from filelock import FileLock
+from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from worlds.linking import LOOPS, PARTS
@@ -55,6 +57,19 @@ def plain_python(asked: bool = True) -> Iterator[None]:
         PLAIN.reset(before)
 
 
+@contextmanager
+def without_collection() -> Iterator[None]:
+    """Within it no garbage is collected: numba makes little, and looking for it takes a tenth."""
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
 class Entry(CPUDispatcher):
     """A compiled function that Python calls."""
 
@@ -67,7 +82,7 @@ class Entry(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Compile it, or take what another process has compiled and kept meanwhile."""
-        with nullcontext() if self.lock is None else FileLock(self.lock):
+        with without_collection(), nullcontext() if self.lock is None else FileLock(self.lock):
             return super().compile(sig)
 
 
@@ -85,8 +100,9 @@ class Part(Entry):
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Compile it for a call; an exception says in `uncompiled` what it is of."""
+        plain = [types.unliteral(one) for one in args]  # one version for all numbers
         try:
-            return super().get_call_template(args, kws)
+            return super().get_call_template(plain, kws)
         except Exception as error:
             if not hasattr(error, "uncompiled"):
                 error.uncompiled = self.py_func  # type: ignore[attr-defined]
