@@ -12,11 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays as drawn
+from scipy.stats import kstest
 
 from agents import Flock
 from agents.catalogue import MODELS
 from agents.engine import lanes
-from agents.engine.lanes import WIDTH, load, store, where
+from agents.engine.lanes import WIDTH, exponent, load, mantissa, store, where
+from agents.engine.noise import cos_sin, log, normal
 from agents.engine.pairs.meeting import STOP
 from agents.engine.pairs.runner import OfPairs
 from agents.engine.runner import NotANumber
@@ -42,6 +44,38 @@ def some_of_all(x, y, table):
     store(table, 5, (a >= b) * a + min(a, b) * (a > 0.0))
     store(table, 6, max(a, 1.0))
     store(table, 7, 3)
+
+
+@numba.njit
+def of_the_noise(x, angle, table):
+    """What noise is made of, of eight numbers at once; logarithms of x > 0."""
+    a = load(x, 0)
+    c, s = cos_sin(load(angle, 0))
+    store(table, 0, log(a))
+    store(table, 1, c)
+    store(table, 2, s)
+    store(table, 3, mantissa(a))
+    store(table, 4, exponent(a))
+
+
+@given(
+    drawn(float, WIDTH, elements=st.floats(1e-300, 1e300)),
+    drawn(float, WIDTH, elements=st.floats(-20.0, 20.0)),
+)
+def test_logarithm_cosine_and_sine_are_those_of_the_library_in_every_lane(x, angle):
+    table = np.zeros((5, WIDTH))
+    of_the_noise(x, angle, table)
+    assert np.allclose(table[0], np.log(x), rtol=1e-15, atol=3e-16)
+    assert np.allclose(table[1:3], [np.cos(angle), np.sin(angle)], rtol=0.0, atol=3e-16)
+    assert np.array_equal(table[3:], np.frexp(x))
+    alone = [(log.py_func(a), *cos_sin.py_func(b)) for a, b in zip(x, angle, strict=True)]
+    assert np.allclose(table[:3].T, alone, rtol=1e-15, atol=3e-16)
+
+
+def test_normal_numbers_are_normal():
+    found = [normal(np.uint64(7), agent, 4) for agent in range(4000)]
+    assert kstest(found, "norm").pvalue > 0.01
+    assert abs(np.corrcoef(found[::2], found[1::2])[0, 1]) < 0.05
 
 
 @given(eight, eight)

@@ -250,8 +250,8 @@ class Rule:
     sees_obstacles: bool = False
     """Whether the rule steers clear of obstacles and solid edges; else agents bounce off them."""
     sifts: bool = False
-    """Whether `near` shall hold those within reach alone where there are many: a gain for a rule
-    that goes over its neighbours more than once, a loss for one that takes a single sum."""
+    """Whether those within reach shall be picked out first where there are many: a gain for a rule
+    that goes over its neighbours more than once, or whose term is dear; else a loss."""
     sees_points: bool = False
     """Whether `near` shall hold the boundary points of obstacles within reach."""
     zones: tuple[Zone, ...] = ()
