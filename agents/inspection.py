@@ -102,21 +102,8 @@ def as_near(
     sent = np.ascontiguousarray(signals[:shared, rows])
     heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(seen.T)
-    return Near(
-        len(rows),
-        x,
-        y,
-        z,
-        ux,
-        uy,
-        uz,
-        sent,
-        heard,
-        len(seen),
-        px,
-        py,
-        np.zeros((4, max(len(rows), len(seen)))),
-    )
+    speed, spare = flock.speed[rows], np.zeros((4, max(len(rows), len(seen))))
+    return Near(len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(seen), px, py, spare)
 
 
 def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:

@@ -179,7 +179,7 @@ def around(points):
     x, y = points.T.copy()
     table = np.zeros((1, 0))
     spare = np.empty((4, len(x)))
-    near = Near(0, none, none, none, none, none, none, table, none, len(x), x, y, spare)
+    near = Near(0, none, none, none, none, none, none, none, table, none, len(x), x, y, spare)
     return me, near
 
 

@@ -121,6 +121,10 @@ def one_by_one(monkeypatch, *arguments, **options) -> Flock:
         ("vem", {"agents": 200, "size": 8.0, "world": "open", "eta": 0.1}),
         ("couzin", {"agents": 200, "sigma": 0.0}),
         ("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
+        ("reynolds", {"agents": 300}),
+        ("reynolds", {"agents": 100, "world": "wrap", "size": 12.0, "dim": 3, "fov": 360.0}),
+        ("olfati-saber", {"agents": 150}),
+        ("olfati-saber", {"agents": 60, "world": "open", "size": 30.0, "dim": 3}),
     ],
 )
 def test_eight_at_once_do_what_each_would(monkeypatch, model, options):

@@ -78,6 +78,8 @@ def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
             if slots.z.shape[0] > 0:
                 block[2, m + k] = slots.z[first + k] + sz
                 block[5, m + k] = slots.uz[first + k]
+            if slots.speed.shape[0] > 0:
+                block[9, m + k] = slots.speed[first + k]
             for q in range(signals.shape[0]):
                 signals[q, m + k] = slots.signal[q, first + k]
         return m + n
@@ -88,6 +90,8 @@ def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
     if slots.z.shape[0] > 0:
         copy_column(block[2], m, slots.z, first, n, sz)
         copy_column(block[5], m, slots.uz, first, n, 0.0)
+    if slots.speed.shape[0] > 0:
+        copy_column(block[9], m, slots.speed, first, n, 0.0)
     for q in range(signals.shape[0]):
         copy_column(signals[q], m, slots.signal[q], first, n, 0.0)
     return m + n

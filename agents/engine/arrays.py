@@ -28,8 +28,8 @@ class Arrays(NamedTuple):
     (N, 2 + dim), or no rows at all. See `agents.state.crashes`."""
 
 
-def empty_slots(n: int, dim: int, signals: int) -> Slots:
-    """Empty arrays for a sorted copy of n agents."""
+def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:
+    """Empty arrays for a sorted copy of n agents, with their speeds or without."""
     n3 = n if dim == 3 else 0
     return Slots(
         np.zeros(n, np.int32),
@@ -40,6 +40,7 @@ def empty_slots(n: int, dim: int, signals: int) -> Slots:
         np.empty(n),
         np.empty(n),
         np.empty(n3),
+        np.empty(n if speeds else 0),
         np.empty((signals, n)),
         np.zeros(n if signals else 0, np.int32),
     )
@@ -62,11 +63,12 @@ class Workspace(NamedTuple):
     """One thread's scratch buffers."""
 
     block: np.ndarray
-    """A neighbourhood block: positions, headings, positions of nearest images; (9, capacity)."""
+    """A neighbourhood block: positions, headings, positions of nearest images, speeds; (10,
+    capacity)."""
     signals: np.ndarray
     """The block's signals, (K, capacity)."""
     close: np.ndarray
-    """Those of the block within reach of one agent: positions, headings; (6, capacity)."""
+    """Those of the block within reach of one agent: positions, headings, speeds; (7, capacity)."""
     close_signals: np.ndarray
     """Their signals, (K, capacity)."""
     apart: np.ndarray
@@ -93,9 +95,9 @@ def empty_workspace(
 ) -> Workspace:
     """Buffers for blocks of at most `capacity` agents and `points` boundary points around one."""
     return Workspace(
-        np.zeros((9, capacity)),
+        np.zeros((10, capacity)),
         np.zeros((signals, capacity)),
-        np.zeros((6, capacity)),
+        np.zeros((7, capacity)),
         np.zeros((signals, capacity)),
         np.zeros(capacity),
         np.zeros(capacity, np.int32),

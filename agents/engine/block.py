@@ -54,6 +54,7 @@ class Near(NamedTuple):
     ux: np.ndarray
     uy: np.ndarray
     uz: np.ndarray
+    speed: np.ndarray
     signal: np.ndarray
     """What the agents tell each other, shape (K, n or more)."""
     heard: np.ndarray
@@ -79,6 +80,7 @@ class Other(NamedTuple):
     """Heading, a unit vector (ux, uy, uz)."""
     uy: float
     uz: float
+    speed: float
     heard: bool
     """Whether its heading counts: it does not where it is busy avoiding an obstacle."""
 
@@ -115,7 +117,8 @@ def seen(me, near, j):
     dy = near.y[j] - me.y
     dz = near.z[j] - me.z
     d2 = dx * dx + dy * dy + dz * dz
-    return Other(dx, dy, dz, d2, near.ux[j], near.uy[j], near.uz[j], near.heard[j] > 0.0)
+    heard = near.heard[j] > 0.0
+    return Other(dx, dy, dz, d2, near.ux[j], near.uy[j], near.uz[j], near.speed[j], heard)
 
 
 @compiled

@@ -66,6 +66,8 @@ class Slots(NamedTuple):
     ux: np.ndarray
     uy: np.ndarray
     uz: np.ndarray
+    speed: np.ndarray
+    """Empty for rules and bodies that do not ask for it."""
     signal: np.ndarray
     """Shape (K, N)."""
     queue: np.ndarray
@@ -193,7 +195,7 @@ def place_rows(grid, slots, part, low, high):
 
 
 @compiled
-def fill_slots(slots, position, heading, memory, low, high):
+def fill_slots(slots, position, heading, speed, memory, low, high):
     """Fourth pass: copy the rows of slots low to high, so that a cell's agents lie together."""
     dim = position.shape[1]
     for slot in range(low, high):
@@ -205,5 +207,7 @@ def fill_slots(slots, position, heading, memory, low, high):
         if dim == 3:
             slots.z[slot] = position[i, 2]
             slots.uz[slot] = heading[i, 2]
+        if slots.speed.shape[0] > 0:
+            slots.speed[slot] = speed[i]
         for k in range(slots.signal.shape[0]):
             slots.signal[k, slot] = memory[k, i]

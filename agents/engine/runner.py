@@ -72,7 +72,7 @@ class Engine:
         self.seed = seed
         n, dim = arrays.position.shape
         self.parts = max(1, threads)
-        self.slots = empty_slots(n, dim, module.SIGNALS)
+        self.slots = empty_slots(n, dim, module.SIGNALS, module.ASKS_SPEED)
         self.grid = empty_grid(n, self.parts)
         self.workspaces: list[Workspace] = []
         self.widen(256)

@@ -39,6 +39,7 @@ from worlds.queries.surroundings import points_within, set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (
+        ASKS_SPEED,
         CRASHES,
         DEAFENS,
         DIM,
@@ -198,6 +199,9 @@ def within_reach(workspace, m, at, me, reach):
             close[axis, k] = block[at + axis, np.uintp(workspace.chosen[k])]
         for k in range(n):
             close[3 + axis, k] = block[3 + axis, np.uintp(workspace.chosen[k])]
+    if ASKS_SPEED:
+        for k in range(n):
+            close[6, k] = block[9, np.uintp(workspace.chosen[k])]
     for q in range(SIGNALS):
         for k in range(n):
             workspace.close_signals[q, k] = workspace.signals[q, np.uintp(workspace.chosen[k])]
@@ -210,9 +214,9 @@ def nearby(m, workspace, at, points):
 
     Positions start at row `at`, -1 for those that were picked out.
     """
-    block, signals = workspace.block, workspace.signals
+    block, signals, speeds = workspace.block, workspace.signals, 9
     if at < 0:
-        block, signals, at = workspace.close, workspace.close_signals, 0
+        block, signals, at, speeds = workspace.close, workspace.close_signals, 0, 6
     flat: Any = zeros()
     z, uz = (flat, flat) if DIM == 2 else (block[at + 2], block[5])
     heard: Any = signals[SIGNALS - 1] if DEAFENS else ones()
@@ -225,6 +229,7 @@ def nearby(m, workspace, at, points):
         block[3],
         block[4],
         uz,
+        block[speeds] if ASKS_SPEED else flat,
         signals,
         heard,
         points,
@@ -327,7 +332,7 @@ def advance(
         if phases & PLACE:
             place_rows(grid, slots, part, first, last)
         if phases & FILL:
-            fill_slots(slots, flock.position, flock.heading, flock.memory, first, last)
+            fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, first, last)
         if phases & PREPARE:
             ready(flock, space, grid, slots, workspace, context.parameters, now, key)
         if phases & SWEEP:

@@ -30,7 +30,7 @@ MEETS = 0
 SUMS = 1
 """How many sums over pairs a rule makes."""
 ASKS_SPEED = True
-"""Whether the rule or the body asks how fast an agent is."""
+"""Whether the rule or the body asks how fast agents are."""
 BY_LANES = False
 """Whether the rule's `answer` and the body's `move` take eight agents at once."""
 

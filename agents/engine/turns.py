@@ -94,7 +94,7 @@ def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick,
         return bad
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
-    fill_slots(slots, flock.position, flock.heading, flock.memory, 0, n)
+    fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, 0, n)
     ready(flock, space, grid, slots, workspace, context.parameters, tick, key)
     if CRASHES:
         judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
@@ -150,6 +150,7 @@ def gather(flock, space, grid, slots, workspace, p, i, tick, key):
             block[3, m] = other.ux
             block[4, m] = other.uy
             block[5, m] = other.uz
+            block[9, m] = other.speed
             if SIGNALS > 0:
                 for k in range(SIGNALS):
                     workspace.out[k] = workspace.mine[k]

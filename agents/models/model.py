@@ -43,6 +43,12 @@ def reads(name: str, function: Callable | None) -> bool:
     return name in python.__code__.co_names or any(reads(name, one) for one in inner)
 
 
+def calls(wanted: Callable, function: Callable) -> bool:
+    """Whether a compiled function, or one that it reaches, reaches another."""
+    inner = [one for one in reached(python_of(function)) if isinstance(one, Dispatcher)]
+    return any(one is wanted or calls(wanted, one) for one in inner)
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A rule and a body under one name, with one set of parameters.
@@ -168,7 +174,7 @@ class Model:
         asks = (rule.perceive, rule.prepare, body.measure, body.touches)
         return (
             rule.term is not None
-            and any(one is rule.term for one in reached(python_of(rule.decide)))
+            and calls(rule.term, rule.decide)
             and not self.columns
             and not rule.sees_points
             and not any(asks)
@@ -178,6 +184,7 @@ class Model:
     def parts(self, dim: int, solid: bool) -> dict[str, Any]:
         """What makes its loop in `dim` dimensions, in a world where something is solid or not."""
         rule, body = self.rule, self.body
+        told = rule.perceive, rule.decide, rule.remember, body.move, body.measure, body.touches
         return {
             "DIM": dim,
             "SIGNALS": len(self.signals),
@@ -188,7 +195,7 @@ class Model:
             "SIFTS": rule.sifts,
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
-            "ASKS_SPEED": any(reads("speed", one) for one in (rule.term, rule.answer, body.move)),
+            "ASKS_SPEED": any(reads("speed", one) for one in told),
             "MEETS": self.meets(solid),
             "perceive": rule.perceive,
             "decide": rule.decide,

@@ -58,7 +58,7 @@ def sum_up(position, heading, size, images, b, block, none, out):
         me = Me(
             x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
         )
-        near = Near(n, block[0], block[1], block[2], ux, uy, uz, none, no, 0, no, no, spare)
+        near = Near(n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, spare)
         out[i] = saved_within(me, near, b, WITHIN * b)
 
 

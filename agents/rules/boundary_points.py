@@ -15,16 +15,15 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Wish
+from agents.engine.block import Wish, seen
 from agents.models.declare import Rule, parameter
 from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
-    flockmates,
+    flockmate,
     has_goal,
     level,
     push,
-    show,
     weigh,
     written,
 )
@@ -220,13 +219,29 @@ def boundary(me, near, p):
 
 
 @compiled
+def flockmates(me, near, p):
+    """The sums of (13) over the neighbours: gradient (x, y) and consensus (x, y), without gains."""
+    warning = alarm(p)
+    fx = fy = cx = cy = 0.0
+    for j in range(near.n):
+        other = seen(me, near, j)
+        gx, gy, _, wx, wy, _ = flockmate(me, other, p)
+        eta = level(other.d2, warning, p.d, p.tau_a, p.tau_e, p.tau_s)
+        fx += eta * gx
+        fy += eta * gy
+        cx += wx
+        cy += wy
+    return fx, fy, cx, cy
+
+
+@compiled
 def terms(me, near, surroundings, p):
     """The terms of u_i (19), a row (x, y, z) for each of FORCES, m/s^2.
 
     Without a gamma agent nothing is in the way, and boundary points push but do not tow.
     """
     vx, vy = me.speed * me.ux, me.speed * me.uy
-    fx, fy, _, cx, cy, _ = flockmates(me, near, p, alarm(p), p.tau_a, p.tau_e, p.tau_s)
+    fx, fy, cx, cy = flockmates(me, near, p)
     bx = by = ex = ey = gx = gy = 0.0
     if near.points > 0:
         bx, by, heed = boundary(me, near, p)
@@ -272,8 +287,6 @@ RULE = Rule(
     decide=decide,
     wish="acceleration",
     dimensions=(2,),
-    signals=("pace",),
-    show=show,
     memory=MEMORY,
     places=("split", "rejoin", "aim"),
     places_while="following",

@@ -13,7 +13,7 @@ from agents.engine.block import Wish
 from agents.models.declare import Rule, parameter
 from agents.rules.couzin import missed
 from agents.rules.terms.potential_field import push
-from agents.rules.terms.slots import PACE, closing_up, nearest_slot
+from agents.rules.terms.slots import closing_up, nearest_slot
 from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
@@ -200,12 +200,6 @@ def weigh(me, near, p, out):
             out[slot.ahead] += p.w
 
 
-@compiled
-def show(me, p, out):
-    """The signal that neighbours receive: the agent's speed."""
-    out[PACE] = me.speed
-
-
 ECHELON = Rule(
     name="echelon",
     title="Echelons",
@@ -219,8 +213,6 @@ ECHELON = Rule(
     wish="velocity",
     reach="range",
     together="d_a",
-    signals=("pace",),
-    show=show,
     weigh=weigh,
     zones=REPELLED_ALL_ROUND,
     view="alpha",

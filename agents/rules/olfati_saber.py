@@ -18,16 +18,16 @@ from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
     bump,
-    flockmates,
+    flockmate,
     has_goal,
     push,
-    show,
     sigma_1,
     sigma_norm,
     stretch,
     weigh,
     written,
 )
+from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
 from worlds.queries.surroundings import solids_around, surface
 
@@ -111,9 +111,9 @@ def lead(me, surroundings, p):
 
 
 @compiled
-def terms(me, near, surroundings, p):
+def terms(me, sums, surroundings, p):
     """The terms of u_i (7), a row (x, y, z) for each of FORCES, m/s^2."""
-    fx, fy, fz, cx, cy, cz = flockmates(me, near, p, 0.0, 1.0, 1.0, 1.0)
+    fx, fy, fz, cx, cy, cz = sums
     bx, by, bz, ex, ey, ez = beta_terms(me, surroundings, p)
     return (
         (p.c1a * fx, p.c1a * fy, p.c1a * fz),
@@ -125,9 +125,9 @@ def terms(me, near, surroundings, p):
 
 
 @compiled
-def decide(me, near, surroundings, p):
+def answer(me, sums, surroundings, p):
     """u_i = u_i^alpha + u_i^beta + u_i^gamma (7)."""
-    f, c, b, e, g = terms(me, near, surroundings, p)
+    f, c, b, e, g = terms(me, sums, surroundings, p)
     return Wish(
         f[0] + c[0] + b[0] + e[0] + g[0],
         f[1] + c[1] + b[1] + e[1] + g[1],
@@ -135,10 +135,13 @@ def decide(me, near, surroundings, p):
     )
 
 
+around = sums_around(6, flockmate)
+
+
 @compiled
 def explain(me, near, surroundings, p, out):
     """The terms of (7) one by one."""
-    written(terms(me, near, surroundings, p), out)
+    written(terms(me, around(me, near, p), surroundings, p), out)
 
 
 RULE = Rule(
@@ -152,10 +155,8 @@ RULE = Rule(
     r"(\hat p_{ik} - p_i)\big] - c_1^\gamma \sigma_1(q_i - q_\gamma) - c_2^\gamma (p_i - p_\gamma)",
     source="Olfati-Saber 2006; Wu et al. 2023, (7) to (11)",
     parameters=OlfatiSaber,
-    decide=decide,
+    **of_pairs(6, flockmate, answer),
     wish="acceleration",
-    signals=("pace",),
-    show=show,
     weigh=weigh,
     forces=FORCES,
     explain=explain,

@@ -13,15 +13,19 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish
+from agents.engine.block import Wish, seen
+from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
 from agents.rules.terms.steering import avoidance, cut, seek
+from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
 
-PACE = 0
-"""The signal that tells a boid's speed; with its heading it makes its velocity."""
 FORCES = ("separation", "alignment", "cohesion", "avoidance", "seek")
 """The steering forces, as accelerations, length/s^2."""
+
+
+SUMS = 11
+"""How many numbers `term` has."""
 
 
 class Boids(Parameters):
@@ -151,45 +155,44 @@ def edge_of_view(p):
 
 
 @compiled
-def in_view(me, near, j, edge):
-    """1.0 and the squared distance of j if it is another boid in the field of view, else 0.0."""
-    dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
-    d2 = dx * dx + dy * dy + dz * dz
-    ahead = dx * me.ux + dy * me.uy + dz * me.uz
-    return (1.0 if (d2 > 0.0) & (ahead >= edge * math.sqrt(d2)) else 0.0), d2
+def in_view(me, other, edge):
+    """Whether it is another boid in the field of view."""
+    ahead = other.dx * me.ux + other.dy * me.uy + other.dz * me.uz
+    return (other.d2 > 0.0) & (ahead >= edge * math.sqrt(other.d2))
 
 
 @compiled
-def flocking(me, near, p):
+def term(me, other, p):
+    """What another boid adds to the sums of `flocking`: eleven numbers."""
+    there = in_view(me, other, edge_of_view(p))
+    apart = there & (other.d2 <= min(p.r, p.r_separation) ** 2)
+    s = apart * (1.0 / where(apart, other.d2, 1.0))
+    a = there & (other.d2 <= min(p.r, p.r_alignment) ** 2)
+    c = there & (other.d2 <= min(p.r, p.r_cohesion) ** 2)
+    return (
+        -s * other.dx,
+        -s * other.dy,
+        -s * other.dz,
+        a * (other.speed * other.ux),
+        a * (other.speed * other.uy),
+        a * (other.speed * other.uz),
+        a,
+        c * other.dx,
+        c * other.dy,
+        c * other.dz,
+        c,
+    )
+
+
+@compiled
+def flocking(me, sums, p):
     """Separation, alignment and cohesion, each at most 1 long: nine numbers.
 
     Separation: r_s times the sum of the unit vectors away from each neighbour over its distance.
     Alignment: mean velocity minus one's own, over max_speed. Cohesion: towards the mean position,
     over r_c.
     """
-    edge = edge_of_view(p)
-    s2 = min(p.r, p.r_separation) ** 2
-    a2 = min(p.r, p.r_alignment) ** 2
-    c2 = min(p.r, p.r_cohesion) ** 2
-    pace = near.signal[PACE]
-    sx = sy = sz = ax = ay = az = cx = cy = cz = aligned = cohering = 0.0
-    for j in range(near.n):
-        seen, d2 = in_view(me, near, j, edge)
-        dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
-        s = (seen if d2 <= s2 else 0.0) / (d2 if d2 > 0.0 else 1.0)
-        sx -= s * dx
-        sy -= s * dy
-        sz -= s * dz
-        a = seen if d2 <= a2 else 0.0
-        ax += a * pace[j] * near.ux[j]
-        ay += a * pace[j] * near.uy[j]
-        az += a * pace[j] * near.uz[j]
-        aligned += a
-        c = seen if d2 <= c2 else 0.0
-        cx += c * dx
-        cy += c * dy
-        cz += c * dz
-        cohering += c
+    sx, sy, sz, ax, ay, az, aligned, cx, cy, cz, cohering = sums
     sx, sy, sz = cut(p.r_separation * sx, p.r_separation * sy, p.r_separation * sz)
     n = max(1.0, aligned)
     v = me.speed if aligned > 0.0 else 0.0
@@ -204,9 +207,9 @@ def flocking(me, near, p):
 
 
 @compiled
-def decide(me, near, surroundings, p):
+def answer(me, sums, surroundings, p):
     """The weighted sum of the steering forces, length/s^2; the body cuts it at max_force."""
-    sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, near, p)
+    sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, sums, p)
     ox, oy, oz = avoidance(me, surroundings, p)
     gx, gy, gz = seek(me, surroundings, p)
     s, a, c, o, g = p.w_separation, p.w_alignment, p.w_cohesion, p.w_avoidance, p.w_seek
@@ -217,10 +220,13 @@ def decide(me, near, surroundings, p):
     )
 
 
+around = sums_around(SUMS, term)
+
+
 @compiled
 def explain(me, near, surroundings, p, out):
     """The steering forces with their weights, length/s^2, in the order of FORCES."""
-    sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, near, p)
+    sx, sy, sz, ax, ay, az, cx, cy, cz = flocking(me, around(me, near, p), p)
     out[0, 0], out[0, 1], out[0, 2] = sx, sy, sz
     out[1, 0], out[1, 1], out[1, 2] = ax, ay, az
     out[2, 0], out[2, 1], out[2, 2] = cx, cy, cz
@@ -235,19 +241,13 @@ def explain(me, near, surroundings, p, out):
 
 
 @compiled
-def show(me, p, out):
-    """The signal that neighbours receive: the agent's speed."""
-    out[PACE] = me.speed
-
-
-@compiled
 def weigh(me, near, p, out):
     """1 for those in view within the largest of the radii, 0 for others."""
     edge = edge_of_view(p)
     most = min(p.r, max(p.r_separation, max(p.r_alignment, p.r_cohesion))) ** 2
     for j in range(near.n):
-        seen, d2 = in_view(me, near, j, edge)
-        out[j] = seen if d2 <= most else 0.0
+        other = seen(me, near, j)
+        out[j] = 1.0 if in_view(me, other, edge) & (other.d2 <= most) else 0.0
 
 
 REYNOLDS = Rule(
@@ -261,10 +261,8 @@ REYNOLDS = Rule(
     r"c_i = \Big[\frac{\bar x - x_i}{r_c}\Big]_1",
     source="Reynolds 1987; Reynolds 1999",
     parameters=Boids,
-    decide=decide,
+    **of_pairs(SUMS, term, answer),
     wish="acceleration",
-    signals=("pace",),
-    show=show,
     weigh=weigh,
     forces=FORCES,
     explain=explain,

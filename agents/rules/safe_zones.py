@@ -18,8 +18,6 @@ from agents.rules.terms.zone_sums import edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compiled import compiled
 
-PACE = 0
-"""Row of `near.signal`: the neighbours' speeds."""
 MOST = 10.0
 """Largest weight of a neighbour: one in the same place, or due there within 0.1 s."""
 
@@ -80,7 +78,7 @@ def avoidance(me, near, p):
     Weights are 10 (1 - D / d_r) within d_r; and 1 / t_c, at most 10, for those within d_s that come
     nearer than d_m at a time t_c in (0, t_s], all keeping their velocities.
     """
-    pace = near.signal[PACE]
+    speed = near.speed
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
     x = y = z = 0.0
     for j in range(near.n):
@@ -89,9 +87,9 @@ def avoidance(me, near, p):
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
         d = math.sqrt(d2) if d2 > 0.0 else 1.0
-        wx = pace[j] * near.ux[j] - vx
-        wy = pace[j] * near.uy[j] - vy
-        wz = pace[j] * near.uz[j] - vz
+        wx = speed[j] * near.ux[j] - vx
+        wy = speed[j] * near.uy[j] - vy
+        wz = speed[j] * near.uz[j] - vz
         w2 = wx * wx + wy * wy + wz * wz
         t = -(dx * wx + dy * wy + dz * wz) / (w2 if w2 > 1e-12 else 1.0)
         cx, cy, cz = dx + t * wx, dy + t * wy, dz + t * wz
@@ -133,12 +131,6 @@ def weigh(me, near, p, out):
         out[j] = 1.0 if 0.0 < d < p.d_r or (seen and p.d_r <= d <= max(p.d_o, p.d_a)) else 0.0
 
 
-@compiled
-def show(me, p, out):
-    """The signal that neighbours receive: the agent's speed."""
-    out[PACE] = me.speed
-
-
 SAFE = Rule(
     name="safe",
     title="Zones of the thesis, made safe",
@@ -154,8 +146,6 @@ SAFE = Rule(
     wish="velocity",
     reach="range",
     together="d_a",
-    signals=("pace",),
-    show=show,
     weigh=weigh,
     zones=REPELLED_ALL_ROUND,
     view="alpha",

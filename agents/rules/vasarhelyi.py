@@ -19,8 +19,6 @@ from agents.models.declare import Parameters, Rule, parameter
 from worlds.compiled import compiled
 from worlds.queries.surroundings import solids_around, surface
 
-PACE = 0
-"""The signal that tells an agent's speed; with its heading it makes its velocity v_j."""
 FORCES = ("self-propulsion", "repulsion", "alignment", "shill")
 """The terms of the wanted velocity, m/s."""
 
@@ -187,7 +185,7 @@ def neighbourly(me, near, p):
     along v_j - v_i, if the difference v_ij is more than most = max(v^frict, D(r_ij - r_0^frict)).
     """
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
-    pace = near.signal[PACE]
+    speed = near.speed
     rx = ry = rz = fx = fy = fz = 0.0
     for j in range(near.n):
         dx = me.x - near.x[j]
@@ -199,9 +197,9 @@ def neighbourly(me, near, p):
         rx += push * dx
         ry += push * dy
         rz += push * dz
-        wx = pace[j] * near.ux[j] - vx
-        wy = pace[j] * near.uy[j] - vy
-        wz = pace[j] * near.uz[j] - vz
+        wx = speed[j] * near.ux[j] - vx
+        wy = speed[j] * near.uy[j] - vy
+        wz = speed[j] * near.uz[j] - vz
         w = math.sqrt(wx * wx + wy * wy + wz * wz)
         most = max(p.v_frict, braking(d - p.r0_frict, p.a_frict, p.p_frict))
         pull = seen * p.c_frict * max(0.0, w - most) / (w if w > 0.0 else 1.0)
@@ -256,12 +254,6 @@ def explain(me, near, surroundings, p, out):
     out[3, 0], out[3, 1], out[3, 2] = shill(me, surroundings, p)
 
 
-@compiled
-def show(me, p, out):
-    """The signal that neighbours receive: the agent's speed."""
-    out[PACE] = me.speed
-
-
 VASARHELYI = Rule(
     name="vasarhelyi",
     title="Drones of Vasarhelyi et al.",
@@ -277,8 +269,6 @@ VASARHELYI = Rule(
     decide=decide,
     sifts=True,
     wish="velocity",
-    signals=("pace",),
-    show=show,
     forces=FORCES,
     explain=explain,
     sees_obstacles=True,

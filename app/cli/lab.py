@@ -74,23 +74,27 @@ def lab(
         spec = at_home(**{**dict(spec), "parameters": own})
         find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
-    server = open_server(host, port, Front(allow=names))
-    try:  # the page is served, and loads in the browser, before what takes long to import
-        if open_browser:
-            webbrowser.open(here(host, server.get_port()))
-        from agents.flock import Flock
-        from app.viewer.lab.laboratory import Laboratory
-        from app.viewer.run.beside import companion
+    with Stopping() as stopping:
+        server = open_server(host, port, Front(allow=names))
+        try:  # the page is served, and loads in the browser, before what takes long to import
+            if open_browser:
+                webbrowser.open(here(host, server.get_port()))
+            from agents.flock import Flock
+            from app.viewer.lab.laboratory import Laboratory
+            from app.viewer.run.beside import companion
 
-        with origins.named():
-            flock = Flock(spec, threads=threads)
-            if second is not None:
-                companion(flock, second)
-    except BaseException:
-        close_server(server)
-        raise
-    laboratory = Laboratory(spec, host, speed=speed, beside=second, threads=threads, server=server)
-    serve(laboratory)
+            with origins.named():
+                flock = Flock(spec, threads=threads)
+                if second is not None:
+                    companion(flock, second)
+        except BaseException:
+            close_server(server)
+            raise
+        laboratory = Laboratory(
+            spec, host, speed=speed, beside=second, threads=threads, server=server
+        )
+        serve(laboratory, stopping)
+    leave()
 
 
 def parameters(
@@ -122,16 +126,14 @@ def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
     return {name: made[name] for name in moved | given}
 
 
-def serve(laboratory: Any) -> None:
+def serve(laboratory: Any, stopping: Stopping) -> None:
     """Tell the address and serve until Ctrl-C or SIGTERM."""
-    with Stopping() as stopping:
-        try:
-            announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")
-            if not laboratory.simulation.ready.wait(0.8):
-                typer.echo("compiling, this once: a preview is shown meanwhile ...", err=True)
-            while not stopping.asked:
-                time.sleep(LOOK)
-        finally:
-            typer.echo("", err=True)
-            laboratory.close()
-    leave()
+    try:
+        announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")
+        if not laboratory.simulation.ready.wait(0.8):
+            typer.echo("compiling, this once: a preview is shown meanwhile ...", err=True)
+        while not stopping.asked:
+            time.sleep(LOOK)
+    finally:
+        typer.echo("", err=True)
+        laboratory.close()

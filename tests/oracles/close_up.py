@@ -29,4 +29,6 @@ def close_up(flock, row):
     surroundings = flock.engine.surroundings
     away = np.hypot(surroundings.point_x - q[0, row], surroundings.point_y - q[1, row])
     x, y = surroundings.point_x[away <= flock.reach], surroundings.point_y[away <= flock.reach]
-    return me, Near(n, *q, *u, told, np.ones(n), len(x), x, y, np.empty((4, n + len(x))))
+    return me, Near(
+        n, *q, *u, flock.speed, told, np.ones(n), len(x), x, y, np.empty((4, n + len(x)))
+    )

@@ -13,12 +13,14 @@ from agents.engine.runner import UNTRACED, Called, at_once, refuse
 from agents.engine.team import Team
 
 
-def padded_slots(n: int, dim: int) -> Slots:
+def padded_slots(n: int, dim: int, speeds: bool) -> Slots:
     """Empty arrays for a sorted copy of n agents that is read eight at a time."""
     padded = n + WIDTH
     x, y, z, ux, uy, uz = (np.zeros(padded if axis % 3 < dim else 0) for axis in range(6))
     cell, queue = np.zeros(n, np.int32), np.zeros(n, np.int32)
-    return Slots(cell, np.zeros(padded, np.int32)[:n], x, y, z, ux, uy, uz, np.empty((0, n)), queue)
+    speed = np.zeros(padded if speeds else 0)
+    row, signal = np.zeros(padded, np.int32)[:n], np.empty((0, n))
+    return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue)
 
 
 class OfPairs:
@@ -40,7 +42,7 @@ class OfPairs:
         self.seed = seed
         n, dim = arrays.position.shape
         self.parts = max(1, threads)
-        self.slots = padded_slots(n, dim)
+        self.slots = padded_slots(n, dim, module.ASKS_SPEED)
         self.grid = empty_grid(n, self.parts)
         self.notes = [pairs.empty_notes(module.SUMS) for _ in range(self.parts)]
         self.meeting = np.zeros(BAD + self.parts, np.int64)

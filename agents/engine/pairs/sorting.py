@@ -57,7 +57,7 @@ def count_places(grid, space, position, slots, part, low, high):
 
 
 @compiled
-def fill_slots(grid, position, heading, slots, part, low, high):
+def fill_slots(grid, position, heading, speed, slots, part, low, high):
     """Third pass, after `share_slots`: copy places low to high into their slots."""
     count = grid.tally[part]
     solid = position.shape[1] == 3
@@ -73,6 +73,8 @@ def fill_slots(grid, position, heading, slots, part, low, high):
         if solid:
             slots.z[slot] = position[i, 2]
             slots.uz[slot] = heading[i, 2]
+        if slots.speed.shape[0] > 0:
+            slots.speed[slot] = speed[slots.queue[i]]
 
 
 @compiled
@@ -86,6 +88,8 @@ def exchange(slots, a, b):
     if slots.z.shape[0] > 0:
         slots.z[a], slots.z[b] = slots.z[b], slots.z[a]
         slots.uz[a], slots.uz[b] = slots.uz[b], slots.uz[a]
+    if slots.speed.shape[0] > 0:
+        slots.speed[a], slots.speed[b] = slots.speed[b], slots.speed[a]
 
 
 @compiled

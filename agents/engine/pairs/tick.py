@@ -84,7 +84,7 @@ def empty_notes(number: int) -> Notes:
 def nobody():
     """The agents around, for bodies that do not look at them."""
     none: Any = zeros()
-    return Near(0, none, none, none, none, none, none, none, ones(), 0, none, none, none)
+    return Near(0, none, none, none, none, none, none, none, none, ones(), 0, none, none, none)
 
 
 @compiled
@@ -120,7 +120,8 @@ def met(slots, j, place, space, grid, lone):
         dz = nearest(space, grid, 2, dz) if DIM == 3 else 0.0
     d2 = dx * dx + dy * dy + dz * dz
     uz = slots.uz[j] if DIM == 3 else 0.0
-    return Other(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, True)
+    speed = slots.speed[j] if ASKS_SPEED else 0.0
+    return Other(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, speed, True)
 
 
 @compiled
@@ -184,11 +185,9 @@ def pair_sums(grid, space, slots, low, high, me, context, lone, chosen):
 @compiled
 def eight_of(flock, slots, slot, last, notes, numbered, tick, key):
     """`Me` of eight slots from one on; those from `last` on are of no account."""
-    if not numbered or ASKS_SPEED:
+    if not numbered:
         for lane in range(last - slot):
-            row = slots.row[slot + lane]
-            notes.ids[lane] = flock.ids[row]
-            notes.table[SPEED, lane] = flock.speed[row]
+            notes.ids[lane] = flock.ids[slots.row[slot + lane]]
     return Me(
         load(slots.x, slot),
         load(slots.y, slot),
@@ -196,7 +195,7 @@ def eight_of(flock, slots, slot, last, notes, numbered, tick, key):
         load(slots.ux, slot),
         load(slots.uy, slot),
         load(slots.uz, slot) if DIM == 3 else 0.0,
-        load(notes.table[SPEED], 0),
+        load(slots.speed, slot) if ASKS_SPEED else 0.0,
         notes.table[0],
         notes.table[0],
         False,
@@ -333,7 +332,7 @@ def sort(flock, space, surroundings, grid, slots, context, now, meeting, part, p
     if part == 0:
         share_slots(grid, parts)
     meet(meeting, parts)
-    fill_slots(grid, flock.position, flock.heading, slots, part, low, high)
+    fill_slots(grid, flock.position, flock.heading, flock.speed, slots, part, low, high)
     meet(meeting, parts)
     cells = number_of(grid)
     order_cells(grid, slots, cells * part // parts, cells * (part + 1) // parts)

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import adjacent
+from agents.engine.block import adjacent, is_neighbour
+from agents.engine.lanes import where
 from agents.models.declare import Parameters, parameter
 from worlds.compiled import compiled
 
-PACE = 0
-"""The signal that tells an agent's speed; with its heading it makes its velocity p_j."""
 QUARTER = 0.25 * math.pi
 
 FORCES = (
@@ -166,8 +165,7 @@ def bump(z, h):
     1/2 (1 + cos 2y) = cos^2 y = (1 - 2 sin^2 (y / 2))^2, with the sine of fdlibm on [0, pi / 4].
     """
     t = (z - h) / (1.0 - h)
-    t = t if t > 0.0 else 0.0
-    y = QUARTER * (t if t < 1.0 else 1.0)
+    y = QUARTER * min(max(t, 0.0), 1.0)
     w = y * y
     s = y + y * w * (
         -1.66666666666666324348e-01
@@ -186,7 +184,7 @@ def bump(z, h):
         )
     )
     cosine = 1.0 - 2.0 * s * s
-    return cosine * cosine if z < 1.0 else 0.0
+    return where(z < 1.0, cosine * cosine, 0.0)
 
 
 @compiled
@@ -234,36 +232,22 @@ def level(d2, alarm, d, tau_a, tau_e, tau_s):
 
 
 @compiled
-def show(me, p, out):
-    """The signal that neighbours receive: the agent's speed."""
-    out[PACE] = me.speed
+def flockmate(me, other, p):
+    """What another agent adds to the sums of (8): gradient (x, y, z) and consensus (x, y, z).
 
-
-@compiled
-def flockmates(me, near, p, alarm, tau_a, tau_e, tau_s):
-    """The sums of (8) and (13) over the neighbours: gradient (x, y, z) and consensus (x, y, z).
-
-    The weights eta of (13) are 1 where all three tau are 1. Gains are not in it.
+    Gains are not in it.
     """
-    vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
-    pace = near.signal[PACE]
-    fx = fy = fz = cx = cy = cz = 0.0
-    for j in range(near.n):
-        dx = near.x[j] - me.x
-        dy = near.y[j] - me.y
-        dz = near.z[j] - me.z
-        d2 = dx * dx + dy * dy + dz * dz
-        seen = 1.0 if (d2 > 0.0) & (d2 <= p.r * p.r) else 0.0
-        force, rho = push(d2, p)
-        f = seen * level(d2, alarm, p.d, tau_a, tau_e, tau_s) * force
-        w = seen * rho
-        fx += f * dx
-        fy += f * dy
-        fz += f * dz
-        cx += w * (pace[j] * near.ux[j] - vx)
-        cy += w * (pace[j] * near.uy[j] - vy)
-        cz += w * (pace[j] * near.uz[j] - vz)
-    return fx, fy, fz, cx, cy, cz
+    force, rho = push(other.d2, p)
+    close = is_neighbour(other, p.r)
+    f, w = close * force, close * rho
+    return (
+        f * other.dx,
+        f * other.dy,
+        f * other.dz,
+        w * (other.speed * other.ux - me.speed * me.ux),
+        w * (other.speed * other.uy - me.speed * me.uy),
+        w * (other.speed * other.uz - me.speed * me.uz),
+    )
 
 
 @compiled

@@ -12,8 +12,6 @@ from typing import NamedTuple
 from agents.rules.terms.zone_sums import edge_of
 from worlds.compiled import compiled
 
-PACE = 0
-"""Row of `near.signal`: the neighbours' speeds."""
 CLOSE, LONG = 0.6, 4.0
 """How near to a slot a bird takes it, and how far behind a bird its downwash spoils it, spans."""
 PARALLEL = math.cos(math.radians(45.0))
@@ -97,7 +95,7 @@ def nearest_slot(me, near, p):
 @compiled
 def closing_up(near, slot, p):
     """Velocity wished for: that of the bird ahead, and towards the slot, slower once it is near."""
-    pace = near.signal[PACE, slot.ahead]
+    pace = near.speed[slot.ahead]
     far = math.sqrt(slot.x * slot.x + slot.y * slot.y + slot.z * slot.z)
     rate = min(1.0 / p.t_c, p.c / max(far, 1e-12))
     return (

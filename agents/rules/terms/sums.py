@@ -25,14 +25,26 @@ def of_pairs(
     `answer` either.
     """
 
+    around = sums_around(number, term)
+
     @compiled
     def decide(me, near, surroundings, p):
+        return answer(me, around(me, near, p), surroundings, p)
+
+    return {"decide": decide, "term": term, "answer": answer, "sums": number, "by_lanes": by_lanes}
+
+
+def sums_around(number: int, term: Callable) -> Callable:
+    """Compiled: (me, near, p). The `number` sums of a `term` over those around."""
+
+    @compiled
+    def around(me, near, p):
         sums = no_sums(number, 0.0)
         for j in range(near.n):
             sums = added(sums, term(me, seen(me, near, j), p))
-        return answer(me, sums, surroundings, p)
+        return sums
 
-    return {"decide": decide, "term": term, "answer": answer, "sums": number, "by_lanes": by_lanes}
+    return around
 
 
 def mean_heading(weight: Callable) -> dict[str, Any]:
