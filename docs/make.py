@@ -9,13 +9,17 @@ Without names all are written. Tests hold the pages and the list against the dec
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 import sys
 from pathlib import Path
 
 from rule_scenes import flock_of, scene_of
 
 from agents.catalogue import MODELS, Model
+from agents.engine.block import seen
+from agents.engine.cache import reached
 from agents.flock import Flock
 from agents.models.declare import Declared, declared
 from agents.observables.catalogue import OBSERVABLES, usual_charts
@@ -77,6 +81,16 @@ def plainly(word: str) -> str:
     return word.replace("_", " ")
 
 
+def reads_speed_of_others(function) -> bool:
+    """Whether a part of a rule, or what it calls, asks a neighbour's speed."""
+    if function is None or function is seen:
+        return False
+    asked = re.search(r"\b(other|near)\.speed\b", inspect.getsource(function.py_func))
+    return bool(asked) or any(
+        reads_speed_of_others(one) for one in reached(function.py_func) if hasattr(one, "py_func")
+    )
+
+
 def facts(model: Model) -> list[tuple[str, str]]:
     """What a model is made of, one line each."""
     rule, body = model.rule, model.body
@@ -87,8 +101,10 @@ def facts(model: Model) -> list[tuple[str, str]]:
     if body.forces:
         made.append(("Its velocity is the sum of", listed(body.forces)))
     told = [one for one in model.signals if " sent " not in one]
-    hear = tuple(plainly(one) for one in ("position", "heading", *told))
-    made.append(("Agents tell each other", listed(hear)))
+    hear = ["position", "heading", *(plainly(one) for one in told)]
+    if reads_speed_of_others(rule.perceive) or reads_speed_of_others(rule.decide):
+        hear.insert(2, "speed")
+    made.append(("Agents tell each other", listed(tuple(hear))))
     if rule.zones:
         made.append(("Zones", zones(model)))
     if body.touches:

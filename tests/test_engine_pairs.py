@@ -123,7 +123,7 @@ def one_by_one(monkeypatch, *arguments, **options) -> Flock:
         ("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
         ("reynolds", {"agents": 300}),
         ("reynolds", {"agents": 100, "world": "wrap", "size": 12.0, "dim": 3, "fov": 360.0}),
-        ("olfati-saber", {"agents": 150}),
+        ("olfati-saber", {"agents": 40}),
         ("olfati-saber", {"agents": 60, "world": "open", "size": 30.0, "dim": 3}),
     ],
 )

@@ -43,6 +43,7 @@ def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
 def turns_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule act in turn; `sweep` is its sweep."""
     shared = (
+        "ASKS_SPEED",
         "CRASHES",
         "DEAFENS",
         "DIM",

@@ -28,6 +28,7 @@ from worlds.queries.surroundings import set_goal
 
 if TYPE_CHECKING:
     from agents.engine.sweep import (
+        ASKS_SPEED,
         CRASHES,
         DEAFENS,
         DIM,
@@ -150,7 +151,8 @@ def gather(flock, space, grid, slots, workspace, p, i, tick, key):
             block[3, m] = other.ux
             block[4, m] = other.uy
             block[5, m] = other.uz
-            block[9, m] = other.speed
+            if ASKS_SPEED:
+                block[9, m] = other.speed
             if SIGNALS > 0:
                 for k in range(SIGNALS):
                     workspace.out[k] = workspace.mine[k]

@@ -14,6 +14,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from pydantic import create_model
 
+from agents.engine.block import seen
 from agents.engine.cache import reached
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
@@ -35,8 +36,11 @@ def looks_at(name: str, function: Callable) -> bool:
 
 
 def reads(name: str, function: Callable | None) -> bool:
-    """Whether a compiled function, or one that it reaches, reads an attribute of that name."""
-    if function is None:
+    """Whether a compiled function, or one that it reaches, reads an attribute of that name.
+
+    `seen`, which hands on all that there is of a neighbour, does not count.
+    """
+    if function is None or function is seen:
         return False
     python = python_of(function)
     inner = [one for one in reached(python) if isinstance(one, Dispatcher)]
@@ -181,10 +185,16 @@ class Model:
             and not looks_at("near", body.move)
         )
 
+    @cached_property
+    def asks_speed(self) -> bool:
+        """Whether it reads a speed, which is then seen of others too."""
+        rule, body = self.rule, self.body
+        read = rule.perceive, rule.decide, rule.remember, body.move, body.measure, body.touches
+        return any(reads("speed", one) for one in read)
+
     def parts(self, dim: int, solid: bool) -> dict[str, Any]:
         """What makes its loop in `dim` dimensions, in a world where something is solid or not."""
         rule, body = self.rule, self.body
-        told = rule.perceive, rule.decide, rule.remember, body.move, body.measure, body.touches
         return {
             "DIM": dim,
             "SIGNALS": len(self.signals),
@@ -195,7 +205,7 @@ class Model:
             "SIFTS": rule.sifts,
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
-            "ASKS_SPEED": any(reads("speed", one) for one in told),
+            "ASKS_SPEED": self.asks_speed,
             "MEETS": self.meets(solid),
             "perceive": rule.perceive,
             "decide": rule.decide,
