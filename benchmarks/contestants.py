@@ -12,6 +12,7 @@ import functools
 import math
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from types import ModuleType
 
 import numpy as np
@@ -47,6 +48,19 @@ def ours(n: int, density: float = DENSITY, threads: int = 1) -> Flight:
         made = flock(n, density, threads)
         made.run(1)
         return clocked(lambda: made.run(ticks))
+
+    return fly
+
+
+def ours_twice(n: int, density: float = DENSITY) -> Flight:
+    """Two of our flocks of n agents that run at once, each with one thread."""
+
+    def fly(ticks: int) -> Taken:
+        two = [flock(n, density) for _ in range(2)]
+        for one in two:
+            one.run(1)
+        with ThreadPoolExecutor(2) as pool:
+            return clocked(lambda: list(pool.map(lambda one: one.run(ticks), two)))
 
     return fly
 

@@ -62,6 +62,6 @@ def lines(axes: Any, points: Sequence[tuple[str, float, float]]) -> None:
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-        axis.set_major_formatter("{x:,.7g}")
+        axis.set_major_formatter(lambda x, _: f"{x:,.7g}" if x < 1e6 else f"{x / 1e6:g} M")
         axis.set_minor_locator(NullLocator())
     axes.grid(True, axis="both")
