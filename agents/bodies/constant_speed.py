@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from agents.engine.block import Moved
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
@@ -43,5 +45,6 @@ BODY = Body(
     source="Liu et al. 2021, (7), (8)",
     parameters=ConstantSpeed,
     move=move,
+    begins=lambda p, _, n: np.full(n, p.v0),
     by_lanes=True,
 )
