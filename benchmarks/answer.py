@@ -1,12 +1,16 @@
 """How soon the laboratory's simulation answers a command while it runs as fast as it can.
 
-uv run python benchmarks/answer.py [agents ...]
+    uv run python benchmarks/answer.py [agents ...]
+
+And how soon a flock of another model moves once it was chosen, with all kernels on the disk: the
+first time in a process, when they are loaded, and again.
 """
 
 from __future__ import annotations
 
 import math
 import statistics
+import subprocess
 import sys
 import time
 
@@ -15,6 +19,7 @@ from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
 
 COMMANDS = 40
+MODELS = ("vem", "couzin", "reynolds", "hwvem-nav", "guarded", "squashing-cars")
 
 
 def main(sizes: list[int]) -> None:
@@ -35,5 +40,35 @@ def main(sizes: list[int]) -> None:
         print(f"{agents:8}{statistics.median(took):12.0f}{max(took):12.0f}")
 
 
+def change_models() -> None:
+    """Measure and print how soon another model moves."""
+    warm = ["flockscope", "warm", *MODELS, "--quiet"]
+    subprocess.run(warm, check=True, stdout=subprocess.DEVNULL)
+    simulation = Simulation(at_home(), speed=math.inf, running=True)
+    simulation.ready.wait(60)
+    simulation.want(Wanted(layers=True)).result(60)
+    took: list[list[float]] = [[], []]
+    for times in took:
+        for model in MODELS:
+            begun = time.perf_counter()
+            simulation.setup(at_home(model)).result(60)
+            simulation.go().result(60)
+            while not moves(simulation, model):
+                time.sleep(0.002)
+            times.append(1e3 * (time.perf_counter() - begun))
+            time.sleep(0.5)
+    simulation.close()
+    print(f"\n{'another model moves after':28}{'median, ms':>12}{'worst, ms':>12}")
+    for title, times in zip(("first", "again"), took, strict=True):
+        print(f"{title:28}{statistics.median(times):12.0f}{max(times):12.0f}")
+
+
+def moves(simulation: Simulation, model: str) -> bool:
+    """Whether a flock of that model has been run."""
+    run = simulation.run
+    return run is not None and run.flock.spec.model == model and run.flock.tick > 0
+
+
 if __name__ == "__main__":
     main([int(text) for text in sys.argv[1:]] or [1_000, 5_000, 50_000])
+    change_models()
