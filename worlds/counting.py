@@ -1,4 +1,4 @@
-"""A number and its noun in words."""
+"""Numbers and times in words."""
 
 from __future__ import annotations
 
@@ -10,3 +10,17 @@ def counted(number: int, one: str, more: str = "") -> str:
     ('1 obstacle', '2 obstacles', '0 boxes')
     """
     return f"{number} {one if number == 1 else more or one + 's'}"
+
+
+def duration(seconds: float) -> str:
+    """Seconds for people.
+
+    >>> duration(4.2), duration(95), duration(7300)
+    ('4 s', '1 min 35 s', '2 h 1 min')
+    """
+    whole = max(0, round(seconds))
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,24 +13,34 @@ import typer
 
 from app.cli.lookout import ASTRAY
 from app.cli.outcome import as_json, tell_written
-from app.cli.progress import Progress, duration
+from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.stopping import Stopping
 from app.results import demand_folder, picture_files
 from app.settings import at_least, names, whole_numbers
-from worlds.counting import counted
+from worlds.counting import counted, duration
+from worlds.refusal import Refusal
 
 MOST_RUNS = 100_000
 MOST_WORKERS = 1024
 RUNS = "runs.csv"
+DIFFERS = 3
+"""Exit code of `--strict` if anything differs or does not hold."""
 
 if TYPE_CHECKING:
     from app.experiments.conduct import Done
     from app.experiments.experiment import Experiment
+    from app.experiments.verdicts.claim import Claim
+    from app.experiments.verdicts.verdict import Verdict
 
 
 def paper(
-    name: Annotated[str, typer.Argument(help="Which one, see `flockscope list papers`.")],
+    name: Annotated[
+        str | None, typer.Argument(help="Which one, see `flockscope list papers`.")
+    ] = None,
+    everything: Annotated[
+        bool, typer.Option("--all", help="All of them, and a table of verdicts at the end.")
+    ] = False,
     runs: Annotated[int | None, typer.Option(help="Runs per row. \\[default: the paper's]")] = None,
     agents: Annotated[str, typer.Option(help="Only these sizes of flock: 100,200.")] = "",
     models: Annotated[str, typer.Option(help="Only these models: vem,hwvem.")] = "",
@@ -38,10 +49,15 @@ def paper(
         typer.Option(help="Seed of the first run of each row."),
     ] = 1,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for runs and pictures. \\[default: results/NAME]")
+        Path | None,
+        typer.Option(help="Folder for runs and pictures, with --all of all. \\[default: results]"),
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Runs at a time. \\[default: cores]")] = None,
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Exit code 3 if anything differs or does not hold."),
+    ] = False,
     overwrite: Annotated[
         bool,
         typer.Option("--overwrite", help="Replace files of these names that are not of such runs."),
@@ -56,22 +72,45 @@ def paper(
     """
     at_least("--seed", seed, 0)
     at_least("--workers", workers, 1, MOST_WORKERS)
-    from app.experiments.experiment import read_experiment
+    if everything == (name is not None):
+        raise Refusal("say which paper, or --all: see `flockscope list papers`")
+    if everything and (agents or models):
+        raise Refusal("--all takes all sizes and models: leave --agents and --models out")
+    from app.experiments.experiment import experiment_names, read_experiment
 
-    whole = read_experiment(name)
-    at_least("--runs", runs, min(2, whole.runs), MOST_RUNS)
-    experiment = whole.narrowed(names(models), whole_numbers("--agents", agents))
-    folder = out or Path("results") / name
-    demand_results(folder, experiment.name, pictures, overwrite)
-    begun = time.monotonic()
-    done = carried_out(experiment, folder, runs or experiment.runs, seed, workers, quiet)
-    seconds = time.monotonic() - begun
-    files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
-    report(experiment, done, seed, files, seconds, pictures, json_asked, quiet)
-    for line in done.astray:
+    wholes = [read_experiment(one) for one in ([name] if name else experiment_names())]
+    at_least("--runs", runs, min(2, *(one.runs for one in wholes)), MOST_RUNS)
+    asked = [one.narrowed(names(models), whole_numbers("--agents", agents)) for one in wholes]
+    base = out or Path("results")
+    folders = {one.name: out if name and out else base / one.name for one in asked}
+    for one in asked:
+        demand_results(folders[one.name], one.name, pictures, overwrite)
+    outcomes = []
+    for one in asked:
+        begun = time.monotonic()
+        count = runs or one.runs
+        if not quiet:
+            tell_prospects(one, count)
+        done = carried_out(one, folders[one.name], count, seed, workers, quiet)
+        seconds = time.monotonic() - begun
+        outcomes.append(outcome_of(one, done, folders[one.name], seed, seconds, pictures))
+    report(outcomes, everything, json_asked, quiet)
+    astray = [line for one in outcomes for line in one.done.astray]
+    for line in astray:
         tell(f"flockscope: {line}")
-    if done.astray:
+    if astray:
         raise typer.Exit(ASTRAY)
+    if strict and any(one.differs for one in outcomes):
+        raise typer.Exit(DIFFERS)
+
+
+def tell_prospects(experiment: Experiment, runs: int) -> None:
+    """Say which of its claims so many runs can decide."""
+    from app.experiments.verdicts.prospects import prospects
+
+    said = prospects(experiment, runs)
+    if said:
+        tell(f"{experiment.name}: {said}")
 
 
 def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> None:
@@ -116,40 +155,76 @@ def carried_out(
     return done
 
 
-def report(
-    experiment: Experiment,
-    done: Done,
-    seed: int,
-    files: dict[str, Path],
-    seconds: float,
-    pictures: bool,
-    json_asked: bool,
-    quiet: bool,
-) -> None:
-    """Write the files and print the outcome."""
-    from app.experiments.reports.report import as_value, show, write_summary
+@dataclass(frozen=True)
+class Outcome:
+    """An experiment carried out, with its verdicts and the files that it has left."""
+
+    experiment: Experiment
+    done: Done
+    made: list[Verdict]
+    said: list[Claim]
+    files: dict[str, Path]
+    seconds: float
+
+    @property
+    def differs(self) -> bool:
+        """Whether anything differs from what was published, or does not hold."""
+        words = [one.word for one in self.made] + [one.word for one in self.said]
+        return "differs" in words or "does not hold" in words
+
+    @property
+    def value(self) -> dict[str, Any]:
+        """As a value for JSON."""
+        from app.experiments.reports.report import as_value
+
+        return as_value(self.experiment, self.made, self.said) | {
+            "seconds": round(self.seconds, 3),
+            "runs": {"made": self.done.made, "taken": self.done.taken},
+            "files": {kind: str(path) for kind, path in self.files.items()},
+        }
+
+
+def outcome_of(
+    experiment: Experiment, done: Done, folder: Path, seed: int, seconds: float, pictures: bool
+) -> Outcome:
+    """Judge what was measured, and write summary and picture."""
+    from app.experiments.reports.report import write_summary
     from app.experiments.verdicts.claims import claims
     from app.experiments.verdicts.verdict import verdicts
 
     made = verdicts(experiment, done.measured)
-    said = claims(made, experiment.said)
+    files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
     write_summary(files["summary"], made)
     if pictures:
         from app.experiments.pictures.draw import draw
 
-        files |= draw(experiment, made, files["summary"].parent, seed)
+        files |= draw(experiment, made, folder, seed)
+    return Outcome(experiment, done, made, claims(made, experiment.said), files, seconds)
+
+
+def report(outcomes: list[Outcome], everything: bool, json_asked: bool, quiet: bool) -> None:
+    """Print the outcomes."""
     if json_asked:
-        value: dict[str, Any] = as_value(experiment, made, said)
-        value["seconds"] = round(seconds, 3)
-        value["runs"] = {"made": done.made, "taken": done.taken}
-        value["files"] = {kind: str(path) for kind, path in files.items()}
-        typer.echo(as_json(value))
+        values = [one.value for one in outcomes]
+        typer.echo(as_json({"papers": values} if everything else values[0]))
     else:
         from rich.console import Console
 
-        show(Console(), experiment, made, said)
+        from app.experiments.reports.overview import overview
+        from app.experiments.reports.report import show
+
+        console = Console()
+        for one in outcomes:
+            show(console, one.experiment, one.made, one.said)
+        if everything:
+            console.print(overview([(one.experiment, one.made, one.said) for one in outcomes]))
     if not quiet:
-        tell_written(*files.values())
+        tell_written(*(outcomes[0].files.values() if not everything else folders_of(outcomes)))
+
+
+def folders_of(outcomes: list[Outcome]) -> list[Path]:
+    """The folders that files were written to."""
+    return list(dict.fromkeys(one.files["runs"].parent for one in outcomes))
 
 
 def tell(line: str) -> None:

@@ -6,6 +6,8 @@ import sys
 import time
 from typing import Any
 
+from worlds.counting import duration
+
 PATIENCE = 2.0
 """Seconds of work without a bar."""
 LINE_EVERY = 30.0
@@ -67,17 +69,3 @@ def make_bar() -> Any:
         console=Console(stderr=True),
         transient=True,
     )
-
-
-def duration(seconds: float) -> str:
-    """Seconds for people.
-
-    >>> duration(4.2), duration(95), duration(7300)
-    ('4 s', '1 min 35 s', '2 h 1 min')
-    """
-    whole = max(0, round(seconds))
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"

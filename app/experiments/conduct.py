@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +14,11 @@ from app.experiments.trial import Result, Trial, fingerprint, flock_of
 from app.experiments.workers.costs import Costs, guess
 from app.experiments.workers.kernels import compile_loop
 from app.experiments.workers.pool import run_all
-from worlds.counting import counted
+from worlds.counting import counted, duration
 from worlds.refusal import Refusal
 
+ENOUGH, MOST_TICKS = 0.005, 4096
+"""Seconds after which ticks that are timed are enough, and ticks."""
 Tell = Callable[[str], object]
 At = Callable[[float, float, str], object]
 
@@ -72,6 +75,12 @@ class Plan:
         dt = flock_of(case, 0).dt
         ticks = settings.ticks(published.mean if published else None, dt)
         return guess(ticks, case.agents, len(model(case.spec.model).columns))
+
+    def time(self) -> None:
+        """Put the guesses right by the first ticks of a run of each path that is to be made."""
+        for n, path in enumerate(self.paths):
+            if self.missing[n]:
+                self.costs.guesses[n] *= slowness(self.experiment.cases[path[0]])
 
     @property
     def left(self) -> list[int]:
@@ -131,6 +140,21 @@ def checked_fingerprint(case: Case, experiment: Experiment) -> str:
         ) from None
 
 
+def slowness(case: Case) -> float:
+    """How many times longer the first ticks of a case take than guessed."""
+    from agents.catalogue import model
+
+    flock = flock_of(case, 0)
+    flock.run(1)
+    ticks, seconds = 1, 0.0
+    while seconds < ENOUGH and ticks < MOST_TICKS:
+        begun = time.perf_counter()
+        flock.run(ticks)
+        seconds = time.perf_counter() - begun
+        ticks *= 2
+    return 2.0 * seconds / guess(ticks, case.agents, len(model(case.spec.model).columns))
+
+
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
     """Compile the loop of every model before the threads start: numba compiles one at a time."""
     for case in {
@@ -171,6 +195,10 @@ def conduct(
             if tell is not None:
                 warn(experiment, tell)
             compile_models(experiment, tell)
+            plan.time()
+            if tell is not None:
+                left = max(1.0, plan.costs.ahead / workers)
+                tell(f"{counted(len(trials), 'run')} to make, about {duration(left)}")
 
         def keep(trial: Trial, results: list[Result]) -> None:
             plan.keep(trial, results)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from agents.catalogue import model
 from agents.spec import Spec
 from app.beside import EXPERIMENTS
-from app.experiments.file import File, Found, Published, Row, Said, Sweep
+from app.experiments.file import Expected, File, Found, Published, Row, Said, Sweep
 from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
@@ -73,7 +73,7 @@ class Experiment:
     settings: Settings
     measures: list[Measure]
     """Those to report, the main one first."""
-    not_reproduced: dict[str, str]
+    expected: dict[str, Expected]
     not_compared: dict[str, str]
     notes: dict[str, str]
     cases: list[Case]
@@ -173,7 +173,7 @@ def read_file(path: Path) -> Experiment:
         file.runs,
         file.settings,
         [file.settings.measure(name) for name in file.report or [main]],
-        file.not_reproduced,
+        file.expected,
         file.not_compared,
         file.notes,
         cases,
@@ -192,7 +192,7 @@ def check_sizes(file: File, path: Path) -> None:
 def check_measures(file: File, path: Path) -> None:
     """Refuse a file that names a measure which its kind of runs does not have."""
     known = [one.name for one in file.settings.measures]
-    named: list[Iterable[str]] = [file.report, file.not_reproduced, file.not_compared]
+    named: list[Iterable[str]] = [file.report, file.expected, file.not_compared]
     named += [row.published for row in file.rows]
     named.append(claim.measure for claim in file.claims)
     for names in named:

@@ -31,6 +31,13 @@ Picture = Literal[
 ]
 
 
+class Expected(Strict):
+    """What was found before, and why; the runs are judged without it."""
+
+    verdict: Literal["holds", "does not hold", "agrees", "differs", "undecided"]
+    why: str
+
+
 class Published(Strict):
     """What a paper prints of a measure."""
 
@@ -38,8 +45,7 @@ class Published(Strict):
     quartiles: tuple[float, float, float] | None = None
     values: list[float] = Field(default_factory=list)
     """The runs themselves, where the paper prints them."""
-    not_reproduced: str = ""
-    """Why this does not come out; empty where it does."""
+    expected: Expected | None = None
 
     @model_validator(mode="after")
     def _has_one_mean(self) -> Published:
@@ -103,21 +109,27 @@ class Sweep(Strict, Options):
         return self
 
 
-class Order(Strict):
+class Claimed(Strict):
+    """What all claims have."""
+
+    measure: str
+    expected: Expected | None = None
+    by_construction: str = ""
+    """Why it cannot fail; empty where it can."""
+
+
+class Order(Claimed):
     """The mean of a measure rises from row to row."""
 
     says: Literal["order"]
-    measure: str
     labels: list[str] = Field(min_length=2)
     agents: list[int] = Field(min_length=1)
-    not_reproduced: str = ""
 
 
-class Every(Strict):
+class Every(Claimed):
     """A measure is within bounds in every run."""
 
     says: Literal["every"]
-    measure: str
     labels: list[str] = Field(default_factory=list)
     """The rows that it is said of; empty: all."""
     tick: int | None = None
@@ -128,36 +140,29 @@ class Every(Strict):
     below: float | None = None
     at_least: float | None = None
     at_most: float | None = None
-    not_reproduced: str = ""
 
 
-class Faster(Strict):
+class Faster(Claimed):
     """One row is faster than another by more than a share, in every pair of runs of one seed."""
 
     says: Literal["faster"]
-    measure: str
     label: str
     than: str
     by: float = Field(gt=0.0, lt=1.0)
-    not_reproduced: str = ""
 
 
-class Found(Strict):
+class Found(Claimed):
     """A word of a measure that is a name is the commonest somewhere on a map."""
 
     says: Literal["found"]
-    measure: str
     word: str
-    not_reproduced: str = ""
 
 
-class Lags(Strict):
+class Lags(Claimed):
     """A measure is larger on the way back than on the way there, somewhere by more than a step."""
 
     says: Literal["lags"]
-    measure: str
     by: float = Field(gt=0.0)
-    not_reproduced: str = ""
 
 
 Said = Annotated[Order | Every | Faster | Found | Lags, Field(discriminator="says")]
@@ -176,8 +181,8 @@ class File[Kind: Settings](Strict):
     """The measures to report, the main one first; empty: the first of the kind."""
     sizes: dict[str, float] = Field(default_factory=dict)
     """Side of the box by number of agents; empty: the world's own."""
-    not_reproduced: dict[str, str] = Field(default_factory=dict)
-    """Measures that do not come out in any row, and why."""
+    expected: dict[str, Expected] = Field(default_factory=dict)
+    """What was found before of measures, in all rows."""
     not_compared: dict[str, str] = Field(default_factory=dict)
     """Measures whose published values are shown without a verdict, and why."""
     notes: dict[str, str] = Field(default_factory=dict)

@@ -3,6 +3,8 @@
 import json
 import signal
 
+import pytest
+
 from cli.calling import call, start, wait_until
 
 SMALL = ("paper", "liu2021-table1", "--agents", "100", "--models", "vem,hwvem", "--runs", "6")
@@ -25,7 +27,7 @@ def test_a_second_call_takes_what_is_done_and_says_the_same(tmp_path):
     first = call(*SMALL, "--out", tmp_path, "--no-pictures")
     again = call(*SMALL, "--out", tmp_path, "--no-pictures")
     assert again.stdout == first.stdout
-    assert "published" in again.stdout
+    assert "paper  " in again.stdout
     assert "0 runs made" in again.stderr
     assert "12 taken from" in again.stderr
 
@@ -57,4 +59,56 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
     result = call(*SMALL, "--out", tmp_path / "file" / "deep", "--quiet")
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+QUICK = ("--no-pictures", "--runs", "2")
+
+
+def test_it_says_beforehand_what_so_many_runs_can_decide(tmp_path):
+    result = call("paper", "wu2023-plain", *QUICK, "--out", tmp_path)
+    assert "2 runs can decide 0 of 1 claims" in result.stderr
+    assert "too few to bear out: settled (44)" in result.stderr
+    assert "4 runs to make, about " in result.stderr
+
+
+@pytest.mark.parametrize(("strict", "code"), [((), 0), (("--strict",), 3)])
+def test_strict_is_told_by_the_exit_code(tmp_path, strict, code):
+    result = call("paper", "jacobs-fig2", "--out", tmp_path, "--no-pictures", *strict)
+    assert result.exit_code == code
+    assert "does not hold  all: at 0 below -1000" in result.stdout
+    assert "expected: does not hold; (3) is bounded" in " ".join(result.stdout.split())
+
+
+def test_all_of_them_end_with_a_table_of_verdicts(tmp_path, monkeypatch):
+    names = ["jacobs-fig2", "wu2023-plain"]
+    monkeypatch.setattr("app.experiments.experiment.experiment_names", lambda: names)
+    result = call("paper", "--all", *QUICK, "--out", tmp_path)
+    assert result.exit_code == 0, result.stderr
+    table = result.stdout[result.stdout.index("verdicts on rows") :]
+    lines = [line.split() for line in table.splitlines()]
+    assert ["jacobs-fig2", "2", "2", "1"] in lines
+    assert ["wu2023-plain", "2", "1"] in lines
+    assert ["all", "2", "1", "1"] in lines
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    value = json.loads(call("paper", "--all", *QUICK, "--out", tmp_path, "--json").stdout)
+    assert [one["name"] for one in value["papers"]] == names
+    claims = value["papers"][0]["claims"]
+    assert [one["verdict"] for one in claims] == ["holds", "holds", "does not hold"]
+    assert claims[2]["expected"] == "does not hold"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "say which paper, or --all"),
+        (("liu2021-fig6", "--all"), "say which paper, or --all"),
+        (("--all", "--agents", "100"), "leave --agents and --models out"),
+        (("--all", "--runs", "0"), "--runs"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(words, said):
+    result = call("paper", *words)
+    assert result.exit_code == 2
+    assert said in result.stderr
     assert result.stderr.count("\n") == 1

@@ -32,7 +32,7 @@ model = "hwvem"
 agents = 20
 parameters = { p2 = 7.0 }
 published.k_con.mean = 5.0
-published.k_con.not_reproduced = "because"
+published.k_con.expected = { verdict = "differs", why = "because" }
 """
 
 

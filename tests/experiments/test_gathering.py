@@ -18,7 +18,6 @@ from app.experiments.pictures.gatherings.box import edges_of, faces_of
 from app.experiments.reports.report import show
 from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
-from app.experiments.verdicts.statistics import summary, welch
 from app.experiments.verdicts.verdict import of, verdicts
 from worlds.refusal import Refusal
 
@@ -138,9 +137,8 @@ def test_printed_runs_are_compared_with_their_own_spread(done):
     assert [row.published is not None for row in rows] == [False, False, True, *[False] * 3]
     values = np.array(rows[2].values, float)
     expected = (values.mean() - 6.0) / math.sqrt(values.var(ddof=1) / 3 + 2.0 / 2)
-    assert rows[2].z == pytest.approx(expected)
+    assert rows[2].comparison.z == pytest.approx(expected)
     assert rows[2].as_row()["published_mean"] == 6.0
-    assert math.isnan(welch(summary([1.0, 1.0]), summary([2.0, 2.0])))
 
 
 def test_the_table_has_a_line_for_each_look_within_80_columns(done):
@@ -159,7 +157,7 @@ def test_the_table_has_a_line_for_each_look_within_80_columns(done):
 
 
 def share(done, values, said):
-    """Whether a claim holds of made-up numbers of the last look of the first row."""
+    """A claim about made-up numbers of the last look of the first row."""
     experiment = done[0]
     names = [one.name for one in Gathering.measures]
     measured = [
@@ -173,13 +171,24 @@ def share(done, values, said):
 
 def test_a_claim_about_a_share_of_the_runs_at_a_tick(done):
     said = Every(says="every", measure="late", tick=60, at_most=0.0, share=0.75)
-    assert share(done, [0, 0, 0, 4], said).holds
-    assert not share(done, [0, 0, 3, 4], said).holds
+    assert share(done, [0] * 90 + [4] * 10, said).word == "holds"
+    assert share(done, [0] * 50 + [3] * 50, said).word == "does not hold"
+    assert share(done, [0, 0, 3, 4], said).word == "undecided"
     text = share(done, [0, 0, 3, 4], said).text
     assert "late at most 0 agents at tick 60 in 75% of the runs or more" in text
-    assert text.endswith("in 4 runs, 2 not")
-    assert not share(done, [0, 0, 0, 4], said.model_copy(update={"share": 1.0})).holds
-    assert not share(done, [0] * 4, said.model_copy(update={"tick": None})).holds
+    assert "in 4 runs, 2 not; at 99 % in 4.2% of all or more" in text
+    whole = said.model_copy(update={"share": 1.0})
+    assert share(done, [0, 0, 0, 4], whole).word == "does not hold"
+    assert share(done, [0] * 50, whole).word == "holds"
+    at_any = whole.model_copy(update={"tick": None})
+    assert share(done, [0] * 50, at_any).word == "does not hold"
+
+
+def test_a_claim_that_cannot_fail_says_so(done):
+    said = Every(says="every", measure="late", tick=60, at_most=0.0, by_construction="why")
+    found = share(done, [0] * 4, said)
+    assert (found.word, found.by_construction) == ("by construction", "why")
+    assert share(done, [0, 1], said).word == "does not hold"
 
 
 def test_the_boxes_of_a_picture():

@@ -115,11 +115,12 @@ def test_a_verdict_for_each_row_and_measure(done):
     assert [(one.case.label, one.measure.name) for one in found] == [
         (label, measure) for label in "AH" for measure in ("success", "d_obs", "d_ind")
     ]
-    assert found[0].z is not None
-    assert (found[2].z, found[2].word, found[2].why) == (None, "", "because")
+    assert found[0].comparison is not None
+    assert (found[2].comparison, found[2].word, found[2].not_compared) == (None, "", "because")
     rows = as_value(experiment, found, [])["rows"]
     assert [row["published_mean"] for row in rows] == [50.0, None, 0.2, None, None, None]
-    assert table_of(found).row_count == 3, "a line for each row, one for what is published"
+    tables = table_of(found).renderables
+    assert [table.row_count for table in tables] == [3, 3, 2], "rows, and what is published of one"
 
 
 def test_rows_may_be_chosen_by_label(done):
@@ -162,10 +163,10 @@ def judged(experiment, values, said):
 
 def test_an_order_holds_if_every_step_rises(done):
     said = Order(says="order", measure="success", labels=["A", "H"], agents=[4, 50])
-    assert judged(done[0], [[10.0, 20.0], [20.0, 30.0]], said) == ["holds"]
-    assert judged(done[0], [[10.0, 30.0], [20.0, 20.0]], said) == ["does not hold"]
-    known = said.model_copy(update={"not_reproduced": "why"})
-    assert judged(done[0], [[10.0, 30.0], [20.0, 20.0]], known) == ["not reproduced"]
+    low, high = [10.0, 20.0, 15.0], [20.0, 30.1, 25.0]
+    assert judged(done[0], [low, high], said) == ["holds"], "paired: by 10 in every pair"
+    assert judged(done[0], [high, low], said) == ["does not hold"]
+    assert judged(done[0], [low, [25.0, 21.0, 22.0]], said) == ["undecided"]
     gone = said.model_copy(update={"labels": ["A", "B"]})
     assert judged(done[0], [[10.0], [20.0]], gone) == []
 
@@ -182,13 +183,13 @@ def test_an_order_holds_if_every_step_rises(done):
 )
 def test_bounds_of_every_run(done, bounds, words):
     said = Every(says="every", measure="d_obs", **bounds)
-    assert judged(done[0], [[0.0, 1.0], [1.0, 2.0]], said) == [words]
+    assert judged(done[0], [[0.0, 1.0] * 22, [1.0, 2.0] * 22], said) == [words]
 
 
 @pytest.mark.parametrize(("measure", "word"), [("d_obs", "holds"), ("success", "does not hold")])
 def test_a_run_that_comes_near_nothing_is_infinitely_far(done, measure, word):
     said = Every(says="every", measure=measure, above=0.0)
-    assert judged(done[0], [[None, 1.0], [1.0, 2.0]], said) == [word]
+    assert judged(done[0], [[None, 1.0] * 22, [1.0, 2.0] * 22], said) == [word]
 
 
 @pytest.mark.parametrize(
@@ -202,7 +203,7 @@ def test_a_run_that_comes_near_nothing_is_infinitely_far(done, measure, word):
 )
 def test_faster_in_every_pair(done, quick, slow, word):
     said = Faster(says="faster", measure="settled", label="A", than="H", by=0.8)
-    assert judged(done[0], [quick, slow], said) == [word]
+    assert judged(done[0], [quick * 22, slow * 22], said) == [word]
 
 
 SHORT = {
@@ -263,10 +264,10 @@ def test_table_2_has_15_rows_as_printed():
     assert printed["IVEM-A", 20] == 44.65
     made = verdicts(
         table,
-        [Measured(c, {m.name: [50.0, 60.0] for m in Mission.measures}) for c in table.cases],
+        [Measured(c, {m.name: [50.0, 60.0] * 9 for m in Mission.measures}) for c in table.cases],
     )
-    assert {one.word for one in of(made, "d_obs")} == {"not reproduced"}
-    assert {one.word for one in of(made, "d_ind")} == {""}
+    assert {one.word for one in of(made, "d_obs")} == {"differs"}
+    assert {one.word for one in of(made, "d_ind")} == {"differs"}
 
 
 def test_paired_runs_start_alike():

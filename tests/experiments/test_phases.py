@@ -211,21 +211,23 @@ def memory(case):
     torus = case.value <= 3.5 and not (case.way == "back" and case.value >= 2.0)
     p, phase = (0.1, "torus") if torus else (0.9, "highly parallel")
     known = {"p": [p, p + 0.02], "m": [0.7, 0.7], "largest": [100.0] * 2, "mixing": [1.0] * 2}
-    return known | {"phase": [PHASES.index(phase)] * 2}
+    known |= {"phase": [PHASES.index(phase)] * 2}
+    return {name: values * 12 for name, values in known.items()}
 
 
 def test_claims_about_phases_and_memory():
     experiment, made = made_up(memory)
     found = {claim.text.partition(":")[0]: claim for claim in claims(made, experiment.said)}
-    assert found["torus"].holds
+    assert found["torus"].word == "holds"
     assert "in 56 of 84 cells" in found["torus"].text
-    assert not found["swarm"].holds
-    assert not found["dynamic parallel"].holds
+    assert found["swarm"].word == "does not hold"
+    assert found["dynamic parallel"].word == "does not hold"
     memorises = claims(made, [Lags(says="lags", measure="p", by=0.7)])
-    assert [claim.holds for claim in memorises] == [True]
+    assert [claim.word for claim in memorises] == ["holds"]
     assert "dr_o = 2 it is 0.11 on the way there, 0.91 on the way back" in memorises[0].text
-    assert not claims(made, [Lags(says="lags", measure="p", by=0.81)])[0].holds
-    assert not claims(made, [Lags(says="lags", measure="m", by=0.01)])[0].holds
+    for measure, by in (("p", 0.81), ("m", 0.01)):
+        [claim] = claims(made, [Lags(says="lags", measure=measure, by=by)])
+        assert claim.word == "does not hold"
 
 
 def test_a_word_that_is_none_is_refused(tmp_path):

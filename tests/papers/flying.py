@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
+from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 
 
@@ -13,6 +14,12 @@ def flown(name, folder, runs, agents=(), **settings):
     experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
     done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
     return experiment, verdicts(experiment, done.measured)
+
+
+def borne_out(experiment, made):
+    """Whether something is claimed, and no run speaks against it; few runs decide little."""
+    words = {claim.word for claim in claims(made, experiment.said)}
+    return bool(words) and "does not hold" not in words
 
 
 def values(made, measure):

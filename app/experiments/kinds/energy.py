@@ -27,6 +27,7 @@ class Energy(Settings):
     kind: ClassVar[str] = "energy"
     measures: ClassVar[tuple[Measure, ...]] = (
         Measure("ratio", "far/bound", "Largest distance to the goal over its bound", "1"),
+        Measure("peak", "most H/H_0", "Largest energy after the start over that at the start", "1"),
         Measure("bound", "bound", "Bound of the distance to the goal", "m"),
         Measure("far", "far", "Largest distance to the goal", "m"),
         Measure("rises", "H rises", "Looks at which the energy has risen", "%"),
@@ -45,6 +46,7 @@ class Energy(Settings):
         bound = furthest(energy[0], flock.parameters)
         return {
             "ratio": float(away.max() / bound),
+            "peak": float(energy[1:].max() / energy[0]),
             "bound": bound,
             "far": float(away.max()),
             "rises": 100.0 * float((change > NEGLIGIBLE * energy[0]).mean()),

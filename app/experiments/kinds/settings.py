@@ -37,6 +37,10 @@ class Measure:
     words: tuple[str, ...] = ()
     """What the whole numbers from 0 on stand for, where it is no quantity but a name."""
 
+    def counted(self, value: Number | None) -> float:
+        """What a run with that value counts as in claims."""
+        return self.without if value is None else value
+
     def read(self, text: str) -> Number | None:
         """A value from the store. Raises ValueError."""
         if not text:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from app.experiments.reports.verdict_words import styled
 from app.experiments.verdicts.verdict import Verdict
-
-STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
 
 
 def gathering_table(made: list[Verdict]) -> Any:
@@ -27,7 +26,8 @@ def gathering_table(made: list[Verdict]) -> Any:
         means = (shown(one.summary.mean) if one.summary.runs else "-" for one in look)
         table.add_row(*head, str(case.tick), *means, end_section=case.last and not paper(look))
         if case.last and paper(look):
-            table.add_row("", "published", "", *(printed(one) for one in look), end_section=True)
+            table.add_row("", "published", "", *(printed(one) for one in look))
+            table.add_row("", "", "", *(styled(one.comparison) for one in look), end_section=True)
     return table
 
 
@@ -45,12 +45,10 @@ def paper(look: list[Verdict]) -> bool:
 
 
 def printed(one: Verdict) -> str:
-    """A published mean in the colour of its verdict."""
+    """A published mean."""
     if one.published is None or one.published.average is None:
         return ""
-    text = shown(one.published.average)
-    style = STYLES.get(one.word, "dim")
-    return f"[{style}]{text}[/]"
+    return shown(one.published.average)
 
 
 def shown(value: float) -> str:

@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.experiments.experiment import Experiment
-from app.experiments.reports.tables import STYLES, table_of
-from app.experiments.verdicts.claim import Claim
-from app.experiments.verdicts.statistics import INTERVAL_NOTE, NOTE, WELCH_NOTE
+from app.experiments.reports.tables import table_of
+from app.experiments.reports.verdict_words import styled
+from app.experiments.verdicts.answer import ANSWERS_NOTE
+from app.experiments.verdicts.claim import Claim, beside
+from app.experiments.verdicts.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
 from app.experiments.verdicts.verdict import Verdict, of
 from worlds.counting import counted
 from worlds.writing import write_text
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-CLAIM_STYLES = {"holds": "green", "does not hold": "bold red", "not reproduced": "yellow"}
 
 
 def as_value(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> dict[str, Any]:
@@ -29,9 +29,26 @@ def as_value(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> 
         "source": experiment.source,
         "kind": experiment.settings.kind,
         "settings": experiment.settings.model_dump(),
-        "notes": {**experiment.notes, "z": NOTE, "welch": WELCH_NOTE, "interval": INTERVAL_NOTE},
+        "notes": {
+            **experiment.notes,
+            "verdicts": NOTE,
+            "spread": SPREAD_NOTE,
+            "welch": WELCH_NOTE,
+            "claims": ANSWERS_NOTE,
+        },
         "rows": [one.as_row() for one in made],
-        "claims": [{"text": one.text, "holds": one.holds, "why": one.why} for one in said],
+        "claims": [as_row(one) for one in said],
+    }
+
+
+def as_row(claim: Claim) -> dict[str, Any]:
+    """A claim and its answer for JSON."""
+    return {
+        "text": claim.text,
+        "verdict": claim.word,
+        "needed": claim.answer.needed,
+        "expected": claim.expected.verdict if claim.expected else "",
+        "why": claim.by_construction or (claim.expected.why if claim.expected else ""),
     }
 
 
@@ -58,24 +75,33 @@ def show(console: Console, experiment: Experiment, made: list[Verdict], said: li
     for line in absences(experiment, made):
         tell(line)
     for claim in said:
-        why = f": {claim.why}" if claim.word == "not reproduced" else ""
-        tell(f"  [{CLAIM_STYLES[claim.word]}]{claim.word}[/]  {claim.text}{why}")
-    for kind, known in (
-        ("not reproduced", experiment.not_reproduced),
-        ("not compared", experiment.not_compared),
-    ):
-        for measure, why in known.items():
-            tell(f"[yellow]{kind}[/]  {experiment.settings.measure(measure).symbol}: {why}")
+        why = f": {claim.by_construction}" if claim.word == "by construction" else ""
+        tell(f"  {styled(claim.answer)}  {claim.text}{why}")
+        known = beside(claim.word, claim.expected)
+        if known:
+            tell(f"    [dim]{known}[/]")
+    for line in known_of(experiment, made):
+        tell(line)
+    for note in notes(experiment, made, said):
+        tell(f"[dim]note: {note}[/]")
+
+
+def known_of(experiment: Experiment, made: list[Verdict]) -> list[str]:
+    """What was found before of rows, what is not compared and why, and other remarks on rows."""
+    lines = [
+        f"{experiment.settings.measure(measure).symbol} is not compared: {why}"
+        for measure, why in experiment.not_compared.items()
+    ]
     for one in made:
         case = one.case
-        if one.published and one.published.not_reproduced:
-            style = STYLES["not reproduced"]
-            why = one.published.not_reproduced
-            tell(f"[{style}]not reproduced[/]  {case.label}, N = {case.agents}: {why}")
+        row = f"{case.label}, N = {case.agents}"
+        if one.comparison and one.expected:
+            lines.append(
+                f"{row}, {one.measure.symbol} {one.word}; [dim]{beside(one.word, one.expected)}[/]"
+            )
         if case.row and case.last and case.row.remark and one.measure == experiment.measures[0]:
-            tell(f"{case.label}, N = {case.agents}: {case.row.remark}")
-    for note in notes(experiment, made):
-        tell(f"[dim]note: {note}[/]")
+            lines.append(f"{row}: {case.row.remark}")
+    return lines
 
 
 def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
@@ -101,15 +127,16 @@ def at(one: Verdict) -> str:
     return "" if one.case.tick is None else f" at tick {one.case.tick}"
 
 
-def notes(experiment: Experiment, made: list[Verdict]) -> list[str]:
+def notes(experiment: Experiment, made: list[Verdict], said: list[Claim]) -> list[str]:
     """What has to be known to read the numbers."""
     found = list(experiment.notes.values())
-    compared = [one.published for one in made if one.published and one.z is not None]
-    if any(not one.values for one in compared):
+    compared = [one.published for one in made if one.published and one.comparison]
+    if compared:
         found.append(NOTE)
+    if any(not one.values for one in compared):
+        found.append(SPREAD_NOTE)
     if any(one.values for one in compared):
         found.append(WELCH_NOTE)
-    shown = any(one.published for one in made) and not experiment.settings.stops
-    if shown and len(experiment.measures) > 1:
-        found.append(INTERVAL_NOTE)
+    if said:
+        found.append(ANSWERS_NOTE)
     return found

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
-from app.experiments.file import Published
 from app.experiments.reports.gathering_table import gathering_table
 from app.experiments.reports.phase_tables import phase_tables
-from app.experiments.verdicts.verdict import Verdict, main_ones, name
-
-STYLES = {"agrees": "green", "differs": "bold red", "not reproduced": "yellow"}
+from app.experiments.reports.verdict_words import styled
+from app.experiments.verdicts.verdict import Verdict, main_ones, name, of
 
 
 def table_of(made: list[Verdict]) -> Any:
@@ -20,62 +17,52 @@ def table_of(made: list[Verdict]) -> Any:
         return phase_tables(made)
     if any(one.case.tick is not None for one in made):
         return gathering_table(made)
-    several = len({one.measure.name for one in made}) > 1
     if any(one.published for one in made):
-        return comparison_table(made) if several else published_table(made)
+        return published_tables(made)
     if any(one.case.sweep for one in made):
         return sweep_table(made)
     return measure_table(made)
 
 
+def published_tables(made: list[Verdict]) -> Any:
+    """A table for each measure of which something was published, and one of the others."""
+    from rich.console import Group
+
+    measures = list(dict.fromkeys(one.measure.name for one in made))
+    compared = [name for name in measures if any(one.published for one in of(made, name))]
+    tables = [published_table(of(made, name)) for name in compared]
+    others = [one for one in made if one.measure.name not in compared]
+    return Group(*tables, *([measure_table(others)] if others else []))
+
+
 def published_table(made: list[Verdict]) -> Any:
-    """One measure, two lines per row: measured, and below it published."""
-    table = empty_table("N", "model", "mean", "s", "25 %", "50 %", "75 %", "z", "")
+    """One measure, two lines per row: measured, and below it published and the difference."""
+    table = empty_table("N", "model", "mean", "s", "25 %", "50 %", "75 %", "z, d", "")
+    measure = made[0].measure
+    unit = "" if made[0].unit == "1" else f", {made[0].unit}"
+    table.title = f"{measure.symbol}: {measure.title[0].lower()}{measure.title[1:]}{unit}"
+    table.title_justify = "left"
     for k, one in enumerate(made):
-        s, row = one.summary, one.published
+        s, row, found = one.summary, one.published, one.comparison
         table.add_row(
             str(one.case.agents),
             one.case.label,
             number(s.mean),
             number(s.sd),
             *(number(q) for q in s.quartiles),
-            z_of(one),
-            styled(one.word),
+            signed(found.z if found else None),
+            styled(found),
         )
         if row:
             quartiles = row.quartiles or (None, None, None)
+            effect, interval = signed(found.effect if found else None), ""
+            if found and not math.isnan(found.interval[0]):
+                interval = " to ".join(map(rounded, found.interval))
             table.add_row(
-                "", "", number(row.mean), "", *(number(q) for q in quartiles), "", "published",
-                style="dim",
+                "", "paper", number(row.average), "", *(number(q) for q in quartiles),
+                effect, interval, style="dim",
             )  # fmt: skip
         close_size(table, made, k)
-    return table
-
-
-def comparison_table(made: list[Verdict]) -> Any:
-    """Several measures, two lines per row: the first in full, the others with their means."""
-    rows = by_row(made)
-    first, *others = rows[0]
-    symbols = (one.measure.symbol for one in others)
-    table = empty_table("N", "model", first.measure.symbol, "95 %", "25/50/75 %", *symbols, "z", "")
-    for k, (main, *more) in enumerate(rows):
-        s, row = main.summary, main.published
-        table.add_row(
-            str(main.case.agents),
-            main.case.label,
-            number(s.mean),
-            "-".join(f"{x:.1f}" for x in s.interval),
-            three(s.quartiles),
-            *(number(one.summary.mean, 3) for one in more),
-            z_of(main),
-            styled(main.word),
-        )
-        if row:
-            means = (number((one.published or Published()).mean, 3) for one in more)
-            table.add_row(
-                "", "", number(row.mean), "", three(row.quartiles), *means, "", "paper", style="dim"
-            )
-        close_size(table, [row[0] for row in rows], k)
     return table
 
 
@@ -110,7 +97,7 @@ def measure_table(made: list[Verdict]) -> Any:
                 numbers += [number(s.least), number(s.most), str(s.runs)]
             if s.runs == 0:
                 numbers[0] = one.measure.absent
-            table.add_row(*head, one.measure.symbol, *numbers, one.measure.unit)
+            table.add_row(*head, one.measure.symbol, *numbers, one.unit)
         table.add_section()
     return table
 
@@ -127,7 +114,7 @@ def empty_table(*columns: str) -> Any:
     from rich.table import Table
 
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    words = ("model", "parameter", "measure", "unit", "")
+    words = ("paper", "model", "parameter", "measure", "unit", "")
     for column in columns:
         table.add_column(column, justify="left" if column in words else "right", no_wrap=True)
     return table
@@ -139,20 +126,18 @@ def close_size(table: Any, made: list[Verdict], k: int) -> None:
         table.add_section()
 
 
-def styled(word: str) -> str:
-    """A verdict in its colour."""
-    style = STYLES.get(word, "")
-    return f"[{style}]{word}[/]" if style else word
+def signed(value: float | None) -> str:
+    """A number of standard errors or deviations with its sign."""
+    return "" if value is None or math.isnan(value) else f"{value:+.2f}"
 
 
-def z_of(one: Verdict) -> str:
-    """z with its sign."""
-    return "" if one.z is None else f"{one.z:+.2f}"
+def rounded(value: float) -> str:
+    """A number with its sign and about three digits.
 
-
-def three(values: Sequence[float] | None) -> str:
-    """Quartiles in a word."""
-    return "" if values is None else "/".join(f"{value:.3g}" for value in values)
+    >>> rounded(-1164.2), rounded(0.01234)
+    ('-1164', '+0.0123')
+    """
+    return f"{value:+.0f}" if abs(value) >= 100 else f"{value:+.3g}"
 
 
 def number(value: float | None, digits: int = 2) -> str:

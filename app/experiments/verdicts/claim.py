@@ -4,19 +4,30 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.experiments.file import Expected
+from app.experiments.verdicts.answer import Answer
+
 
 @dataclass(frozen=True)
 class Claim:
-    """What a paper says, and what was measured."""
+    """What a paper says with what was measured, and the answer of the runs."""
 
     text: str
-    holds: bool
-    why: str = ""
-    """Why it does not hold, where that is known."""
+    answer: Answer
+    expected: Expected | None = None
+    """What was found before."""
+    by_construction: str = ""
+    """Why it cannot fail; empty where it can."""
 
     @property
     def word(self) -> str:
         """In a word."""
-        if self.holds:
-            return "holds"
-        return "not reproduced" if self.why else "does not hold"
+        return self.answer.word
+
+
+def beside(word: str, expected: Expected | None) -> str:
+    """What was found before beside the word that the runs give; nothing where nothing is known."""
+    if expected is None:
+        return ""
+    changed = word not in ("undecided", expected.verdict)
+    return f"expected: {expected.verdict}{f'; now: {word}' if changed else ''}; {expected.why}"

@@ -6,12 +6,28 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from app.experiments.file import Every, Faster, Found, Lags, Order, Said, Sweep
+from app.experiments.verdicts.answer import (
+    DOES_NOT,
+    HOLDS,
+    Answer,
+    all_of,
+    bounds_of_share,
+    by_construction,
+    interval,
+    mean_above,
+    runs_for,
+    share_of_runs,
+)
 from app.experiments.verdicts.claim import Claim
 from app.experiments.verdicts.phase_map import found_claim, lag_claim
-from app.experiments.verdicts.statistics import difference
-from app.experiments.verdicts.verdict import LARGE, Verdict, name, of, sweeps_of
+from app.experiments.verdicts.verdict import Verdict, name, of, paired, sweeps_of
 from worlds.counting import counted
+
+FLAT = 0.05
+"""Change of a mean, as a share of it, that is hardly any."""
 
 
 def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
@@ -19,44 +35,60 @@ def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
     found = [claim for sweep in sweeps_of(made) for claim in sweep_claims(*sweep)]
     for one in said:
         points = of(made, one.measure)
-        if isinstance(one, Order):
-            found += [claim for n in one.agents for claim in order_claim(one, n, points)]
-        elif isinstance(one, Every):
-            found += every_claim(one, points)
-        elif isinstance(one, Found):
-            found += found_claim(one, points)
-        elif isinstance(one, Lags):
-            found += lag_claim(one, points)
-        else:
-            found += faster_claim(one, points)
+        for text, answer in said_of(one, points):
+            if one.by_construction:
+                answer = by_construction(answer)
+            found.append(Claim(text, answer, one.expected, one.by_construction))
     return found
 
 
-def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[Claim]:
-    """Whether the means rise along the labels at one size."""
+def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
+    """What a claim says of the runs in words, and the answer."""
+    if isinstance(one, Order):
+        return [claim for n in one.agents for claim in order_claim(one, n, points)]
+    if isinstance(one, Every):
+        return every_claim(one, points)
+    if isinstance(one, Found):
+        return found_claim(one, points)
+    if isinstance(one, Lags):
+        return lag_claim(one, points)
+    return faster_claim(one, points)
+
+
+def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether the means rise along the labels at one size, each step seed by seed."""
     by_label = {row.case.label: row for row in made if row.case.agents == agents}
     if not set(one.labels) <= set(by_label):
         return []
     rows = [by_label[label] for label in one.labels]
-    steps = [difference(a.summary, b.summary) for a, b in pairwise(rows)]
+    steps = [paired(a, b) for a, b in pairwise(rows)]
     means = " < ".join(f"{row.case.label} {row.summary.mean:.1f}" for row in rows)
-    least, error = min(steps)
-    text = (
-        f"N = {agents}, {rows[0].measure.symbol}: {means} (least step {least:.1f} +- {error:.1f})"
-    )
-    return [Claim(text, least > 0.0, one.not_reproduced)]
+    smallest = min(steps, key=lambda step: step.mean() if step.size else math.inf)
+    text = f"N = {agents}, {rows[0].measure.symbol}: {means} (least step {spread(smallest)})"
+    return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
 
 
-def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
+def spread(margins: np.ndarray, digits: int = 1, unit: str = "") -> str:
+    """The mean of margins (R,) with its interval, in words."""
+    if margins.size == 0:
+        return "of no pair of runs"
+    mean = f"{margins.mean():+.{digits}f}{unit}"
+    if margins.size == 1:
+        return f"{mean} in one pair of runs"
+    low, high = interval(margins)
+    return f"{mean}, 99 %: {low:+.{digits}f} to {high:+.{digits}f}{unit}"
+
+
+def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     """Whether a measure is within bounds in every run, or in a share of the runs."""
     rows = [row for row in made if not one.labels or row.case.label in one.labels]
     rows = [row for row in rows if one.tick is None or row.case.tick == one.tick]
-    values = [value for row in rows for value in row.values]
-    if not values:
+    rows = [row for row in rows if row.values]
+    if not rows:
         return []
-    there = [value for value in values if value is not None]
-    without = rows[0].measure.without
-    bad = sum(not is_within(one, without if value is None else value) for value in values)
+    measure = rows[0].measure
+    good = [sum(is_within(one, measure.counted(value)) for value in row.values) for row in rows]
+    there = [value for row in rows for value in row.values if value is not None]
     bounds = {
         "above": one.above,
         "below": one.below,
@@ -65,15 +97,29 @@ def every_claim(one: Every, made: list[Verdict]) -> list[Claim]:
     }
     words = " and ".join(f"{word} {x:g}" for word, x in bounds.items() if x is not None)
     who = ", ".join(one.labels) or "all"
-    measure = rows[0].measure
     span = f"{number(min(there))} to {number(max(there))}" if there else measure.absent
-    unit = "" if measure.unit == "1" else f" {measure.unit}"
+    unit = "" if rows[0].unit == "1" else f" {rows[0].unit}"
     when = "" if one.tick is None else f" at tick {one.tick}"
     often = "every run" if one.share == 1.0 else f"{one.share:.0%} of the runs or more"
-    runs = counted(len(values), "run")
-    text = f"{who}: {measure.symbol} {words}{unit}{when} in {often}; {span} in {runs}"
-    holds = len(values) - bad >= one.share * len(values)
-    return [Claim(text + (f", {bad} not" if bad else ""), holds, one.not_reproduced)]
+    runs = sum(len(row.values) for row in rows)
+    text = (
+        f"{who}: {measure.symbol} {words}{unit}{when} in {often}; {span} in {counted(runs, 'run')}"
+    )
+    if sum(good) < runs:
+        text += f", {runs - sum(good)} not"
+    shares = list(zip(good, (len(row.values) for row in rows), strict=True))
+    if all(row.single for row in rows):
+        return [
+            (f"{text}; said of the run that is shown", HOLDS if sum(good) == runs else DOES_NOT)
+        ]
+    sure = min(bounds_of_share(*share)[0] for share in shares)
+    of = 1 if one.share == 1.0 else len(rows)
+    return [
+        (
+            f"{text}; at 99 % in {sure:.1%} of all or more",
+            all_of([share_of_runs(*share, one.share, of) for share in shares]),
+        )
+    ]
 
 
 def is_within(one: Every, value: float) -> bool:
@@ -86,7 +132,7 @@ def is_within(one: Every, value: float) -> bool:
     )
 
 
-def faster_claim(one: Faster, made: list[Verdict]) -> list[Claim]:
+def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
     """Whether one row needs less than another by more than a share in every pair of runs."""
     found = []
     for row in made:
@@ -97,15 +143,16 @@ def faster_claim(one: Faster, made: list[Verdict]) -> list[Claim]:
     return found
 
 
-def pairs_claim(one: Faster, row: Verdict, other: Verdict) -> Claim:
+def pairs_claim(one: Faster, row: Verdict, other: Verdict) -> tuple[str, Answer]:
     """The claim for two rows, run by run; a run without an end is endless."""
     pairs = list(zip(row.values, other.values, strict=True))
     gained = [gain(quick, slow) for quick, slow in pairs]
+    good = sum(saved > one.by for saved in gained)
     text = (
         f"{one.label} is faster than {one.than} by more than {one.by:.0%} in every pair of runs; "
         f"by {min(gained):.1%} to {max(gained):.1%} in {len(pairs)}"
     )
-    return Claim(text, min(gained) > one.by, one.not_reproduced)
+    return text, share_of_runs(good, len(pairs), 1.0)
 
 
 def gain(quick: float | None, slow: float | None) -> float:
@@ -124,25 +171,31 @@ def sweep_claims(sweep: Sweep, agents: int, points: list[Verdict]) -> list[Claim
     if sweep.flat_from is not None:
         later = [p for p in points if float(p.case.value or 0) >= sweep.flat_from]
         if len(later) > 1:
-            change = later[-1].summary.mean / later[0].summary.mean - 1.0
-            said.append(
-                Claim(
-                    f"N = {agents}, {sweep.parameter} from {sweep.flat_from:g} on: the mean "
-                    f"changes by {change:+.1%}; published: hardly",
-                    abs(change) < 0.05,
-                )
-            )
+            start = f"N = {agents}, {sweep.parameter} from {sweep.flat_from:g} on"
+            said.append(flat_claim(start, later[0], later[-1]))
     return said
+
+
+def flat_claim(label: str, first: Verdict, last: Verdict) -> Claim:
+    """Whether the mean of the last is, within `FLAT`, that of the first, seed by seed."""
+    change = paired(first, last) / first.summary.mean
+    text = f"{label}: the mean changes by {spread(100.0 * change, 1, ' %')}; published: hardly"
+    low, high = interval(change)
+    if low > FLAT or high < -FLAT:
+        return Claim(text, DOES_NOT)
+    if low > -FLAT and high < FLAT:
+        return Claim(text, HOLDS)
+    within = change + math.copysign(FLAT, -change.mean()) if change.size else change
+    return Claim(text, Answer("undecided", runs_for(within)))
 
 
 def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:
     """Whether the mean rises or falls from the first to the last value as published."""
-    change, error = difference(points[0].summary, points[-1].summary)
+    change = paired(points[0], points[-1])
     sign = 1.0 if sweep.trend == "rises" else -1.0
-    text = (
-        f"{label}: the mean changes by {change:+.2f} +- {error:.2f} ticks; published: {sweep.trend}"
-    )
-    return Claim(text, sign * change > LARGE * error)
+    unit = f" {points[0].unit}"
+    text = f"{label}: the mean changes by {spread(change, 2, unit)}; published: {sweep.trend}"
+    return Claim(text, mean_above(sign * change))
 
 
 def number(value: float) -> str:

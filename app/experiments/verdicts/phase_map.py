@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 from app.experiments.experiment import Case
 from app.experiments.file import Found, Lags
-from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.answer import Answer, any_of, mean_above, share_of_runs
 from app.experiments.verdicts.statistics import Summary
-from app.experiments.verdicts.verdict import LARGE, Verdict
+from app.experiments.verdicts.verdict import Verdict, paired
+
+HALF = 0.5
+"""Share of the runs of a cell above which a word is its own."""
 
 
 @dataclass(frozen=True)
@@ -58,21 +61,28 @@ def ways_of(made: list[Verdict]) -> list[tuple[Spot, Spot]]:
     return list(zip(there, back[::-1], strict=True))
 
 
-def found_claim(one: Found, made: list[Verdict]) -> list[Claim]:
-    """Whether a word is the commonest somewhere on the map."""
+def found_claim(one: Found, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether more than half of the runs of some cell of the map have a word."""
     rows = [row for row in made if row.measure.name == one.measure and not row.case.way]
-    there = [row for row in rows if row.commonest[0] == one.word]
-    return [
-        Claim(
-            f"{one.word}: the commonest {one.measure} in {len(there)} of {len(rows)} cells",
-            bool(there),
-            one.not_reproduced,
-        )
+    if not rows:
+        return []
+    word = rows[0].measure.words.index(one.word)
+    good = [sum(value == word for value in row.values) for row in rows]
+    there = sum(row.commonest[0] == one.word for row in rows)
+    most = max(g / len(row.values) for g, row in zip(good, rows, strict=True))
+    text = (
+        f"{one.word}: the commonest {one.measure} in {there} of {len(rows)} cells, in up to "
+        f"{most:.0%} of the runs of a cell"
+    )
+    answers = [
+        share_of_runs(g, len(row.values), HALF, len(rows))
+        for g, row in zip(good, rows, strict=True)
     ]
+    return [(text, any_of(answers))]
 
 
-def lag_claim(one: Lags, made: list[Verdict]) -> list[Claim]:
-    """Whether a measure is larger on the way back, by more than a step and than chance."""
+def lag_claim(one: Lags, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a measure is larger on the way back by more than a step, somewhere, run by run."""
     rows = [row for row in made if row.measure.name == one.measure]
     there = [row for row in rows if row.case.way == "there"]
     back = [row for row in rows if row.case.way == "back"]
@@ -80,12 +90,11 @@ def lag_claim(one: Lags, made: list[Verdict]) -> list[Claim]:
         return []
     pairs = list(zip(there, back[::-1], strict=True))
     up, down = max(pairs, key=lambda pair: pair[1].summary.mean - pair[0].summary.mean)
-    a, b = up.summary, down.summary
-    error = (a.standard_error**2 + b.standard_error**2) ** 0.5
     assert up.case.sweep is not None
     text = (
         f"{up.measure.symbol} remembers: at {up.case.sweep.parameter} = {up.case.value:g} it is "
-        f"{a.mean:.2f} on the way there, {b.mean:.2f} on the way back"
+        f"{up.summary.mean:.2f} on the way there, {down.summary.mean:.2f} on the way back; "
+        f"asked: {one.by:g} more"
     )
-    gap = b.mean - a.mean
-    return [Claim(text, gap > one.by and gap > LARGE * error, one.not_reproduced)]
+    answers = [mean_above(paired(first, second) - one.by, len(pairs)) for first, second in pairs]
+    return [(text, any_of(answers))]

@@ -1,4 +1,4 @@
-"""What a set of runs says: mean, spread, quartiles, and how far it is from a published mean."""
+"""What a set of runs says: mean, spread, quartiles."""
 
 from __future__ import annotations
 
@@ -8,18 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-PUBLISHED_RUNS = 100
-"""Runs behind each published mean (Liu et al. 2021, sections 3.1 and 3.2)."""
 RESAMPLES = 2000
 """Resamples of a bootstrap."""
-NOTE = (
-    "z = (measured mean - published mean) / sqrt(s^2/n + s^2/100): the paper gives no spread, "
-    "so s is the measured standard deviation for both samples"
-)
-WELCH_NOTE = (
-    "differs: the means of the runs here and of the published runs are 3 standard errors or more "
-    "apart, each sample with its own spread"
-)
 INTERVAL_NOTE = f"95 % interval of the mean: bootstrap, percentiles of {RESAMPLES} resampled means"
 
 
@@ -87,20 +77,3 @@ def interval_of_mean(values: np.ndarray) -> tuple[float, float]:
     rows = np.random.default_rng(0).integers(0, values.size, (RESAMPLES, values.size))
     low, high = np.percentile(values[rows].mean(axis=1), (2.5, 97.5))
     return float(low), float(high)
-
-
-def z_score(measured: Summary, published_mean: float) -> float:
-    """Distance from a published mean in standard errors of the difference; NaN without spread."""
-    error = math.hypot(measured.standard_error, measured.sd / math.sqrt(PUBLISHED_RUNS))
-    return (measured.mean - published_mean) / error if error > 0.0 else math.nan
-
-
-def welch(measured: Summary, published: Summary) -> float:
-    """Distance of two means in standard errors, each sample with its own spread; NaN without."""
-    change, error = difference(published, measured)
-    return change / error if error > 0.0 else math.nan
-
-
-def difference(a: Summary, b: Summary) -> tuple[float, float]:
-    """Mean of b minus mean of a, with its standard error, taken as independent samples."""
-    return b.mean - a.mean, math.hypot(a.standard_error, b.standard_error)

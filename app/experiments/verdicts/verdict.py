@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from agents.catalogue import model
+from agents.models.declare import declared
 from app.experiments.conduct import Measured
 from app.experiments.experiment import Case, Experiment
-from app.experiments.file import Published, Sweep
+from app.experiments.file import Expected, Published, Sweep
 from app.experiments.kinds.settings import Measure, Number
-from app.experiments.verdicts.statistics import Summary, summary, welch, z_score
-
-LARGE = 3.0
-"""|z| from which on a row counts as different."""
+from app.experiments.verdicts.comparison import Comparison, compare
+from app.experiments.verdicts.statistics import Summary, summary
 
 
 @dataclass(frozen=True)
@@ -26,19 +27,27 @@ class Verdict:
     """By seed; None for a run that has none."""
     summary: Summary
     published: Published | None
-    z: float | None
+    comparison: Comparison | None = None
     """None where nothing is published or nothing is to be compared."""
-    why: str = ""
-    """Why it is not compared or does not come out."""
+    expected: Expected | None = None
+    """What was found before."""
+    not_compared: str = ""
+    """Why it is not compared."""
+    single: bool = False
+    """Whether the experiment is about a single run, and says nothing of others."""
 
     @property
     def word(self) -> str:
-        """In a word: agrees, differs, `not reproduced` where that is known, or nothing."""
-        if self.published is None or self.z is None or math.isnan(self.z):
-            return ""
-        if self.why:
-            return "not reproduced"
-        return "agrees" if abs(self.z) < LARGE else "differs"
+        """In a word: agrees, differs, undecided, or nothing."""
+        return self.comparison.word if self.comparison else ""
+
+    @property
+    def unit(self) -> str:
+        """The measure's unit; of a length that of the model's lengths."""
+        if self.measure.unit != "length":
+            return self.measure.unit
+        units = {one.unit for one in declared(model(self.case.spec.model).parameters)}
+        return "m" if "m" in units else "length"
 
     @property
     def commonest(self) -> tuple[str, float]:
@@ -62,7 +71,9 @@ class Verdict:
             row |= {"parameter": case.sweep.parameter, "value": case.value}
             row |= {"against": case.sweep.against, "at": case.at, "way": case.way}
             row |= {"commonest": self.commonest[0]}
-        row |= {"measure": self.measure.name, "unit": self.measure.unit}
+        if case.tick is not None:
+            row |= {"tick": case.tick}
+        row |= {"measure": self.measure.name, "unit": self.unit}
         row |= {"runs": s.runs, "absent": s.absent, "mean": s.mean, "sd": s.sd}
         row |= dict(zip(("q25", "median", "q75"), s.quartiles, strict=True))
         row |= dict(zip(("low95", "high95"), s.interval, strict=True))
@@ -70,10 +81,26 @@ class Verdict:
         if case.row:
             published = self.published or Published()
             q = published.quartiles or (None, None, None)
-            row |= {"published_mean": published.average, "z": self.z}
+            row |= {"published_mean": published.average} | self.as_compared()
             row |= dict(zip(("published_q25", "published_median", "published_q75"), q, strict=True))
-            row |= {"verdict": self.word, "why": self.why or case.row.remark}
+            row |= {"not_compared": self.not_compared, "remark": case.row.remark}
         return row
+
+    def as_compared(self) -> dict[str, Any]:
+        """How it stands beside what was published, as a flat row; None for what is not known."""
+        one = self.comparison
+        low, high = one.interval if one else (None, None)
+        return {
+            "verdict": self.word,
+            "needed": one and one.needed,
+            "difference": one and one.difference,
+            "difference_low99": low,
+            "difference_high99": high,
+            "z": one and one.z,
+            "d": one and one.effect,
+            "expected": self.expected.verdict if self.expected else "",
+            "why": self.expected.why if self.expected else "",
+        }
 
 
 def verdicts(experiment: Experiment, measured: list[Measured]) -> list[Verdict]:
@@ -89,20 +116,25 @@ def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
     s = summary(values)
     published = one.case.published(measure.name)
     spared = experiment.not_compared.get(measure.name, "")
-    why = spared or experiment.not_reproduced.get(measure.name, "")
-    z = None
-    if published and published.average is not None and not spared:
-        z = z_of(s, published)
-        why = published.not_reproduced or why
-    return Verdict(one.case, measure, values, s, published, z, why)
+    compared = published is not None and not spared
+    there = np.array([value for value in values if value is not None], float)
+    return Verdict(
+        one.case,
+        measure,
+        values,
+        s,
+        published,
+        compare(there, published) if published and compared else None,
+        (published and published.expected) or experiment.expected.get(measure.name),
+        spared,
+        experiment.runs == 1,
+    )
 
 
-def z_of(measured: Summary, published: Published) -> float:
-    """Distance from what was published: from its runs where they are printed, else its mean."""
-    if published.values:
-        return welch(measured, summary(published.values))
-    assert published.mean is not None
-    return z_score(measured, published.mean)
+def paired(a: Verdict, b: Verdict) -> np.ndarray:
+    """What b has more than a, seed by seed, (R,); of seeds of which both have a value."""
+    both = zip(a.values, b.values, strict=True)
+    return np.array([y - x for x, y in both if x is not None and y is not None], float)
 
 
 def of(made: list[Verdict], measure: str) -> list[Verdict]:

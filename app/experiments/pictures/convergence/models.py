@@ -8,7 +8,7 @@ from app.experiments.pictures.boxes import WORDS, box, explain
 from app.experiments.verdicts.verdict import Verdict
 
 MEASURED = "#2166ac"
-KNOWN = "#b07d12"
+DIFFERS = "#b07d12"
 PUBLISHED = "#3c434b"
 WIDTH = 0.36
 
@@ -22,8 +22,8 @@ def draw_models(figure: Any, made: list[Verdict]) -> None:
         rows = [one for one in made if one.case.agents == agents]
         for x, one in enumerate(rows):
             row = one.published
-            known = row is not None and bool(row.not_reproduced)
-            box(axes, x - 0.21, one.values, KNOWN if known else MEASURED, WIDTH)
+            colour = DIFFERS if one.word == "differs" else MEASURED
+            box(axes, x - 0.21, one.values, colour, WIDTH)
             if row:
                 published(axes, x + 0.21, row.mean, row.quartiles)
         axes.set_yscale("log")
@@ -54,7 +54,7 @@ def signs_below(figure: Any, with_published: bool) -> None:
     signs: list[Any] = [Patch(facecolor=MEASURED + "40", edgecolor=MEASURED, label="measured")]
     if with_published:
         signs += [
-            Patch(facecolor=KNOWN + "40", edgecolor=KNOWN, label="known not to reproduce"),
+            Patch(facecolor=DIFFERS + "40", edgecolor=DIFFERS, label="measured, differs"),
             Patch(facecolor="white", edgecolor=PUBLISHED, label="published quartiles"),
             Line2D([], [], marker="D", color=PUBLISHED, linestyle="none", label="published mean"),
         ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from app.experiments.pictures.boxes import came, explain
 from app.experiments.pictures.gatherings.box import CRASHED, GROUPS, draw_box
 from app.experiments.trial import flock_of
 from app.experiments.verdicts.verdict import Verdict, of
+from worlds.counting import counted
+
+if TYPE_CHECKING:
+    from agents import Flock
 
 COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#8e44ad")
 CURVES = (("groups", "groups"), ("largest", "in the largest group / %"), ("p", "polarisation"))
@@ -41,13 +45,22 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
     for axes, letter, (tick, text) in zip(boxes, letters, captions.items(), strict=True):
         flock.run(tick - flock.tick)
         draw_box(axes, flock)
-        axes.set_title(f"({letter}) tick {tick}\n{text}", loc="left", fontsize=9)
+        title = f"({letter}) tick {tick}: {seen(settings, flock)}\n{text}"
+        axes.set_title(title, loc="left", fontsize=9)
     explain(
         figure,
         signs(panels[0]),
         "above: mean and quartiles of the runs; below: a run of "
-        f"{case.label}, seed {seed}, its groups in colours, over it what is said of that tick",
+        f"{case.label}, seed {seed}, its groups in colours, over it what is measured of it, and in "
+        "quotation marks what the source says of its own run",
     )
+
+
+def seen(settings: Gathering, flock: Flock) -> str:
+    """What the picture shows, measured."""
+    found = settings.measured(flock)
+    groups, p = int(found["groups"] or 0), found["p"]
+    return "nobody flies" if p is None else f"{counted(groups, 'group')}, p = {p:.2f}"
 
 
 def draw_curve(axes: Any, points: list[Verdict], experiment: Experiment) -> None:

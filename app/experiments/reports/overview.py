@@ -1,0 +1,53 @@
+"""All experiments in one table: how many verdicts of each word."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from app.experiments.experiment import Experiment
+from app.experiments.reports.tables import empty_table
+from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.verdict import Verdict
+
+Outcome = tuple[Experiment, list[Verdict], list[Claim]]
+WORDS = ("agrees", "differs", "undecided")
+ANSWERS = ("holds", "does not hold", "undecided", "by construction")
+
+
+def overview(outcomes: Sequence[Outcome]) -> Any:
+    """A line for each experiment: its rows beside published ones, its claims, what has changed."""
+    heads = ("agree", "differ", "open", "hold", "not", "open", "built", "news")
+    table = empty_table("paper", "runs", *heads)
+    table.title = (
+        "verdicts on rows beside published ones, then on claims\n"
+        "open: undecided; built: by construction; news: not as expected"
+    )
+    table.title_justify = "left"
+    totals: Counter[tuple[str, str]] = Counter()
+    for experiment, made, said in outcomes:
+        found = Counter(("row", one.word) for one in made if one.word)
+        found += Counter(("claim", one.word) for one in said)
+        totals += found
+        runs = max((len(one.values) for one in made), default=0)
+        table.add_row(experiment.name, str(runs), *counts(found), str(changes(made, said) or ""))
+    table.add_section()
+    table.add_row("all", "", *counts(totals), "")
+    return table
+
+
+def counts(found: Counter[tuple[str, str]]) -> list[str]:
+    """How often each word was given; nothing for never."""
+    keys = [("row", word) for word in WORDS] + [("claim", word) for word in ANSWERS]
+    return [str(found[key] or "") for key in keys]
+
+
+def changes(made: Sequence[Verdict], said: Sequence[Claim]) -> int:
+    """How many verdicts are other than what was found before."""
+    known = [(one.word, one.expected) for one in made if one.word]
+    known += [(one.word, one.expected) for one in said]
+    return sum(
+        expected is not None and word not in ("undecided", expected.verdict)
+        for word, expected in known
+    )

@@ -1,0 +1,90 @@
+"""Before the runs: which claims and comparisons a number of runs can decide at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from app.experiments.experiment import Experiment
+from app.experiments.file import Every, Faster, Found, Published, Said
+from app.experiments.verdicts.answer import NEARLY_ALL, least, quantile, runs_for_share
+from app.experiments.verdicts.comparison import PUBLISHED_RUNS, TOLERANCE
+from app.experiments.verdicts.phase_map import HALF
+from worlds.counting import counted
+
+SPREAD = 2
+"""Runs from which on a spread is known, and with it whether means differ."""
+
+
+def prospects(experiment: Experiment, runs: int) -> str:
+    """What so many runs can decide, in a sentence; empty where nothing is to be decided."""
+    asked = list(questions(experiment))
+    few = [(words, needed) for words, needed in asked if needed is None or needed > runs]
+    if not asked:
+        return ""
+    decided = len(asked) - len(few)
+    said = f"{counted(runs, 'run')} can decide {decided} of {len(asked)} claims and comparisons"
+    if not few:
+        return said
+    listed = "; ".join(
+        f"{words} ({'no number would' if needed is None else needed})"
+        for words, needed in dict(few).items()
+    )
+    return f"{said}, as far as their spread allows; too few to bear out: {listed}"
+
+
+def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
+    """What is asked of the runs, in words, and the runs from which on it can be borne out."""
+    for one in experiment.said:
+        if not one.by_construction and (asked := rows_of(experiment, one)):
+            words = experiment.settings.measure(one.measure).symbol
+            labels = getattr(one, "labels", None)
+            name = f"{words} of {', '.join(labels)}" if labels else words
+            yield name, needed_for(experiment, one, asked)
+    for sweep in {id(case.sweep): case.sweep for case in experiment.cases if case.sweep}.values():
+        if sweep.trend:
+            yield f"{sweep.parameter} {sweep.trend}", SPREAD
+        if sweep.flat_from is not None:
+            yield f"{sweep.parameter} flat", SPREAD
+    for case in experiment.cases:
+        for measure in experiment.measures:
+            published = case.published(measure.name)
+            spared = measure.name in experiment.not_compared
+            if published and published.average is not None and not spared:
+                yield f"{measure.symbol} agrees", to_agree(published)
+
+
+def rows_of(experiment: Experiment, one: Said) -> int:
+    """How many cases a claim is about; none where those that it names are not run."""
+    labels = set(getattr(one, "labels", [])) or {getattr(one, "label", "")} - {""}
+    tick = getattr(one, "tick", None)
+    return sum(
+        (not labels or case.label in labels) and tick in (None, case.tick)
+        for case in experiment.cases
+    )
+
+
+def needed_for(experiment: Experiment, one: Said, rows: int) -> int | None:
+    """Runs with which a claim can be borne out if no run speaks against it."""
+    if isinstance(one, Every):
+        if experiment.runs == 1:
+            return 1
+        whole = one.share == 1.0
+        return runs_for_share(1.0, NEARLY_ALL if whole else one.share, 1 if whole else rows)
+    if isinstance(one, Faster):
+        return runs_for_share(1.0, NEARLY_ALL)
+    if isinstance(one, Found):
+        return runs_for_share(1.0, HALF, rows)
+    return SPREAD
+
+
+def to_agree(published: Published) -> int | None:
+    """Runs with which equal means can be told to agree; None if too few runs were published."""
+    theirs = len(published.values)
+
+    def decides(n: int) -> bool:
+        free = n - 1 if theirs < SPREAD else n + theirs - 2
+        error = math.sqrt(1.0 / n + 1.0 / (theirs or PUBLISHED_RUNS))
+        return quantile(free) * error < TOLERANCE
+
+    return least(decides)
