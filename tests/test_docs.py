@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import re
 import runpy
 import shlex
@@ -17,7 +18,7 @@ from pages.blocks import blocks_of
 from agents.catalogue import collect
 from agents.catalogue import model as by_name
 from app.cli.main import COMMANDS
-from app.experiments.experiment import experiment_names
+from app.experiments.experiment import experiment_names, read_experiment
 from worlds.layout import layout_names
 
 ROOT = Path(__file__).parents[1]
@@ -34,6 +35,24 @@ WRITTEN = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs")
 
 def text(name):
     return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_page_of_the_papers_is_its_text_and_the_stored_results():
+    made = runpy.run_path(str(ROOT / "docs" / "make_papers.py"))["page"]()
+    assert text("docs/papers.md") == made, "run `uv run python docs/make_papers.py`"
+    assert "{" not in re.sub(r"`[^`]*`", "", made), "a name that stands for no result"
+
+
+@pytest.mark.parametrize("name", experiment_names())
+def test_the_stored_results_are_of_today_s_experiments(name):
+    """Of as many runs as the experiment asks for, with the claims that it makes."""
+    kept = json.loads(text(f"docs/papers/{name}.json"))
+    whole = read_experiment(name)
+    assert max(row["runs"] + row["absent"] for row in kept["rows"]) == whole.runs
+    assert len(kept["rows"]) == len(whole.cases) * len(whole.measures)
+    assert bool(kept["claims"]) == any(
+        [whole.said, *(case.sweep and case.sweep.trend for case in whole.cases)]
+    )
 
 
 @pytest.mark.parametrize("name", sorted(PAGES))
