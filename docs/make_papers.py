@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent / "papers"
-TEXT, PAGE = HERE / "text.md", HERE.parent / "papers.md"
+TEXT, PAGE = HERE / "papers.md.in", HERE.parent / "papers.md"
 KEPT = ("name", "title", "source", "claims")
 ROW = (
     *("label", "agents", "parameter", "value", "against", "at", "way", "tick"),

@@ -14,6 +14,12 @@ from tests.browser.window import Window
 from tests.viewer.stub_flock import StubCompiling
 from tests.viewer.waiting import until
 
+WHERE = """() => {
+    const place = document.querySelector(".fs-compiling")?.getBoundingClientRect();
+    return place?.width > 0 && place.toJSON();
+}"""
+"""Where the bar is, once it has a place: the page may just be drawing it anew."""
+
 
 @pytest.fixture
 def laboratory(monkeypatch):
@@ -33,7 +39,7 @@ def test_a_preview_moves_and_says_so_and_nothing_jumps_when_it_is_taken_over(lab
     bar, pause = page.locator(".fs-compiling"), page.get_by_role("button", name="Pause")
     bar.wait_for()
     assert "Preview until compiled" in bar.inner_text()
-    place = bar.evaluate("one => one.getBoundingClientRect().toJSON()")
+    place = page.wait_for_function(WHERE).json_value()
     assert place["x"] > 310
     assert place["x"] + place["width"] < 1000 - 330
     assert 0 < place["y"] < 640 - place["height"]
