@@ -64,12 +64,3 @@ def test_a_world_may_be_given_as_a_value():
     assert flock.world is yard
     with pytest.raises(Refusal, match="dim = 3 is not allowed: boundary-points is defined in 2-D"):
         Flock("boundary-points", agents=5, world="rooms-3d", rng=1)
-
-
-@pytest.mark.parametrize("name", ["vem", "hwvem", "couzin", "hwvem-nav"])
-def test_a_body_of_constant_speed_has_it_from_tick_0_on(name):
-    flock = Flock(name, agents=20, rng=1)
-    before = flock.speed.copy()
-    assert (before > 0.0).all()
-    flock.run(1)
-    assert np.median(flock.speed) == before[0], "obstacles and others hold some UAVs back"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from agents.engine.block import Moved
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
@@ -45,6 +43,5 @@ BODY = Body(
     source="Liu et al. 2021, (7), (8)",
     parameters=ConstantSpeed,
     move=move,
-    begins=lambda p, _, n: np.full(n, p.v0),
     by_lanes=True,
 )

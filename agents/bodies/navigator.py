@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from agents.bodies.guard import guarded
 from agents.engine.block import Moved, Wish
 from agents.models.declare import Body, Parameters, Rule, parameter
@@ -211,7 +209,6 @@ BODY = Body(
     source="Liu et al. 2021, (18) to (26)",
     parameters=Navigator,
     move=move,
-    begins=lambda p, _, n: np.full(n, p.v0),
     signals=("heard",),
     deafens=True,
     sees_obstacles=True,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from agents.engine.block import Moved
 from agents.engine.lanes import where
 from agents.engine.noise import cos_sin
@@ -91,7 +89,6 @@ BODY = Body(
     source="Couzin et al. 2002",
     parameters=Turning,
     move=move,
-    begins=lambda p, _, n: np.full(n, p.s),
     by_lanes=True,
     lasts=lambda p: p.tau,
     unit="s",
