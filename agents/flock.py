@@ -22,7 +22,7 @@ from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder, read_state
 from agents.spec import DEFAULT, Spec, versions, whole
-from agents.state.rows import begun, chosen, demand_memory_for, joined
+from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 
@@ -53,6 +53,10 @@ class Flock(Motion, mesa.Model):
         dim: 2 or 3; by default as many as `size` has sides, the layout's own, or the model's;
         activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
         noise: `angular` or `vectorial`: what `eta` means;
+        delay, jitter, loss: how old what agents know of each other is, time >= 0, and the share of
+        messages that get lost, in [0, 0.99];
+        wind, wind_heading, wind_up, gusts, gust_time, pulse, pulse_at, pulse_lasts: what carries
+        them along, see `agents.conditions.Conditions`;
         spacing: least distance at the start between agents and of agents to obstacles and solid
         edges, length >= 0; the model's own may be None: bodies only start clear of what is solid.
 
@@ -219,7 +223,10 @@ class Flock(Motion, mesa.Model):
         if heading is None:
             heading = random_headings(self.rng, 1, dim)[0]
         new = self._given({"position": [position], "heading": [heading], "informed": [informed]})
-        more = begun(new, self.model, self.next_id)
+        ages = self.arrays.past.shape[1]
+        more = with_past(
+            begun(new, self.model, self.next_id), ages, len(self.model.signals), self.tick
+        )
         self._use(joined(self.arrays, more))
         self.next_id += 1
         members.append(member)
@@ -257,7 +264,7 @@ class Flock(Motion, mesa.Model):
 
         The name ends in .parquet or .pq; a file of that name is replaced. Raises Refusal.
         """
-        with Recorder(path, self, endings=STATES) as recorder:
+        with Recorder(path, self, endings=STATES, with_past=True) as recorder:
             recorder.write()
 
     @classmethod

@@ -9,26 +9,32 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine.arrays import Arrays, Context, Place, Until
+from agents.conditions import Wind, messages, ticks_back
+from agents.engine.arrays import NEVER, Arrays, Context, Place, Until
 from agents.engine.cells import Space
-from agents.engine.loop import is_compiled, loop_module, turns_module
+from agents.engine.loop import delayed_module, is_compiled, loop_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.pairs.runner import OfPairs
-from agents.engine.runner import SPLIT_FROM, InTurn, Synchronous
+from agents.engine.runner import SPLIT_FROM, UNTRACED, Delayed, InTurn, Synchronous
+from agents.engine.wind import CALM
 from agents.models.calling import call
 from agents.models.declare import as_floats, checked
 from agents.models.model import Model
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import Snapshot, State
 from agents.spec import Options
+from agents.state.rows import with_past
 from agents.state.whereabouts import Stray, stray
 from worlds.compiled import DISABLED
+from worlds.memory import demand_memory
 from worlds.queries.survey import survey
 from worlds.refusal import Refusal
 from worlds.world import World
 
 NOISE = "eta"
 """The parameter that the engine takes for the noise intensity; a rule without it has no noise."""
+STRETCH = 100_000
+"""Ticks for which the wind is known in advance."""
 CHUNK = 500
 """Ticks of a long run between two looks at the world outside."""
 
@@ -52,6 +58,7 @@ class Motion(State):
     split_from: int = SPLIT_FROM
     """Agents from which on a tick is shared among threads."""
     _engine: Synchronous | OfPairs | InTurn | None
+    _wind: Wind
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
 
@@ -60,12 +67,22 @@ class Motion(State):
         self.arrays = arrays
         self._engine = None
         self.context = self._make_context()
+        self._make_past()
+
+    def _make_past(self) -> None:
+        """Keep as much of the past as messages may tell of."""
+        ages = ticks_back(self.options, self.dt)
+        if ages != self.arrays.past.shape[1]:
+            size = 2 * self.world.dim + 1 + len(self.model.signals)
+            demand_memory("what messages tell", float(len(self.ids)) * ages * size * 8)
+            self.arrays = with_past(self.arrays, ages, len(self.model.signals), self.tick)
+            self._engine = None
 
     @property
     def of_pairs(self) -> bool:
         """Whether agents act eight at once: see `agents.engine.pairs`."""
         interpreted = self.interpret or DISABLED
-        together = self.options.activation == "synchronous"
+        together = self.options.activation == "synchronous" and not self.options.is_late
         return self.model.is_of_pairs and together and not interpreted
 
     @property
@@ -88,6 +105,10 @@ class Motion(State):
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
         place = Place(space, survey(self.world, self.sight))
+        if self.options.is_late:
+            told = messages(self.options, self.dt)
+            module = delayed_module(self.loop)
+            return Delayed(module, self.arrays, place, self.seed, told, self.call)
         if self.options.activation == "synchronous":
             split = not self.interpret and len(self.ids) >= self.split_from
             threads = self.threads if split else 1
@@ -106,8 +127,14 @@ class Motion(State):
         made = {NOISE: 0.0, **as_floats(self.parameters)}
         if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
             made = {name: np.float64(value) for name, value in made.items()}
+        self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
         numbers = self.loop.P(**made)
-        return Context(numbers, noise, self.reach, self.dt)
+        return Context(numbers, noise, self.reach, self.dt, CALM, 0)
+
+    def _during(self, ticks: int) -> Context:
+        """What agents go by in the next ticks, the wind with it."""
+        wind = self._wind.during(self.tick, ticks)
+        return self.context._replace(wind=wind, since=self.tick)
 
     def stray(self) -> Stray | None:
         """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is.
@@ -171,6 +198,7 @@ class Motion(State):
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
         self.context = self._make_context()
+        self._make_past()
         if self._engine is not None and self.sight > self._engine.surroundings.reach:
             self._engine = None
 
@@ -193,16 +221,23 @@ class Motion(State):
             for row in sorted(set(range(len(self.ids))) - self._acted):
                 self.step_member(row)
             ticks -= 1
-        if ticks > 0 and len(self.ids):
-            self.engine.run(self.context, self.tick, ticks)
-        self.tick += ticks
+        while ticks > 0:
+            some = min(ticks, STRETCH)
+            if len(self.ids):
+                self._run(some)
+            self.tick += some
+            ticks -= some
+
+    def _run(self, ticks: int, until: Until = NEVER, trace: np.ndarray = UNTRACED):
+        """Run the compiled loop from this tick on; what its `run` answers."""
+        return self.engine.run(self._during(ticks), self.tick, ticks, until, trace)
 
     def trace(self, ticks: int) -> np.ndarray:
         """Run ticks (>= 0); the positions after each of them, (ticks, N, dim)."""
         self._end_tick()
         kept = np.empty((ticks, *self.position.shape))
         if ticks > 0:
-            self.engine.run(self.context, self.tick, ticks, trace=kept)
+            self._run(ticks, trace=kept)
         self.tick += ticks
         return kept
 
@@ -234,7 +269,7 @@ class Motion(State):
         while self.tick < limit:
             between()
             ticks = min(CHUNK, limit - self.tick)
-            done, last_off = self.engine.run(self.context, self.tick, ticks, until)
+            done, last_off = self._run(ticks, until)
             self.tick += done
             if done < ticks:
                 return last_off + 1
@@ -252,7 +287,7 @@ class Motion(State):
             self._end_tick()
         if not self._acted:
             self.engine.open(self.context, self.tick)
-        self.engine.one(self.context, self.tick, row)
+        self.engine.one(self._during(1), self.tick, row)
         self._acted.add(row)
         if len(self._acted) == len(self.ids):
             self._end_tick()

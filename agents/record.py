@@ -37,6 +37,8 @@ STATES = (".parquet", ".pq")
 SHEET = ".csv"
 """The ending of a recording as plain numbers, without the spec: no run can go on from it."""
 RECORDINGS = (*STATES, SHEET)
+PAST = "past"
+"""The column of a saved state that holds what messages on their way tell."""
 FLUSH_ROWS = 20_000
 """Rows that may be in flight before they are written to the disk."""
 
@@ -52,7 +54,8 @@ class Recorded(Protocol):
 class Recorder:
     """Writes frames of a flock to a Parquet or a CSV file; a context manager.
 
-    `path` ends in one of `endings`; a file is replaced if `overwrite`. Leaving it by an exception
+    `path` ends in one of `endings`; a file is replaced if `overwrite`. `with_past`: whether messages
+    on their way are written too, where they take time; no recording needs them. Leaving it by an exception
     other than KeyboardInterrupt removes the `.part` and leaves no file. Raises Refusal if the file
     cannot be written. When the disk is full the frames that fitted are kept: as the recording, or
     in the `.part` if there is no room for it beside.
@@ -64,12 +67,14 @@ class Recorder:
         flock: Recorded,
         overwrite: bool = True,
         endings: Collection[str] = RECORDINGS,
+        with_past: bool = False,
     ):
         self.path = Path(path)
         self.part = self.path.with_name(self.path.name + ".part")
         self.flock = flock
         self.overwrite = overwrite
         self.endings = endings
+        self.with_past = with_past
         self.waiting: list = []
         self.rows = 0
         self.frames = 0
@@ -83,7 +88,7 @@ class Recorder:
 
         now = self.snapshot()
         meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": now.next_id}
-        schema = batch_of(now).schema.with_metadata({KEY: json.dumps(meta).encode()})
+        schema = batch_of(now, self.with_past).schema.with_metadata({KEY: json.dumps(meta).encode()})
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
             raise Refusal(
@@ -151,7 +156,7 @@ class Recorder:
 
     def write(self) -> None:
         """Record the flock as it is now. Raises Refusal."""
-        batch = batch_of(self.snapshot())
+        batch = batch_of(self.snapshot(), self.with_past)
         self.waiting.append(batch)
         self.rows += batch.num_rows
         self.frames += 1
@@ -174,7 +179,7 @@ class Recorder:
         self.waiting, self.rows = [], 0
 
 
-def batch_of(flock: Snapshot):
+def batch_of(flock: Snapshot, with_past: bool = False):
     """A snapshot as a record batch with one row per agent, copies."""
     import pyarrow as pa
 
@@ -195,6 +200,10 @@ def batch_of(flock: Snapshot):
         }
     for name, values in zip(flock.model.columns, flock.arrays.memory, strict=True):
         columns[name] = values.copy()
+    past = flock.arrays.past
+    if with_past and past.size:
+        flat = pa.array(past.ravel())
+        columns[PAST] = pa.FixedSizeListArray.from_arrays(flat, past.shape[1] * past.shape[2])
     return pa.RecordBatch.from_pydict(columns)
 
 
@@ -324,9 +333,20 @@ def arrays_of(table, dim: int, one: Model, path) -> Arrays:
             column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
             np.column_stack(crash_record) if mortal else no_crashes(0, dim),
+            past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(one.signals)),
         )
     except KeyError as missing:
         raise Refusal(f"{str(path)!r} has no column {missing}") from None
     if not (np.isfinite(arrays.position).all() and np.isfinite(arrays.heading).all()):
         raise Refusal(f"{str(path)!r} holds positions or headings that are no finite numbers")
     return Arrays._make(np.ascontiguousarray(array) for array in arrays)
+
+
+def past_of(rows, n: int, size: int) -> np.ndarray:
+    """The flock's past (n, ticks, size) from its column, no ticks without one. Raises KeyError."""
+    if rows is None:
+        return np.empty((n, 0, 0))
+    try:
+        return np.stack(rows).reshape(n, -1, size)
+    except ValueError:
+        raise KeyError(f"{PAST!r} of {size} numbers a tick") from None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard, get_args
@@ -12,15 +11,15 @@ from typing import Annotated, Any, Literal, TypeGuard, get_args
 import numpy as np
 import tomlkit
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     PlainValidator,
     ValidationError,
     ValidationInfo,
 )
 
+from agents.conditions import Conditions
+from agents.option import Option, distance, from_, option, whole
 from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, shortened, unknown
 from worlds.world import World, box
@@ -28,56 +27,6 @@ from worlds.world import World, box
 DEFAULT = "hwvem"
 """The model of a run that names none."""
 LARGEST_SEED = 2**63 - 1
-MOST = 10**15
-"""The largest count, unless there is a reason for a smaller one."""
-
-
-@dataclass(frozen=True)
-class Option:
-    """How a person chooses an option of a run, on a command line and in a panel."""
-
-    title: str
-    help: str
-    kind: type = str
-    """Of its value: bool, int, float or str."""
-    words: Mapping[str, str] = field(default_factory=dict)
-    """Of an option with choices: what each is called."""
-    most: float = 0
-    """The largest number that a panel offers."""
-    step: float = 1
-    """From one number to the next in a panel."""
-
-
-def option(title: str, help: str, default: Any = None, kind: type = str, **more: Any) -> Any:
-    """A field of a spec that a person may choose; None is as the model, or its world, has it."""
-    return Field(default, json_schema_extra={"option": Option(title, help, kind, **more)})  # type: ignore[dict-item]
-
-
-def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
-    """`value` as a whole number in [least, most]. Raises Refusal."""
-    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not right or value < least:
-        raise Refusal(
-            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
-        )
-    if value > most:
-        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
-    return int(value)
-
-
-def from_(least: int, most: int = MOST) -> BeforeValidator:
-    """What checks a whole number in [least, most]."""
-    return BeforeValidator(lambda value, info: whole(info.field_name, value, least, most))
-
-
-def distance(value: Any, info: ValidationInfo) -> float:
-    """A length >= 0. Raises Refusal."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not 0.0 <= value < float("inf"):
-        raise Refusal(
-            f"{info.field_name} = {shortened(value)} is not allowed: a finite number >= 0 is needed"
-        )
-    return float(value)
 
 
 def several(size: Any) -> TypeGuard[Sequence[float]]:
@@ -109,14 +58,12 @@ def name_or_world(value: Any, info: ValidationInfo) -> str | World:
     return value if isinstance(value, World) else name(value, info)
 
 
-class Options(BaseModel):
+class Options(Conditions):
     """How the agents of a run begin and act; None: as the model has it.
 
     An option that is declared here is a word of `Flock`, an option of `flockscope run` and `lab`, a
     key of specs and of rows and sweeps of experiments, and a control of the panel Setup.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     informed: Annotated[int, from_(0)] | None = option(
         "Informed",
@@ -208,11 +155,20 @@ class Spec(Options):
             raise refusal(error.errors()[0]) from None
         if self.agents is not None and self.start == "random":
             whole("agents", self.agents, 1)
+        if self.is_late and self.activation != "synchronous":
+            raise Refusal(
+                f"activation = {self.activation!r} is not allowed where messages take time (delay, "
+                "jitter, loss): agents then decide all at once"
+            )
 
     @property
     def count(self) -> int:
         """All agents, information agents among them."""
         return (self.agents or 0) + (self.informed or 0)
+
+    def setting(self, name: str) -> Any:
+        """The value of an option or a parameter by name."""
+        return getattr(self, name) if name in OPTIONS else self.parameters[name]
 
     def but(self, **changes: Any) -> Spec:
         """The same run with some things changed. Raises Refusal."""
@@ -231,7 +187,8 @@ class Spec(Options):
         spec = self
         if isinstance(self.world, World):
             spec = self.but(world=self.world.name, layout=self.world.to_layout())
-        implied = {"dim"} if isinstance(spec.size, tuple) else None
+        implied = {"dim"} if isinstance(spec.size, tuple) else set()
+        implied |= {key for key in Conditions.model_fields if key not in self.chosen}
         values = spec.model_dump(mode="json", exclude_none=True, exclude=implied)
         return tomlkit.dumps({key: values[key] for key in KEYS if key in values})
 
@@ -266,7 +223,8 @@ class Spec(Options):
 
 
 FIRST = ("model", "agents", "informed", "seed", "world", "size", "dim")
-KEYS = tuple(dict.fromkeys([*FIRST, *Spec.model_fields]))
+ACTS = ("activation", "noise", "spacing")
+KEYS = tuple(dict.fromkeys([*FIRST, *ACTS, *Spec.model_fields]))
 """Keys of a spec, in the order in which they are written."""
 _EXTRAS: dict[str, Any] = {key: Spec.model_fields[key].json_schema_extra for key in KEYS}
 OPTIONS: dict[str, Option] = {key: extra["option"] for key, extra in _EXTRAS.items() if extra}

@@ -26,6 +26,9 @@ class Arrays(NamedTuple):
     crash_record: np.ndarray
     """Of agents that can crash the tick at which they did, or -1, what they touched, and where;
     (N, 2 + dim), or no rows at all. See `agents.state.crashes`."""
+    past: np.ndarray
+    """The flock as it stood at the last ticks, where messages take time, else no ticks: position,
+    heading, speed and signals; (N, ticks, 2 dim + 1 + K), that of tick k at k modulo ticks."""
 
 
 def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:
@@ -57,6 +60,9 @@ class Context(NamedTuple):
     """The largest distance at which agents notice each other, length."""
     lasts: float
     """How much time a tick stands for."""
+    wind: np.ndarray
+    """How far the wind carries agents in each tick from `since` on, length, (ticks, 3)."""
+    since: int
 
 
 class Workspace(NamedTuple):

@@ -25,6 +25,7 @@ TEMPLATES = {
     "sweep": HERE / "sweep.py",
     "pairs": HERE / "pairs" / "tick.py",
     "turns": HERE / "turns.py",
+    "delayed": HERE / "delayed.py",
 }
 
 
@@ -61,6 +62,16 @@ def turns_module(sweep: types.ModuleType):
         "show",
     )
     return load("turns", {part: vars(sweep)[part] for part in shared}, sweep.P._fields)
+
+
+def delayed_module(sweep: types.ModuleType):
+    """The module whose `advance` lets the agents of a rule know of each other by messages."""
+    shared = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "PRIVATE", "SEES_POINTS", "SIGNALS"
+    called = "act", "nearby", "ready", "see_points", "show"
+    turns = turns_module(sweep)
+    parts = {part: vars(sweep)[part] for part in (*shared, *called)}
+    parts |= {part: vars(turns)[part] for part in ("judge_all", "link", "row_of")}
+    return load("delayed", parts, sweep.P._fields)
 
 
 def load(kind: str, globals_: dict, fields) -> types.ModuleType:

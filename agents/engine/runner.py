@@ -22,6 +22,7 @@ from agents.engine.arrays import (
     empty_slots,
     empty_workspace,
 )
+from agents.engine.past import Messages
 from agents.engine.team import Team
 
 UNTRACED = np.empty((0, 0, 0))
@@ -194,6 +195,9 @@ class Synchronous(Engine):
 class InTurn(Engine):
     """Sequential or random activation: agents act one by one, each on what the others left."""
 
+    knowledge: tuple[Any, ...] = ()
+    """What else the compiled loop is given."""
+
     def __init__(
         self,
         module,
@@ -221,6 +225,7 @@ class InTurn(Engine):
                 self.slots,
                 self.workspaces[0],
                 context,
+                *self.knowledge,
                 self.seed,
                 tick,
                 order,
@@ -265,3 +270,19 @@ class InTurn(Engine):
     def one(self, context: Context, tick: int, row: int) -> None:
         """Let the agent of one row act."""
         self.call(context, tick, np.array([row]), False)
+
+
+class Delayed(InTurn):
+    """Agents know of each other what messages have brought; none sees what others do in a tick."""
+
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: Place,
+        seed: int,
+        messages: Messages,
+        called: Called = at_once,
+    ):
+        super().__init__(module, arrays, place, seed, False, called)
+        self.knowledge = messages, np.zeros(arrays.position.shape)

@@ -33,6 +33,7 @@ from agents.engine.guide import guided
 from agents.engine.hold import PASSES, held
 from agents.engine.noise import tick_key
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
+from agents.engine.wind import carried
 from agents.engine.wished import headed
 from worlds.compiled import compiled, entry
 from worlds.queries.surroundings import points_within, set_goal
@@ -68,9 +69,10 @@ MANY = 24
 
 
 @compiled
-def settle(flock, space, surroundings, i, me, moved, p):
-    """Write what the body answered into row i, within the world's edges and out of its solids."""
-    if MEETS != PASSES and not passes(p):
+def settle(flock, space, surroundings, i, me, moved, context):
+    """Write where body and wind bring row i, within the world's edges and out of its solids."""
+    moved = carried(moved, context, me.tick)
+    if MEETS != PASSES and not passes(context.parameters):
         moved = held(surroundings, space, me, moved, MEETS)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
     flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
@@ -103,7 +105,8 @@ def act(flock, space, surroundings, i, me, near, context, workspace):
         want = decide(me, near, surroundings, p)
         if HEADS:
             want = headed(me, want, context.noise, p.eta, DIM)
-    settle(flock, space, surroundings, i, me, move(me, near, surroundings, want, p, out), p)
+    moved = move(me, near, surroundings, want, p, out)
+    settle(flock, space, surroundings, i, me, moved, context)
     if SIGNALS > 0:
         remember(me, near, p, out)
     for k in range(SIGNALS):

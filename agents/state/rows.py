@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from agents.engine.arrays import Arrays
+from agents.engine.past import BEGINS
 from agents.models.model import Model
 from agents.state.start import Start
 from worlds.memory import demand_memory
@@ -40,7 +41,21 @@ def begun(start: Start, model: Model, first_id: int) -> Arrays:
         np.zeros(n, np.int32),
         np.repeat(model.beginning[:, None], n, axis=1),
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),
+        np.empty((n, 0, 0)),
     )
+
+
+def with_past(arrays: Arrays, ages: int, signals: int, tick: int) -> Arrays:
+    """The same agents at a tick with so many ticks of their past; what is older than it, as it.
+
+    `signals`: how many they tell each other. Those without a past have `BEGINS` there.
+    """
+    n, dim = arrays.position.shape
+    before = arrays.past.shape[1]
+    past = np.full((n, ages, 2 * dim + 1 + signals if ages else 0), BEGINS)
+    for age in range(1, ages + 1 if before else 0):
+        past[:, (tick - age) % ages] = arrays.past[:, (tick - min(age, before)) % before]
+    return arrays._replace(past=past)
 
 
 def no_crashes(n: int, dim: int) -> np.ndarray:

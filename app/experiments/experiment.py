@@ -43,18 +43,19 @@ class Case:
     @property
     def label(self) -> str:
         """Its name in a table."""
-        return (self.row.label if self.row else "") or self.spec.model
+        of = self.row or self.sweep
+        return (of.label if of else "") or self.spec.model
 
     @property
     def value(self) -> Value | None:
-        """The value of the swept parameter."""
-        return self.spec.parameters[self.sweep.parameter] if self.sweep else None
+        """The value of the swept parameter or option."""
+        return self.spec.setting(self.sweep.parameter) if self.sweep else None
 
     @property
     def at(self) -> Value | None:
         """The value of the second parameter of a sweep that has two."""
         two = self.sweep is not None and self.sweep.against
-        return self.spec.parameters[two] if two else None
+        return self.spec.setting(two) if two else None
 
     def published(self, measure: str) -> Published | None:
         """What the paper prints of a measure."""
@@ -244,9 +245,9 @@ def spec_of(
         size=size or file.sizes.get(str(agents)),
         dim=settings.dim,
         world=settings.world,
-        parameters=settings.parameters | parameters,
+        parameters=settings.parameters,
         **of.chosen,
-    )
+    ).taking(**parameters)
 
 
 def points_of(sweep: Sweep) -> list[tuple[dict[str, Value], Value, Way]]:

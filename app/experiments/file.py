@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from agents.spec import Options
+from agents.spec import OPTIONS, Options
 from app.experiments.kinds import Settings
 from app.experiments.overrides import PLAIN, Overrides
 from app.strict import Strict, Value
@@ -16,6 +16,7 @@ Picture = Literal[
     "sweeps",
     "pairs",
     "success",
+    "endurance",
     "mission",
     "snapshots",
     "duel",
@@ -85,9 +86,14 @@ class Row(Strict, Options):
 
 
 class Sweep(Strict, Options):
-    """One parameter over several values, for several sizes of flock, and its options."""
+    """One parameter over several values, for several sizes of flock, and its options.
+
+    An option that is a number, as `delay`, stands where a parameter may.
+    """
 
     model: str
+    label: str = ""
+    """Its name in the table; the model's where it has none of its own."""
     agents: list[int] = Field(min_length=1)
     parameter: str
     values: list[Value] = Field(min_length=1)
@@ -106,6 +112,8 @@ class Sweep(Strict, Options):
     def _has_both(self) -> Sweep:
         if bool(self.against) != bool(self.against_values):
             raise ValueError("against and against_values need each other")
+        if self.there_and_back and self.parameter in OPTIONS:
+            raise ValueError(f"{self.parameter} is an option, which a run has from its start")
         return self
 
 
@@ -151,6 +159,18 @@ class Faster(Claimed):
     by: float = Field(gt=0.0, lt=1.0)
 
 
+class Endures(Claimed):
+    """A measure is within bounds in every run, at all values of a sweep."""
+
+    says: Literal["endures"]
+    labels: list[str] = Field(min_length=1)
+    """The sweeps that it is said of, each for itself."""
+    above: float | None = None
+    below: float | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+
+
 class Found(Claimed):
     """A word of a measure that is a name is the commonest somewhere on a map."""
 
@@ -165,7 +185,7 @@ class Lags(Claimed):
     by: float = Field(gt=0.0)
 
 
-Said = Annotated[Order | Every | Faster | Found | Lags, Field(discriminator="says")]
+Said = Annotated[Order | Every | Faster | Endures | Found | Lags, Field(discriminator="says")]
 
 
 class File[Kind: Settings](Strict):

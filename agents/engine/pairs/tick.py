@@ -33,6 +33,7 @@ from agents.engine.noise import tick_key
 from agents.engine.pairs.meeting import BAD, NEXT, STOP, add, meet, read
 from agents.engine.pairs.sorting import cell_at, count_places, fill_slots, order_cells, put_back
 from agents.engine.pairs.sums import added, keep_sums, no_sums, sums_of
+from agents.engine.wind import carried
 from agents.engine.wished import headed
 from worlds.compiled import compiled, entry
 from worlds.queries.surroundings import set_goal
@@ -284,6 +285,7 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
                 if HEADS:
                     wish = headed(one, wish, context.noise, p.eta, DIM)
             went = move(one, nobody(), surroundings, wish, p, out)
+        went = carried(went, context, me.tick)
         if MEETS != PASSES and not passes(p):
             went = held(surroundings, space, one, went, MEETS)
         to = row if to_rows else slot + lane

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.experiments.file import Every, Faster, Found, Lags, Order, Said, Sweep
+from app.experiments.file import Endures, Every, Faster, Found, Lags, Order, Said, Sweep
 from app.experiments.verdicts.answer import (
     DOES_NOT,
     HOLDS,
@@ -48,6 +48,8 @@ def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
         return [claim for n in one.agents for claim in order_claim(one, n, points)]
     if isinstance(one, Every):
         return every_claim(one, points)
+    if isinstance(one, Endures):
+        return [claim for label in one.labels for claim in endures_claim(one, label, points)]
     if isinstance(one, Found):
         return found_claim(one, points)
     if isinstance(one, Lags):
@@ -89,13 +91,7 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     measure = rows[0].measure
     good = [sum(is_within(one, measure.counted(value)) for value in row.values) for row in rows]
     there = [value for row in rows for value in row.values if value is not None]
-    bounds = {
-        "above": one.above,
-        "below": one.below,
-        "at least": one.at_least,
-        "at most": one.at_most,
-    }
-    words = " and ".join(f"{word} {x:g}" for word, x in bounds.items() if x is not None)
+    words = bounds_in_words(one)
     who = ", ".join(one.labels) or "all"
     span = f"{number(min(there))} to {number(max(there))}" if there else measure.absent
     unit = "" if rows[0].unit == "1" else f" {rows[0].unit}"
@@ -122,7 +118,46 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     ]
 
 
-def is_within(one: Every, value: float) -> bool:
+def endures_claim(one: Endures, label: str, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a measure is within bounds in every run of a sweep; from which value on it is not."""
+    found = []
+    for sweep, agents, points in sweeps_of(made):
+        if sweep.label != label or not all(point.values for point in points):
+            continue
+        measure = points[0].measure
+        runs = [len(point.values) for point in points]
+        good = [
+            sum(is_within(one, measure.counted(value)) for value in point.values)
+            for point in points
+        ]
+        unit = "" if points[0].unit == "1" else f" {points[0].unit}"
+        ends = f"{name(sweep.values[0])} to {name(sweep.values[-1])}"
+        text = (
+            f"{label}, N = {agents}: {measure.symbol} {bounds_in_words(one)}{unit} in every run at "
+            f"{sweep.parameter} {ends}"
+        )
+        failing = [k for k in range(len(points)) if good[k] < runs[k]]
+        if failing:
+            k = failing[0]
+            text += f"; first fails at {name(points[k].case.value)} ({good[k]} of {runs[k]} runs)"
+            text += f", worst {min(g / r for g, r in zip(good, runs, strict=True)):.0%}"
+        shares = zip(good, runs, strict=True)
+        found.append((text, all_of([share_of_runs(*share, 1.0) for share in shares])))
+    return found
+
+
+def bounds_in_words(one: Every | Endures) -> str:
+    """The bounds that are given."""
+    bounds = {
+        "above": one.above,
+        "below": one.below,
+        "at least": one.at_least,
+        "at most": one.at_most,
+    }
+    return " and ".join(f"{word} {x:g}" for word, x in bounds.items() if x is not None)
+
+
+def is_within(one: Every | Endures, value: float) -> bool:
     """Whether a value is within all of the bounds that are given."""
     return (
         (one.above is None or value > one.above)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from app.experiments.experiment import Experiment
-from app.experiments.file import Every, Faster, Found, Published, Said
+from app.experiments.file import Endures, Every, Faster, Found, Published, Said
 from app.experiments.verdicts.answer import NEARLY_ALL, least, quantile, runs_for_share
 from app.experiments.verdicts.comparison import PUBLISHED_RUNS, TOLERANCE
 from app.experiments.verdicts.phase_map import HALF
@@ -71,7 +71,7 @@ def needed_for(experiment: Experiment, one: Said, rows: int) -> int | None:
             return 1
         whole = one.share == 1.0
         return runs_for_share(1.0, NEARLY_ALL if whole else one.share, 1 if whole else rows)
-    if isinstance(one, Faster):
+    if isinstance(one, Faster | Endures):
         return runs_for_share(1.0, NEARLY_ALL)
     if isinstance(one, Found):
         return runs_for_share(1.0, HALF, rows)

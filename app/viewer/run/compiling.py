@@ -174,7 +174,8 @@ def kernel(flock: Flock) -> str:
 def kind(flock: Flock) -> str:
     """What the time to compile is kept under: it goes by the model, its space and its turns."""
     solid = "-solid" if flock.world.is_solid else ""
-    return f"{flock.model.name}-{flock.world.dim}d{solid}-{flock.options.activation}"
+    acts = "delayed" if flock.options.is_late else flock.options.activation
+    return f"{flock.model.name}-{flock.world.dim}d{solid}-{acts}"
 
 
 def estimated(kinds: Sequence[str]) -> Estimate:

@@ -9,6 +9,7 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
+from agents.conditions import Conditions
 from agents.models.model import Model
 from agents.spec import OPTIONS, Options, Spec
 from app.viewer.panels.form import handle
@@ -55,7 +56,12 @@ class SetupPanel:
         self.world = handle(gui, offered("world", self.worlds), titled(spec.world))
         self.dim = handle(gui, offered("dim", DIMENSIONS), f"{spec.dim}-D")
         self.size = numbered(gui, "size", spec.size, 0, MOST_SIDE, "; 0 keeps the density")
-        self.plain = {name: plain(gui, name, getattr(spec, name)) for name in Options.model_fields}
+        acts = [name for name in Options.model_fields if name not in Conditions.model_fields]
+        self.plain = {name: plain(gui, name, getattr(spec, name)) for name in acts}
+        with gui.add_folder("Messages and wind", expand_by_default=spec.is_late or spec.is_windy):
+            self.plain |= {
+                name: plain(gui, name, getattr(spec, name)) for name in Conditions.model_fields
+            }
         self.seed = numbered(gui, "seed", spec.seed, 0, LARGEST_SEED)
         self.new_seed = gui.add_checkbox(
             "New seed", True, hint="Take the next seed at every Setup, for a new random start"
@@ -184,7 +190,7 @@ def plain(gui: viser.GuiApi, name: str, value: Any) -> Any:
     """The control of an option that stands by itself."""
     one = OPTIONS[name]
     if one.kind in (int, float):
-        return numbered(gui, name, value, 0, one.most)
+        return numbered(gui, name, value, one.least, one.most)
     return handle(gui, offered(name, one.words.values()), shown(name, value))
 
 
@@ -198,7 +204,7 @@ def numbered(
 ) -> Any:
     """A box for an option that is a number, in [low, high], with `more` to say of it."""
     one, value = OPTIONS[name], shown(name, value)
-    high = max(high, value)
+    low, high = min(low, value), max(high, value)
     made = Control(one.title, one.help + more, low=low, high=high, step=one.step, typed=True)
     return handle(gui, made, value)
 

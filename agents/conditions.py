@@ -1,0 +1,211 @@
+"""What agents go through on the way: old and lost messages, and wind. Part of every run's options.
+
+Time delay and disturbance are what Wu et al. 2023 (section 6) leave to be looked at. They belong to
+the engine, so that every model can be run under them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from agents.engine.past import Messages
+from agents.engine.wind import CALM
+from agents.option import between, option
+from worlds.refusal import Refusal
+
+MOST_SECONDS = 1e6
+MOST_SPEED = 1e6
+UNHEARD = 1e-6
+"""Share of the messages that are older than the past reaches back, at most: they are not heard."""
+MOST_TICKS = 10_000
+"""How far the past reaches back at most."""
+STREAM = 7_919
+"""Tells the gusts' random numbers apart from others that are drawn from the run's seed."""
+
+
+class Conditions(BaseModel):
+    """How old what agents know of each other is, and what wind carries them along.
+
+    Times are in the model's unit of time, of which a tick is `dt`; they are rounded to ticks.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    delay: Annotated[float, between(0.0, MOST_SECONDS)] = option(
+        "Delay",
+        "What an agent knows of the others is at least so old (time); of itself it knows the "
+        "present",
+        0.0,
+        kind=float,
+        most=10.0,
+        step=0.1,
+    )
+    jitter: Annotated[float, between(0.0, MOST_SECONDS)] = option(
+        "Jitter",
+        "Mean of what each message takes beyond the delay (time): exponentially distributed, drawn "
+        "for each message of each pair of agents",
+        0.0,
+        kind=float,
+        most=10.0,
+        step=0.1,
+    )
+    loss: Annotated[float, between(0.0, 0.99)] = option(
+        "Loss",
+        "Share of the messages that get lost; the last one that came stands",
+        0.0,
+        kind=float,
+        most=0.99,
+        step=0.05,
+    )
+    wind: Annotated[float, between(0.0, MOST_SPEED)] = option(
+        "Wind",
+        "Constant wind: every agent is carried along at this speed (length per time)",
+        0.0,
+        kind=float,
+        most=100.0,
+        step=0.1,
+    )
+    wind_heading: Annotated[float, between(-360.0, 360.0, "degrees")] = option(
+        "Wind towards",
+        "Where wind and pulse blow to, degrees anticlockwise from the x axis",
+        0.0,
+        kind=float,
+        most=360.0,
+        step=15.0,
+    )
+    wind_up: Annotated[float, between(-MOST_SPEED, MOST_SPEED)] = option(
+        "Wind upwards",
+        "Upward speed of the constant wind, in space only (length per time)",
+        0.0,
+        kind=float,
+        least=-100.0,
+        most=100.0,
+        step=0.1,
+    )
+    gusts: Annotated[float, between(0.0, MOST_SPEED)] = option(
+        "Gusts",
+        "Standard deviation of the gusts along each axis (length per time): an Ornstein-Uhlenbeck "
+        "process, the same for all agents",
+        0.0,
+        kind=float,
+        most=100.0,
+        step=0.1,
+    )
+    gust_time: Annotated[float, between(1e-6, MOST_SECONDS)] = option(
+        "Gusts last",
+        "Correlation time of the gusts (time)",
+        1.0,
+        kind=float,
+        least=0.01,
+        most=100.0,
+        step=0.1,
+    )
+    pulse: Annotated[float, between(0.0, MOST_SPEED)] = option(
+        "Pulse",
+        "A pulse of wind, beside the constant one: its speed (length per time)",
+        0.0,
+        kind=float,
+        most=100.0,
+        step=0.1,
+    )
+    pulse_at: Annotated[float, between(0.0, MOST_SECONDS)] = option(
+        "Pulse at", "When the pulse begins (time)", 0.0, kind=float, most=1000.0
+    )
+    pulse_lasts: Annotated[float, between(0.0, MOST_SECONDS)] = option(
+        "Pulse lasts", "How long the pulse lasts (time)", 1.0, kind=float, most=100.0, step=0.1
+    )
+
+    @property
+    def is_late(self) -> bool:
+        """Whether what agents know of others may be old."""
+        return self.delay > 0.0 or self.jitter > 0.0 or self.loss > 0.0
+
+    @property
+    def is_windy(self) -> bool:
+        """Whether something carries agents along."""
+        return any((self.wind, self.wind_up, self.gusts, self.pulse))
+
+
+def messages(conditions: Conditions, dt: float) -> Messages:
+    """Delay and loss of messages in ticks of `dt`."""
+    return Messages(round(conditions.delay / dt), conditions.jitter / dt, conditions.loss)
+
+
+def ticks_back(conditions: Conditions, dt: float) -> int:
+    """Ticks of the past that are kept, the present among them; 0 where nothing is late.
+
+    Raises Refusal if they are too many.
+    """
+    if not conditions.is_late:
+        return 0
+    delay, jitter, loss = messages(conditions, dt)
+    lost = math.ceil(math.log(UNHEARD) / math.log(loss)) if loss > 0.0 else 0
+    ages = delay + math.ceil(-math.log(UNHEARD) * jitter) + lost + 1
+    if ages > MOST_TICKS:
+        raise Refusal(
+            f"delay = {conditions.delay:g}, jitter = {conditions.jitter:g}, "
+            f"loss = {conditions.loss:g}: messages would be up to {ages} ticks of {dt:g} old; "
+            f"the most is {MOST_TICKS}"
+        )
+    return ages
+
+
+class Wind:
+    """The wind of a run, the same for all agents, as displacements for each tick.
+
+    Constant wind, a pulse, and gusts: along each axis an Ornstein-Uhlenbeck process of standard
+    deviation `gusts` and correlation time `gust_time`, stationary from tick 0 on and exact for any
+    tick (Gillespie 1996, (1.9)). It depends on the seed and the tick alone.
+    """
+
+    def __init__(self, conditions: Conditions, seed: int, dt: float, dim: int):
+        self.conditions = conditions
+        self.seed = seed
+        self.dt = dt
+        self.dim = dim
+        angle = math.radians(conditions.wind_heading)
+        self.along = np.array([math.cos(angle), math.sin(angle), 0.0])
+        self.kept = math.exp(-dt / conditions.gust_time)
+        self._restart()
+
+    def _restart(self) -> None:
+        """The gusts as they are before tick 0."""
+        self.rng = np.random.default_rng([self.seed, STREAM])
+        self.reached = 0
+        self.last = self.rng.standard_normal(3)
+
+    def during(self, tick: int, ticks: int) -> np.ndarray:
+        """Displacement of agents in each of `ticks` ticks from `tick` on, length, (ticks, 3)."""
+        now = self.conditions
+        if not now.is_windy:
+            return CALM
+        speed = np.tile(now.wind * self.along, (ticks, 1))
+        speed[:, 2] += now.wind_up
+        if now.pulse:
+            time = np.arange(tick, tick + ticks) * self.dt
+            blows = (time >= now.pulse_at) & (time < now.pulse_at + now.pulse_lasts)
+            speed[blows] += now.pulse * self.along
+        if now.gusts:
+            speed += now.gusts * self.gusts(tick, ticks)
+        speed[:, self.dim :] = 0.0
+        return speed * self.dt
+
+    def gusts(self, tick: int, ticks: int) -> np.ndarray:
+        """Gusts of standard deviation 1 in each of the ticks, (ticks, 3)."""
+        from scipy.signal import lfilter
+
+        if tick < self.reached:
+            self._restart()
+        drawn = self.rng.standard_normal((tick + ticks - self.reached, 3))
+        spread = math.sqrt(1.0 - self.kept**2)
+        made, _ = lfilter(
+            [spread], [1.0, -self.kept], drawn, axis=0, zi=self.kept * self.last[None]
+        )
+        if len(made):
+            self.last = made[-1]
+        self.reached = tick + ticks
+        return made[len(made) - ticks :]
