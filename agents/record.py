@@ -54,11 +54,11 @@ class Recorded(Protocol):
 class Recorder:
     """Writes frames of a flock to a Parquet or a CSV file; a context manager.
 
-    `path` ends in one of `endings`; a file is replaced if `overwrite`. `with_past`: whether messages
-    on their way are written too, where they take time; no recording needs them. Leaving it by an exception
-    other than KeyboardInterrupt removes the `.part` and leaves no file. Raises Refusal if the file
-    cannot be written. When the disk is full the frames that fitted are kept: as the recording, or
-    in the `.part` if there is no room for it beside.
+    `path` ends in one of `endings`; a file is replaced if `overwrite`. `with_past`: whether what is
+    on its way is written too, where messages take time. Leaving it by an exception other than
+    KeyboardInterrupt removes the `.part` and leaves no file. Raises Refusal if the file cannot be
+    written. When the disk is full the frames that fitted are kept: as the recording, or in the
+    `.part` if there is no room for it beside.
     """
 
     def __init__(
@@ -88,7 +88,9 @@ class Recorder:
 
         now = self.snapshot()
         meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": now.next_id}
-        schema = batch_of(now, self.with_past).schema.with_metadata({KEY: json.dumps(meta).encode()})
+        schema = batch_of(now, self.with_past).schema.with_metadata(
+            {KEY: json.dumps(meta).encode()}
+        )
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
             raise Refusal(

@@ -115,7 +115,7 @@ class Spring(Parameters):
 
 
 @compiled
-def consent(me, near, surroundings, p):
+def consent(me, near, surroundings, p):  # noqa: ARG001
     """x_i'' = gain sum_j (x_j - x_i) - damping x_i'."""
     x, y = -p.damping * me.speed * me.ux, -p.damping * me.speed * me.uy
     for j in range(near.n):
@@ -149,8 +149,9 @@ def consensus(monkeypatch):
     monkeypatch.setitem(MODELS, "consent", Model(rule, point_mass.BODY))
 
 
+@pytest.mark.usefixtures("consensus")
 @pytest.mark.parametrize("delay", [0.0, 0.05, 0.4])
-def test_two_agents_are_the_recursion_of_their_equation(consensus, delay):
+def test_two_agents_are_the_recursion_of_their_equation(delay):
     """e'' = -gain (e(t - delay) + e) - damping e', velocity first (semi-implicit Euler)."""
     dt, late = 0.005, round(delay / 0.005)
     e, v = [2.0], 0.0
@@ -160,7 +161,8 @@ def test_two_agents_are_the_recursion_of_their_equation(consensus, delay):
     np.testing.assert_allclose(apart(delay, seconds=2.0), e[1:], atol=1e-9)
 
 
-def test_their_consensus_is_stable_up_to_the_closed_form(consensus):
+@pytest.mark.usefixtures("consensus")
+def test_their_consensus_is_stable_up_to_the_closed_form():
     """Roots of s^2 + c s + g (1 + exp(-s T)) cross the axis at w^2 = 2 g - c^2.
 
     The first delay with a root there is T = atan2(c w, w^2 - g) / w.
@@ -178,7 +180,8 @@ def test_their_consensus_is_stable_up_to_the_closed_form(consensus):
     assert grows(1.08 * bound) > 1.25
 
 
-def test_a_shorter_tick_keeps_what_is_known(consensus):
+@pytest.mark.usefixtures("consensus")
+def test_a_shorter_tick_keeps_what_is_known():
     """A setting that changes the length of a tick changes how many ticks a message takes."""
     flock = Flock("consent", agents=3, rng=2, delay=0.4)
     flock.run(10)
@@ -201,6 +204,6 @@ def test_turns_and_delays_do_not_go_together():
 
 
 def test_a_past_that_would_be_endless_is_refused():
-    with pytest.raises(Refusal, match="messages would be up to .* ticks"):
+    with pytest.raises(Refusal, match=r"messages would be up to .* ticks"):
         Flock("vem", agents=3, delay=1e5)
     assert math.isfinite(Flock("vem", agents=3, delay=9_000.0, rng=1).dt)

@@ -12,6 +12,7 @@ from agents.engine.runner import SPLIT_FROM
 from worlds.compiled import Entry
 
 N = SPLIT_FROM + 1_234
+LATE = {"delay": 2.0}
 
 
 def run(model: str, threads: int, dim: int, side: float, ticks: int = 6) -> Flock:
@@ -51,6 +52,7 @@ def test_crowds_make_the_desks_grow_on_every_thread():
 def test_models_whose_parameters_have_the_same_names_are_each_called_at_once(monkeypatch):
     """numba looks up how to call by names; where it is misled, every call takes its slow way."""
     flocks = [Flock("vem", agents=20, dim=dim, rng=1) for dim in (2, 3)]
+    flocks += [Flock("vem", agents=20, rng=1, **way) for way in ({"activation": "random"}, LATE)]
     for flock in flocks:
         flock.run(1)
     slow = Mock()

@@ -67,7 +67,7 @@ def turns_module(sweep: types.ModuleType):
 def delayed_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule know of each other by messages."""
     shared = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "PRIVATE", "SEES_POINTS", "SIGNALS"
-    called = "act", "nearby", "ready", "see_points", "show"
+    called = "act", "holds", "nearby", "ready", "see_points", "show"
     turns = turns_module(sweep)
     parts = {part: vars(sweep)[part] for part in (*shared, *called)}
     parts |= {part: vars(turns)[part] for part in ("judge_all", "link", "row_of")}
@@ -110,10 +110,10 @@ def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleTyp
 def parameter_tuple(module_name: str, fields) -> type:
     """A NamedTuple class of floats that pickles by its module, as numba's cache needs.
 
-    It bears the module's name: numba's calls tell tuples apart by the names of their class and
+    It bears the module's name, the kind of loop with it: numba's calls tell tuples apart by the names of their class and
     fields alone, and take a slow way each time where two are alike.
     """
-    return namedtuple(f"P_{module_name.rpartition('_')[2]}", fields, module=module_name)
+    return namedtuple(f"P_{module_name.rpartition('.')[2]}", fields, module=module_name)
 
 
 def is_compiled(module: types.ModuleType) -> bool:

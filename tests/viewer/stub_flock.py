@@ -104,7 +104,7 @@ class StubFlock:
     def snapshot(self, copy: bool = True, signals: bool = False) -> StubSnapshot:  # noqa: ARG002
         n, dim = self.position.shape
         state = self.position, self.heading, self.speed, self.informed, self.ids
-        rest = np.zeros(n, np.int32), np.empty((0, n)), np.empty((0, 2 + dim))
+        rest = np.zeros(n, np.int32), np.empty((0, n)), np.empty((0, 2 + dim)), np.empty((n, 0, 0))
         arrays = Arrays(*(array.copy() for array in (*state, *rest)))
         start = self.model, self.world, self.parameters, self.seed, self.tick, arrays
         return StubSnapshot(*start, next_id=n)

@@ -11,6 +11,7 @@ from app.experiments.pictures.convergence.models import draw_models
 from app.experiments.pictures.convergence.pairs import draw_pairs
 from app.experiments.pictures.convergence.sweeps import draw_sweeps
 from app.experiments.pictures.driving import draw_driving
+from app.experiments.pictures.endurance import draw_endurance
 from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
 from app.experiments.pictures.gatherings.crashes import draw_crashes
@@ -32,6 +33,7 @@ OF_NUMBERS = {"models": draw_models, "sweeps": draw_sweeps, "pairs": draw_pairs}
 OF_MEASURES: dict[str, Callable[..., None]] = {
     "success": draw_success,
     "distances": draw_distances,
+    "endurance": draw_endurance,
     "phases": draw_phases,
     "crashes": draw_crashes,
 }
