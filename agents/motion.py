@@ -88,7 +88,8 @@ class Motion(State):
     @property
     def loop(self) -> ModuleType:
         """The module of the compiled loop."""
-        return loop_of(self.model, self.world.dim, self.world.is_solid, self.of_pairs)
+        where = self.world.dim, self.world.is_solid
+        return loop_of(self.model, *where, self.of_pairs, self.options.is_windy)
 
     @property
     def engine(self) -> Synchronous | OfPairs | InTurn:
@@ -320,8 +321,8 @@ def in_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
 
 
 @cache
-def loop_of(model: Model, dim: int, solid: bool, of_pairs: bool) -> ModuleType:
-    """The module of the compiled loop of a model, in a world where something is solid or not."""
+def loop_of(model: Model, dim: int, solid: bool, of_pairs: bool, windy: bool) -> ModuleType:
+    """The module of the compiled loop of a model, in a world with something solid, wind, or not."""
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
-    parts = model.parts(dim, solid) | {"holds": is_consistent}
+    parts = model.parts(dim, solid) | {"holds": is_consistent, "WINDY": windy}
     return loop_module("pairs" if of_pairs else "sweep", parts, tuple(fields))

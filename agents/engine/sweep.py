@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         SEES_POINTS,
         SIFTS,
         SIGNALS,
+        WINDY,
         decide,
         holds,
         measure,
@@ -71,7 +72,8 @@ MANY = 24
 @compiled
 def settle(flock, space, surroundings, i, me, moved, context):
     """Write where body and wind bring row i, within the world's edges and out of its solids."""
-    moved = carried(moved, context, me.tick)
+    if WINDY:
+        moved = carried(moved, context, me.tick)
     if MEETS != PASSES and not passes(context.parameters):
         moved = held(surroundings, space, me, moved, MEETS)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x

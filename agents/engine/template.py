@@ -31,6 +31,8 @@ SUMS = 1
 """How many sums over pairs a rule makes."""
 ASKS_SPEED = True
 """Whether the rule or the body asks how fast agents are."""
+WINDY = False
+"""Whether a wind carries agents along."""
 BY_LANES = False
 """Whether the rule's `answer` and the body's `move` take eight agents at once."""
 

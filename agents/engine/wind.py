@@ -14,10 +14,7 @@ CALM = np.empty((0, 3))
 @compiled
 def carried(moved, context, tick):
     """Where the wind of a tick has taken an agent that has moved so."""
-    at = tick - context.since
-    if at >= context.wind.shape[0]:
-        return moved
-    wind = context.wind
+    wind, at = context.wind, tick - context.since
     return Moved(
         moved.x + wind[at, 0],
         moved.y + wind[at, 1],

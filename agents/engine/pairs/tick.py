@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         MEETS,
         SIFTS,
         SUMS,
+        WINDY,
         answer,
         holds,
         move,
@@ -285,7 +286,8 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
                 if HEADS:
                     wish = headed(one, wish, context.noise, p.eta, DIM)
             went = move(one, nobody(), surroundings, wish, p, out)
-        went = carried(went, context, me.tick)
+        if WINDY:
+            went = carried(went, context, me.tick)
         if MEETS != PASSES and not passes(p):
             went = held(surroundings, space, one, went, MEETS)
         to = row if to_rows else slot + lane
