@@ -8,7 +8,7 @@ from typing import Any
 from app.experiments.reports.gathering_table import gathering_table
 from app.experiments.reports.phase_tables import phase_tables
 from app.experiments.reports.verdict_words import styled
-from app.experiments.verdicts.verdict import Verdict, main_ones, name, of
+from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, sweeps_of
 
 
 def table_of(made: list[Verdict]) -> Any:
@@ -20,7 +20,7 @@ def table_of(made: list[Verdict]) -> Any:
     if any(one.published for one in made):
         return published_tables(made)
     if any(one.case.sweep for one in made):
-        return sweep_table(made)
+        return sweep_table(made) if made == main_ones(made) else sweep_tables(made)
     return measure_table(made)
 
 
@@ -83,6 +83,25 @@ def sweep_table(made: list[Verdict]) -> Any:
     return table
 
 
+def sweep_tables(made: list[Verdict]) -> Any:
+    """Of several measures: a table for each sweep, means and standard deviations by value."""
+    from rich.console import Group
+
+    tables = []
+    for sweep, agents, points in sweeps_of(made):
+        rows = by_row(points)
+        symbols = [one.measure.symbol for one in rows[0]]
+        units = ["" if one.unit == "1" else f" / {one.unit}" for one in rows[0]]
+        table = empty_table(sweep.parameter, *map("".join, zip(symbols, units, strict=True)))
+        table.title = f"{rows[0][0].case.label}, N = {agents}: mean, standard deviation"
+        table.title_justify = "left"
+        for row in rows:
+            cells = [f"{number(one.summary.mean)} {number(one.summary.sd):>6}" for one in row]
+            table.add_row(name(row[0].case.value), *cells)
+        tables.append(table)
+    return Group(*tables)
+
+
 def measure_table(made: list[Verdict]) -> Any:
     """A line for each measure of each row; of a single run the values alone."""
     single = all(len(one.values) == 1 for one in made)
@@ -104,7 +123,7 @@ def measure_table(made: list[Verdict]) -> Any:
 
 def by_row(made: list[Verdict]) -> list[list[Verdict]]:
     """The verdicts on all measures of each row."""
-    step = len(made) // max(1, len(main_ones(made)))
+    step = len({one.measure for one in made}) or 1
     return [made[k : k + step] for k in range(0, len(made), step)]
 
 
