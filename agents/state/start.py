@@ -226,8 +226,9 @@ def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) 
 
     Positions are in the box along axes that wrap or are solid, and outside of obstacles unless
     agents go through these (`passing`). Headings are brought to length 1; speeds are >= 0, and 0 if
-    none are given. Identities follow the rows. Raises Refusal naming the array, the row and the value where something is no
-    finite number, has no direction, is where no agent can be, or does not fit.
+    none are given. Identities follow the rows. Raises Refusal naming the array, the row and the
+    value where something is no finite number, has no direction, is where no agent can be, or does
+    not fit.
     """
     for name in arrays:
         if name not in ("position", "heading", "speed", "informed"):
