@@ -48,6 +48,16 @@ CONSTANT = constant_speed.BODY
 NEUTRAL = {"heading": CONSTANT, "acceleration": point_mass.BODY}
 """The bodies of rules that come without one, by what they wish."""
 
+LATTICE = ("nearest-neighbour", "groups")
+"""What tells of flocks that keep a distance: whether they do, and whether they hang together. At a
+goal they stand, and no heading means anything."""
+CLOSED_UP = ("groups", "polarisation", "nearest-neighbour")
+"""What tells of flocks whose bodies may touch, or be left behind."""
+CROWD = ("polarisation", "nearest-neighbour", "groups")
+"""What tells of flocks that are to agree and yet keep clear of each other."""
+ROUND = ("nearest-neighbour", "angular-momentum")
+"""What tells of cars that go round a place together."""
+
 BUILT_IN = [
     Model(vicsek.VEM, CONSTANT),
     Model(vicsek.VEM_A, CONSTANT),
@@ -59,11 +69,19 @@ BUILT_IN = [
     navigator.model(ivem.IVEM_A),
     navigator.model(wvem.WVEM),
     navigator.model(hwvem.HWVEM),
-    Model(olfati_saber.RULE, double_integrator.BODY, world="wu2023-independent", agents=30),
-    Model(boundary_points.RULE, double_integrator.BODY, world="wu2023-multi", agents=30),
-    Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80),
-    Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30),
-    drone.tenth(vasarhelyi.VASARHELYI),
+    Model(
+        olfati_saber.RULE,
+        double_integrator.BODY,
+        world="wu2023-independent",
+        agents=30,
+        tells=LATTICE,
+    ),
+    Model(
+        boundary_points.RULE, double_integrator.BODY, world="wu2023-multi", agents=30, tells=LATTICE
+    ),
+    Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80, tells=CROWD),
+    Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30, tells=CROWD),
+    drone.tenth(vasarhelyi.VASARHELYI, tells=CROWD),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
     Model(
         zones.ZONES,
@@ -71,8 +89,9 @@ BUILT_IN = [
         world="thesis-sky",
         agents=50,
         defaults={"contact": "start", "d_0": 2.0},
+        tells=CLOSED_UP,
     ),
-    Model(safe_zones.SAFE, flyer.FLYER, world="thesis-sky", agents=50),
+    Model(safe_zones.SAFE, flyer.FLYER, world="thesis-sky", agents=50, tells=CLOSED_UP),
     Model(
         guarded_zones.GUARDED,
         flyer.FLYER,
@@ -80,6 +99,7 @@ BUILT_IN = [
         agents=50,
         spacing=1.5,
         defaults={"v0": 1.0, "v_min": 0.5, "v_max": 1.5},
+        tells=CLOSED_UP,
     ),
     Model(
         echelon.ECHELON,
@@ -89,7 +109,7 @@ BUILT_IN = [
         agents=30,
         spacing=3.0,
         defaults={"v0": 3.5, "v_min": 3.0, "v_max": 5.0, "body": 0.5, "b": 2.5},
-        charts=(("drag-saved", "energy-saved"), ("polarisation",), ("groups",)),
+        tells=("drag-saved", "energy-saved", "polarisation", "groups"),
     ),
     Model(
         squashing.SQUASHING,
@@ -97,8 +117,9 @@ BUILT_IN = [
         world="cars-circle",
         agents=4,
         defaults={"noise_xy": 0.0, "noise_yaw": 0.0},
+        tells=ROUND,
     ),
-    car.driving(squashing.SQUASHING, world="cars-circle", agents=4),
+    car.driving(squashing.SQUASHING, world="cars-circle", agents=4, tells=ROUND),
     Model(
         squashing.SQUASHING,
         car.BODY,
@@ -109,6 +130,7 @@ BUILT_IN = [
         world="cars-circle",
         agents=4,
         defaults={"k": 2.0, "yields": True},
+        tells=ROUND,
     ),
     car.driving(
         couzin.COUZIN,

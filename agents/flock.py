@@ -190,12 +190,13 @@ class Flock(Motion, mesa.Model):
         """The agents by row; made when first asked for."""
         if self._members is None:
             self._members = []
-            self._members.extend(Member(self, row=row) for row in range(len(self.ids)))
+            made = {row: Member(self, row=row) for row in np.argsort(self.ids).tolist()}
+            self._members.extend(made[row] for row in range(len(made)))
         return self._members
 
     @property
     def agents(self):
-        """Mesa's `AgentSet` of all agents; made when first asked for."""
+        """Mesa's `AgentSet` of all agents, by identity; made when first asked for."""
         _ = self.members
         return super().agents
 

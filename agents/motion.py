@@ -219,7 +219,8 @@ class Motion(State):
     def advance(self, ticks: int) -> None:
         """Run ticks without collecting anything; frees the GIL while it runs."""
         if ticks > 0 and self._acted:
-            for row in sorted(set(range(len(self.ids))) - self._acted):
+            left = [row for row in np.argsort(self.ids).tolist() if row not in self._acted]
+            for row in left:
                 self.step_member(row)
             ticks -= 1
         while ticks > 0:

@@ -185,7 +185,7 @@ def test_members_one_by_one_are_the_ticks_of_the_flock(activation):
     each = Flock("safe", agents=60, world="thesis-blocks", rng=5, activation=activation)
     whole.run(6)
     for _ in range(6):
-        for member in each.members:
+        for member in each.agents:
             member.step()
     np.testing.assert_array_equal(whole.position, each.position)
     np.testing.assert_array_equal(whole.arrays.crash_record, each.arrays.crash_record)

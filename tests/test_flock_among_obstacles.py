@@ -91,7 +91,7 @@ def test_member_by_member_is_the_same_tick(activation):
     whole, single = (Flock("hwvem-nav", agents=9, rng=6, activation=activation) for _ in range(2))
     for _ in range(20):
         whole.run(1)
-        order = range(10) if activation != "random" else single.engine.order(single.tick)
+        order = range(10) if activation == "synchronous" else single.engine.order(single.tick)
         for row in order:
             single.members[row].step()
         assert np.array_equal(whole.position, single.position)

@@ -1,5 +1,7 @@
 """Models: rules and bodies that fit or do not, defaults, and how far obstacles are noticed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from agents.bodies import constant_speed, double_integrator
 from agents.catalogue import MODELS
 from agents.models.declare import declared
 from agents.models.model import Model
+from agents.observables.catalogue import OBSERVABLES, foremost, telling
 from agents.rules import hwvem, olfati_saber
 from worlds.layout import world
 from worlds.refusal import Refusal
@@ -64,3 +67,34 @@ def test_a_world_may_be_given_as_a_value():
     assert flock.world is yard
     with pytest.raises(Refusal, match="dim = 3 is not allowed: boundary-points is defined in 2-D"):
         Flock("boundary-points", agents=5, world="rooms-3d", rng=1)
+
+
+def test_what_is_told_unasked_is_what_the_model_declares_and_its_world_gives_occasion_for():
+    def told(name, **given):
+        return telling(Flock(name, agents=6, rng=1, **given))
+
+    assert told("hwvem", informed=1) == ["polarisation", "consistency", "mean-neighbours"]
+    assert told("hwvem", informed=0) == ["polarisation", "mean-neighbours"]
+    assert told("couzin") == ["polarisation", "angular-momentum", "groups"]
+    assert told("vasarhelyi")[:3] == ["polarisation", "nearest-neighbour", "groups"]
+    goal = told("boundary-points")
+    assert goal[:2] == ["nearest-neighbour", "groups"]
+    assert {"goal-distance", "obstacle-distance"} < set(goal)
+    assert not {"polarisation", "consistency"} & set(goal)
+    assert "crashes" in told("safe")
+    assert "energy-saved" in told("echelon")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_tells_numbers_that_its_flocks_have(name):
+    flock = Flock(name, agents=5, rng=1)
+    found = telling(flock)
+    assert found
+    assert len(set(found)) == len(found)
+    assert all(OBSERVABLES[one].applies(flock) and not OBSERVABLES[one].over for one in found)
+
+
+def test_a_model_that_declares_what_cannot_be_measured_is_refused():
+    odd = replace(MODELS["vem"], tells=("polarization",))
+    with pytest.raises(Refusal, match=r"unknown observable 'polarization'.*model vem"):
+        foremost(odd)

@@ -55,6 +55,10 @@ class Shape(BaseModel):
         """The spheres that it is made of: centre and radius."""
         return []
 
+    def circles(self) -> list[tuple[tuple[float, float], float]]:
+        """The circles that the round parts of its outline are of: centre and radius."""
+        return []
+
     def footprint(self) -> shapely.Geometry:
         """Its outline on the plan."""
         return shapely.union_all([outline for outline, _, _ in self.spans()])
@@ -108,6 +112,10 @@ class Disc(Flat):
     def outline(self) -> shapely.Polygon:
         """A regular polygon with its corners on the circle."""
         return shapely.Polygon(circle(self.centre, self.radius))
+
+    def circles(self) -> list[tuple[tuple[float, float], float]]:
+        """Its rim."""
+        return [(self.centre, self.radius)]
 
     def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
         return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
@@ -173,6 +181,10 @@ class Ring(Flat):
         """A regular polygon with a hole of as many corners."""
         inner = circle(self.centre, self.radius - self.width)
         return shapely.Polygon(circle(self.centre, self.radius), [inner])
+
+    def circles(self) -> list[tuple[tuple[float, float], float]]:
+        """Its outer rim, and its inner one."""
+        return [(self.centre, self.radius), (self.centre, self.radius - self.width)]
 
     def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
         return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
@@ -317,6 +329,10 @@ class Union(Shape):
     def spheres(self) -> list[tuple[tuple[float, float, float], float]]:
         """Those of its parts."""
         return [sphere for part in self.parts for sphere in part.spheres()]
+
+    def circles(self) -> list[tuple[tuple[float, float], float]]:
+        """Those of its parts."""
+        return [circle for part in self.parts for circle in part.circles()]
 
     def footprint(self) -> shapely.Geometry:
         """The union of its parts' footprints."""

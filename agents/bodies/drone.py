@@ -9,6 +9,7 @@ follows the new velocity. `guard` is an addition.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from agents.bodies.guard import guarded
 from agents.engine.block import Moved
@@ -135,11 +136,11 @@ BODY = Body(
 )
 
 
-def tenth(rule: Rule) -> Model:
+def tenth(rule: Rule, **more: Any) -> Model:
     """The model NAME-tenth: drones and flight at a tenth of the size, for small worlds.
 
     Every default in m, m/s and m/s^2 is divided by 10 and time goes on as before: in a world that
-    is as much smaller the motion is the same.
+    is as much smaller the motion is the same. `more` goes to the model.
     """
     every = declared(rule.parameters) + declared(Drone)
     small = {one.name: one.default / 10.0 for one in every if one.unit in ("m", "m/s", "m/s^2")}
@@ -152,4 +153,5 @@ def tenth(rule: Rule) -> Model:
         defaults=small,
         world="obstacles",
         agents=30,
+        **more,
     )

@@ -257,10 +257,10 @@ class InTurn(Engine):
         return ticks, last_off
 
     def order(self, tick: int) -> np.ndarray:
-        """The rows in the order in which they act: by row, or shuffled by seed and tick."""
+        """The rows in the order in which they act: by identity, or shuffled by seed and tick."""
         n = len(self.arrays.position)
         if not self.shuffled:
-            return np.arange(n)
+            return np.argsort(self.arrays.ids, kind="stable")
         return np.random.default_rng([self.seed, tick]).permutation(n)
 
     def open(self, context: Context, tick: int) -> None:

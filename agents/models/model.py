@@ -76,9 +76,10 @@ class Model:
     """At the start, least distance between agents and of agents to what is solid, length."""
     agents: int = 100
     """How many ordinary agents a flock has unless the user says otherwise."""
-    charts: tuple[tuple[str, ...], ...] = ()
-    """The observables that are plotted of it unless the user says otherwise, in three charts; none:
-    what `agents.observables.catalogue` has for flocks of its kind."""
+    tells: tuple[str, ...] = ()
+    """The observables that tell how its flocks do, the foremost first: a run prints them and the
+    laboratory plots them, each of a flock that it applies to. None: those that
+    `agents.observables.catalogue` has for flocks of its kind."""
 
     def __post_init__(self):
         if self.rule.wish != self.body.takes:

@@ -14,7 +14,6 @@ from agents.observables.observable import (
     Observable,
     Range,
     Table,
-    everywhere,
     over_a_run,
 )
 from agents.observables.occasions import (
@@ -27,6 +26,7 @@ from agents.observables.occasions import (
 )
 from agents.observables.per_group import size_histogram
 from worlds.plug_ins import plug_ins
+from worlds.refusal import unknown
 
 ORDER = [
     Observable(
@@ -36,7 +36,6 @@ ORDER = [
         SHARE,
         lambda flock: order.polarisation(flock.heading),
         quick=True,
-        tells=everywhere,
         card=Card("polarisation"),
     ),
     Observable(
@@ -46,9 +45,9 @@ ORDER = [
         SHARE,
         lambda flock: consistency.consistency(flock.heading, flock.reference),
         quick=True,
-        tells=everywhere,
+        applies=led,
         beside="polarisation",
-        card=Card("consistency", ".4f", of=lambda model: not model.rule.zones),
+        card=Card("consistency", ".4f", of=lambda model: model.rule.led),
     ),
     Observable(
         "angular-momentum",
@@ -259,17 +258,52 @@ OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", brought, BUILT_IN)
 """All observables: the built-in ones, then those of other packages, which replace none of these."""
 
 
+ORDERED = ("polarisation", "consistency", "mean-neighbours")
+"""What tells most of flocks that come to agree on a heading."""
+MILLING = ("polarisation", "angular-momentum", "groups")
+"""What tells most of flocks that may also go round and round, or fall apart."""
+ENDS = ("crashes", "goal-distance")
+"""What a flock that has one of them is to have a chart of."""
+CHARTS = 3
+
+
+def foremost(model: Any) -> tuple[str, ...]:
+    """The observables that tell how a model's flocks do, as it declares them, or by its kind.
+
+    Raises Refusal if it declares one that there is not.
+    """
+    for name in model.tells:
+        if name not in OBSERVABLES:
+            raise unknown("observable", name, OBSERVABLES, f"model {model.name}")
+    return model.tells or (MILLING if model.rule.zones else ORDERED)
+
+
+def telling(flock: Any) -> list[str]:
+    """What tells how a flock does: what its model declares, then what its world gives occasion for.
+
+    An observable that says nothing of this flock is not among them.
+    """
+    own = [name for name in foremost(flock.model) if OBSERVABLES[name].applies(flock)]
+    return own + [name for name, one in OBSERVABLES.items() if one.tells(flock) and name not in own]
+
+
 def usual_charts(model: Any, offered: Collection[str]) -> tuple[tuple[str, ...], ...]:
     """What tells most of a model's flocks that have these observables: three charts, some empty.
 
-    What the model says itself; else the rotation of what has zones, the crashes of what can crash,
-    the distance to a goal.
+    What it declares, two in one chart where they may share it; the last is of crashes, or of the
+    way to a goal, where a flock has that.
     """
-    if model.charts:
-        return model.charts
-    if "crashes" in offered:
-        return ("groups",), ("polarisation",), ("crashes",)
-    way = ("goal-distance",) if "goal-distance" in offered else ()
-    if model.rule.zones:
-        return ("polarisation", "angular-momentum"), ("groups",), way
-    return ("polarisation", "consistency"), ("mean-neighbours",), way
+    charts: list[tuple[str, ...]] = []
+    for name in foremost(model):
+        beside = OBSERVABLES[name].beside
+        if name not in offered:
+            continue
+        if charts and beside and charts[-1] == (beside,):
+            charts[-1] = (beside, name)
+        else:
+            charts.append((name,))
+    shown = [name for chart in charts for name in chart]
+    ends = [(name,) for name in ENDS if name in offered and name not in shown][:1]
+    charts = charts[: CHARTS - len(ends)]
+    empty: tuple[str, ...] = ()
+    return (*charts, *[empty] * (CHARTS - len(charts) - len(ends)), *ends)

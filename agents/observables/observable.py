@@ -98,7 +98,7 @@ class Observable:
     applies: Callable[[Any], bool] = everywhere
     """Of which flocks in their worlds it says anything, now or later."""
     tells: Callable[[Any], bool] = nowhere
-    """Of which flocks it is among the few that tell how they do."""
+    """Of which flocks it is among the few that tell how they do, whatever their model declares."""
     beside: str = ""
     """The observable whose chart it may share."""
     card: Card | None = None

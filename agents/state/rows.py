@@ -37,7 +37,7 @@ def begun(start: Start, model: Model, first_id: int) -> Arrays:
         np.ascontiguousarray(start.heading),
         start.speed.copy(),
         start.informed.astype(np.bool_),
-        np.arange(first_id, first_id + n),
+        first_id + start.number,
         np.zeros(n, np.int32),
         np.repeat(model.beginning[:, None], n, axis=1),
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),

@@ -31,6 +31,8 @@ class Start:
     heading: np.ndarray
     informed: np.ndarray
     speed: np.ndarray
+    number: np.ndarray
+    """0 to N - 1, each once: the identities that the rows are given, from the first on."""
 
 
 def random_headings(rng: np.random.Generator, n: int, dim: int) -> np.ndarray:
@@ -60,8 +62,9 @@ def random_start(
     """`agents` ordinary and `informed` information agents, as Liu et al. 2021, section 3.1.
 
     Positions are uniform in the box and headings uniform; the first information agent is in the
-    corner (0, 0), and all of them head for theta^d. Rows are numbered along space, so that agents
-    near each other start near each other in memory; the information agents come first. No agent
+    corner (0, 0), and all of them head for theta^d. Rows follow space, so that agents near each
+    other start near each other in memory; identities are drawn at random, so that agents that act
+    one after another do so all over the box. The information agents come first in both. No agent
     starts inside an obstacle, or nearer than `gap` to one; with `spacing`, ordinary agents keep
     that distance to each other and to what is solid. A world with a mission may have a start region
     of its own, where all are spread alike. Raises Refusal where there is no room.
@@ -81,7 +84,15 @@ def random_start(
         np.concatenate([know, heading]),
         np.arange(n) < informed,
         np.zeros(n),
+        numbers(n, informed, rng),
     )
+
+
+def numbers(n: int, informed: int, rng: np.random.Generator) -> np.ndarray:
+    """0 to n - 1 in random order behind the first `informed`, (n,); draws nothing from `rng`."""
+    found = np.arange(n)
+    rng.spawn(1)[0].shuffle(found[informed:])
+    return found
 
 
 def free_positions(
@@ -198,7 +209,8 @@ def mission_start(
         heading[:informed] = way / np.linalg.norm(way, axis=1, keepdims=True)
     else:
         heading[:informed] = goal_heading(world.dim)
-    return Start(position, heading, np.arange(n) < informed, speed)
+    number = numbers(n, informed, rng)
+    return Start(position, heading, np.arange(n) < informed, speed, number)
 
 
 def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
@@ -214,8 +226,9 @@ def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) 
 
     Positions are in the box along axes that wrap or are solid, and outside of obstacles unless
     agents go through these (`passing`). Headings are brought to length 1; speeds are >= 0, and 0 if
-    none are given. Raises Refusal naming the array, the row and the value where something is no
-    finite number, has no direction, is where no agent can be, or does not fit.
+    none are given. Identities follow the rows. Raises Refusal naming the array, the row and the
+    value where something is no finite number, has no direction, is where no agent can be, or does
+    not fit.
     """
     for name in arrays:
         if name not in ("position", "heading", "speed", "informed"):
@@ -242,7 +255,8 @@ def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) 
     speed = np.asarray(arrays.get("speed", np.zeros(len(position))), float)
     if speed.shape != (len(position),) or not (np.isfinite(speed) & (speed >= 0.0)).all():
         raise Refusal(f"start array 'speed' must be {len(position)} finite numbers >= 0")
-    return Start(position, heading / length, informed.astype(bool), speed)
+    number = np.arange(len(position))
+    return Start(position, heading / length, informed.astype(bool), speed, number)
 
 
 def rows(name: str, values: object, dim: int) -> np.ndarray:

@@ -21,13 +21,6 @@ CELLS = 12
 """Entries of a table that are shown to people."""
 
 
-def telling(flock: Flock) -> list[str]:
-    """The observables that tell how a flock does in its world."""
-    from agents.observables.catalogue import OBSERVABLES
-
-    return [name for name, one in OBSERVABLES.items() if one.tells(flock)]
-
-
 def tell_written(*files: Path | None) -> None:
     """Name the files that were written on stderr; None is left out."""
     named = [str(path) for path in files if path is not None]

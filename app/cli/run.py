@@ -12,7 +12,7 @@ import typer
 from app.cli.given import Asked, given, set_by, with_options
 from app.cli.keeping import run_ticks
 from app.cli.lookout import Lookout
-from app.cli.outcome import as_json, outcome, show, tell_written, telling
+from app.cli.outcome import as_json, outcome, show, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules, by_name, first_of
@@ -146,7 +146,7 @@ def known_observables(text: str, over: int | None) -> list[str]:
 
 def told(flock: Flock, over: int | None) -> list[str]:
     """What is observed where nothing is asked for."""
-    from agents.observables.catalogue import OBSERVABLES
+    from agents.observables.catalogue import OBSERVABLES, telling
 
     measured = [one.name for one in OBSERVABLES.values() if one.over] if over else []
     return telling(flock) + measured

@@ -47,8 +47,15 @@ class Overrides(Strict):
     """Where agents start; None: at random in the world's own region."""
     speed: float | None = Field(default=None, gt=0.0)
     """Speed of the goal along its route; None: the world's own."""
+    scene: str | None = None
+    """Another world than the experiment's; None: that one."""
+    turned: bool = False
+    """Every run has one start, that of seed 1; from run to run the scene is turned by another
+    angle, with the start in it, and its outlines begin elsewhere: the seed draws both."""
 
 
+START = 1
+"""The seed of the start that turned runs have."""
 PLAIN = Overrides()
 """Nothing is overridden."""
 

@@ -14,12 +14,13 @@ import numpy as np
 
 from agents import Flock
 from agents.engine.cache import fingerprint as feed
-from agents.spec import versions
+from agents.spec import Spec, versions
 from app.experiments.experiment import Case
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
-from app.experiments.overrides import PLAIN, Overrides, with_goal_speed
+from app.experiments.overrides import PLAIN, START, Overrides, with_goal_speed
 from worlds.layout import world
+from worlds.turning import turned, turned_places
 from worlds.world import World
 
 
@@ -55,8 +56,26 @@ def flock_of(case: Case, seed: int) -> Flock:
     overrides = row.mission if row else PLAIN
     if spec.size is None:
         bare = row is not None and not row.obstacles
-        spec = spec.but(world=world_of(spec.world, spec.dim, bare, overrides))
+        name = overrides.scene or spec.world
+        spec = spec.but(world=world_of(name, spec.dim, bare, overrides))
+    if overrides.turned:
+        return turned_flock(spec)
     return Flock(spec, start=overrides.ranks.start(case.agents, seed) if overrides.ranks else None)
+
+
+def turned_flock(spec: Spec) -> Flock:
+    """The flock of one start in a scene that the seed turns. Raises Refusal."""
+    flock = Flock(spec.but(seed=START))
+    rng = np.random.default_rng(spec.seed)
+    angle = float(rng.uniform(0.0, 360.0))
+    middle = np.array(flock.world.low) + 0.5 * np.array(flock.world.size)
+    start = {
+        "position": turned_places(flock.position, angle, middle),
+        "heading": turned_places(flock.heading, angle, np.zeros(2)),
+        "speed": flock.speed,
+        "informed": flock.informed,
+    }
+    return Flock(spec.but(world=turned(flock.world, angle, rng)), start=start)
 
 
 @cache

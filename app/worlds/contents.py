@@ -10,7 +10,7 @@ import shapely
 
 from app.worlds.footprint import footprint
 from worlds.queries.boundary import boundary_points
-from worlds.queries.outlines import outlines
+from worlds.queries.outlines import solids
 from worlds.world import World
 
 
@@ -39,4 +39,4 @@ def free_share(world: World) -> float:
 
 def points(world: World) -> np.ndarray:
     """The boundary points of a world in the plane, (M, 2), m."""
-    return boundary_points(world, list(outlines(world, 0.0).values()), 0.0)
+    return boundary_points(world, [one for _, parts in solids(world, 0.0) for one in parts], 0.0)

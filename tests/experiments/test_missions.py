@@ -217,6 +217,7 @@ SHORT = {
     "wu2023-fig10": ({}, []),
     "wu2023-plain": ({"limit": 2.0}, []),
     "wu2023-senses": ({"limit": 2.0}, []),
+    "wu2023-turned": ({"limit": 2.0}, [30]),
     "wu2023-theorem1": ({"limit": 2.0}, []),
     "couzin2002-phases": ({}, []),
     "thesis-table5.1": ({}, []),

@@ -74,7 +74,7 @@ class StubFlock:
             rule=SimpleNamespace(converges=False, zones=(), view="", hunters=""),
             body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             columns=(),
-            charts=(),
+            tells=(),
             signals=(),
         )
         self.dt = 1.0

@@ -107,7 +107,18 @@ def test_a_model_brings_what_matters_for_it():
     assert brought("safe") == (("groups",), ("polarisation",), ("crashes",))
     assert brought("echelon")[0] == ("drag-saved", "energy-saved")
     assert brought("hwvem-nav")[2] == ("goal-distance",)
-    assert brought("vem")[2] == ()
+    assert brought("hwvem") == (("polarisation", "consistency"), ("mean-neighbours",), ())
+    assert brought("vasarhelyi")[:2] == (("polarisation",), ("nearest-neighbour",))
+    assert brought("boundary-points") == (("nearest-neighbour",), ("groups",), ("goal-distance",))
+
+
+def test_agreement_with_a_leader_is_plotted_where_one_leads():
+    def first(**given) -> tuple:
+        flock = Flock("hwvem", agents=4, rng=1, **given)
+        return usual_charts(flock.model, offered(flock))[0]
+
+    assert first(informed=1) == ("polarisation", "consistency")
+    assert first(informed=0) == ("polarisation",)
 
 
 def test_crashes_are_plotted_to_the_tick():

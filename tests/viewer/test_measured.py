@@ -150,9 +150,9 @@ def test_energy_is_told_only_of_those_who_measure_it():
 
 
 def test_cards_are_written_as_declared_and_a_dash_stands_for_what_is_not_known_yet():
-    world, vem, couzin = (
+    world, vem, unled = (
         World("wrap", (5.0, 5.0), ("wrap", "wrap")),
-        *(MODELS[name] for name in ("vem", "couzin")),
+        *(MODELS[name] for name in ("vem", "boundary-points")),
     )
     values = {"polarisation": 0.98765, "consistency": 0.98765, "mean-neighbours": 4.0}
     assert cards("flock", world, values, vem) == {
@@ -163,7 +163,8 @@ def test_cards_are_written_as_declared_and_a_dash_stands_for_what_is_not_known_y
         "groups": "–",
         "largest group": "–",
     }
-    assert "consistency" not in cards("flock", world, values, couzin)
+    assert "consistency" not in cards("flock", world, {}, vem), "no information agent leads it"
+    assert "consistency" not in cards("flock", world, values, unled)
 
 
 def test_groups_are_bars_the_largest_first():

@@ -1,15 +1,23 @@
 """Boundary points: where they are, and which of them are near."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
 from asking import within
-from hypothesis import given, settings
+from fine import demand_round, united
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scenes import crowds
+from scipy.spatial import cKDTree
 
+from worlds.mission import Goal, Mission
 from worlds.obstacles import Box, Disc, Sphere
+from worlds.queries.boundary import seen_from
+from worlds.queries.outlines import solids
 from worlds.queries.survey import survey
+from worlds.turning import turned, turned_places
 from worlds.world import World
 
 
@@ -24,9 +32,11 @@ def points_of(surroundings):
 @settings(max_examples=40, deadline=None)
 @given(crowds, st.sampled_from([0.2, 0.5, 2.0]))
 def test_they_lie_on_the_united_outline_and_leave_no_gap(obstacles, spacing):
-    outline = shapely.union_all([o.footprint() for o in obstacles]).boundary
+    demand_round(flat(*obstacles), 3.0)
+    solid, slack = united(obstacles)
+    outline = solid.boundary
     points = points_of(survey(flat(*obstacles, spacing=spacing), 3.0))
-    assert shapely.distance(outline, shapely.points(points)) == pytest.approx(0.0, abs=1e-9)
+    assert shapely.distance(outline, shapely.points(points)).max() < 1e-9 + slack
     # No place of the outline is further than half the spacing from a point.
     reached = shapely.union_all(
         shapely.buffer(shapely.points(points), 0.5 * spacing + 1e-6, quad_segs=64)
@@ -34,12 +44,72 @@ def test_they_lie_on_the_united_outline_and_leave_no_gap(obstacles, spacing):
     assert shapely.difference(outline, reached).length < 1e-3 * outline.length
 
 
-def test_an_outline_is_divided_evenly_along_the_whole_of_it():
+def test_each_side_is_divided_evenly_between_its_corners():
     points = points_of(survey(flat(Box(low=(1, 1), high=(3, 3)), spacing=0.6), 2.0))
-    assert len(points) == 14
-    ring = shapely.LinearRing([(1, 1), (3, 1), (3, 3), (1, 3)])
-    along = np.sort(shapely.line_locate_point(ring, shapely.points(points)))
-    assert np.diff(along) == pytest.approx(8.0 / 14.0)
+    assert len(points) == 16
+    at = (1.25, 1.75, 2.25, 2.75)
+    expected = [(x, y) for x in at for y in (1, 3)] + [(x, y) for x in (1, 3) for y in at]
+    assert np.array(sorted(points.tolist())) == pytest.approx(np.array(sorted(expected)))
+
+
+def test_a_disc_has_its_points_on_the_circle_the_first_towards_the_goal():
+    goal = Mission(goal=Goal(route=((10.0, 16.0),)))
+    world = replace(flat(Disc(centre=(10.0, 8.0), radius=2.0)), mission=goal)
+    points = points_of(survey(world, 2.0)) - (10.0, 8.0)
+    assert np.hypot(*points.T) == pytest.approx(2.0, abs=1e-14)
+    angle = np.sort(np.arctan2(*points.T) % (2.0 * np.pi))  # from +y, clockwise
+    assert len(angle) == np.ceil(2.0 * np.pi * 2.0 / 0.5)
+    assert angle == pytest.approx(np.arange(len(angle)) * 2.0 * np.pi / len(angle), abs=1e-12)
+
+
+def test_where_two_discs_meet_the_points_know_the_circles():
+    discs = Disc(centre=(8.0, 10.0), radius=3.0), Disc(centre=(12.0, 10.0), radius=2.5)
+    points = points_of(survey(flat(*discs), 2.0))
+    one, other = (np.hypot(*(points - disc.centre).T) - disc.radius for disc in discs)
+    assert np.minimum(np.abs(one), np.abs(other)) == pytest.approx(0.0, abs=1e-13)
+    assert (np.maximum(one, other) > 0.0).all()
+    # They meet at x = 8 + (16 + 9 - 6.25) / 8; from there on each arc is divided evenly.
+    meets = np.arccos(18.75 / 8.0 / 3.0)
+    angle = np.sort(
+        np.arctan2(*(points[np.abs(one) < 1e-9] - discs[0].centre).T[::-1]) % (2 * np.pi)
+    )
+    length = 2.0 * np.pi - 2.0 * meets
+    number = np.ceil(3.0 * length / 0.5)
+    assert angle == pytest.approx(meets + length * (np.arange(number) + 0.5) / number, abs=1e-12)
+
+
+scenes = st.tuples(crowds, st.integers(0, 2**32 - 1), st.sampled_from([0.2, 0.5, 2.0]))
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(scenes, st.booleans())
+def test_they_turn_and_move_with_the_scene_wherever_its_rings_begin(scene, led):
+    obstacles, seed, spacing = scene
+    rng = np.random.default_rng(seed)
+    world = flat(*obstacles, spacing=spacing)
+    if led:
+        world = replace(world, mission=Mission(goal=Goal(route=(tuple(rng.uniform(0, 20, 2)),))))
+    angle, by = rng.uniform(0.0, 360.0), rng.uniform(-50.0, 50.0, 2)
+    other = turned(world, angle, rng)
+    moved = [one.moved(*by) for one in other.obstacles]
+    mission = other.mission
+    if led:
+        route = (tuple(np.array(mission.goal.route[0]) + by),)
+        mission = Mission(goal=Goal(route=route))
+    other = replace(other, obstacles=tuple(moved), mission=mission)
+    for one in (world, other):
+        demand_round(one, 3.0)
+    if not led:  # a round shape alone in the middle of all has no side of its own
+        outlines = [one for _, parts in solids(world, 3.0) for one in parts]
+        middle = seen_from(world, outlines)
+        whole = [r.centre[0] for one in outlines for r in one.rings if len(r.start) == 1]
+        assume(all(np.hypot(*(middle - centre)) > 1e-3 for centre in whole))
+    points, found = points_of(survey(world, 3.0)), points_of(survey(other, 3.0))
+    expected = turned_places(points, angle, np.array([10.0, 10.0])) + by
+    assert len(found) == len(expected)
+    away, which = cKDTree(found).query(expected)
+    assert away.max() < 1e-6
+    assert len(set(which.tolist())) == len(found)
 
 
 def test_hidden_parts_have_none():

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 import shapely
+from fine import demand_round, united
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
+from worlds.obstacles import Box, Disc, Polygon, Prism, Ring, Sphere, Wall
 from worlds.queries.clearance import clearance
 from worlds.queries.crossing import first_crossing, is_crossed, is_far, skin
 from worlds.queries.survey import survey
@@ -53,9 +54,8 @@ def test_on_the_plan_it_is_where_shapely_sees_the_step_go_in(seed, reach):
     rng = np.random.default_rng(seed)
     world = yard(seed)
     surroundings = survey(world, reach)
-    free = shapely.box(0, 0, SIDE, SIDE).difference(
-        shapely.union_all([one.footprint() for one in world.obstacles])
-    )
+    free = shapely.box(0, 0, SIDE, SIDE).difference(united(world.obstacles, 2**15)[0])
+    demand_round(world, reach)
     start = free_places(world, rng, 20)
     end = start + rng.normal(size=start.shape) * rng.choice([0.1, 1.0, 20.0], (len(start), 1))
     for a, b, at in zip(start, end, shares(world, surroundings, start, end), strict=True):
@@ -97,6 +97,29 @@ def test_in_space_it_is_where_a_walk_in_small_steps_ends(seed):
         elif depth.min() < -1e-3:
             last_free = np.argmax(depth < 0.0) - 1
             assert found.share == pytest.approx(at[last_free, 0], abs=1.5 / 4000)
+
+
+def test_a_disc_is_entered_where_its_circle_is_and_a_ring_from_either_side():
+    """Closed form: the first root of |a + t d - c| = R."""
+    rng = np.random.default_rng(3)
+    disc, ring = Disc(centre=(5.0, 5.0), radius=2.0), Ring(centre=(5, 5), radius=4.0, width=1.0)
+    for shape, r, inside in ((disc, 2.0, False), (ring, 4.0, False), (ring, 3.0, True)):
+        world = World("yard", (SIDE, SIDE), ("open", "open"), obstacles=(shape,))
+        surroundings = survey(world, 1.0)
+        for angle in rng.uniform(0.0, 2.0 * math.pi, 60):
+            out = np.array([math.cos(angle), math.sin(angle)])
+            start = out * (rng.uniform(0.0, 2.9) if inside else rng.uniform(4.1, 5.0))
+            step = rng.normal(size=2) * 6.0
+            b, d2, c = start @ step, step @ step, start @ start - r * r
+            root = b * b - d2 * c
+            at = math.inf
+            if root > 0.0 and (inside or b < 0.0):
+                at = (-b + math.copysign(math.sqrt(root), 1.0 if inside else -1.0)) / d2
+            found = first_crossing(surroundings, *(start + 5.0), 0.0, *step, 0.0)
+            assert found.share == (pytest.approx(at, abs=1e-12) if at <= 1.0 else math.inf)
+            if at <= 1.0:
+                normal = (start + at * step) / r * (-1.0 if inside else 1.0)
+                assert (found.nx, found.ny) == pytest.approx(tuple(normal), abs=1e-9)
 
 
 def test_a_step_from_within_may_leave_and_a_step_along_a_wall_goes_on():

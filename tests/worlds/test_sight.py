@@ -3,6 +3,7 @@
 import numpy as np
 import shapely
 from asking import sights
+from fine import demand_round, united
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import crowds
@@ -22,10 +23,24 @@ def test_a_line_is_blocked_where_it_meets_an_outline(obstacles, seed, reach):
     ends = np.random.default_rng(seed).uniform(-10.0, 32.0, (200, 2, 2))
     ends[::4, 1] = ends[::4, 0] + 0.02 * (ends[::4, 1] - ends[::4, 0])
     ends[::7, 1, 0] = ends[::7, 0, 0]
-    outline = shapely.union_all([o.footprint() for o in obstacles])
-    blocked = shapely.intersects(outline, shapely.linestrings(ends))
+    demand_round(flat(*obstacles), reach)
+    outline, slack = united(obstacles)
+    lines = shapely.linestrings(ends)
     found = sights(survey(flat(*obstacles), reach), ends[:, 0], ends[:, 1])
-    assert (found == ~blocked).all()
+    assert not found[shapely.intersects(outline, lines)].any()
+    clear = shapely.distance(outline, lines) > slack
+    assert found[clear].all()
+    assert (clear | shapely.intersects(outline, lines)).mean() > 0.99
+
+
+def test_a_line_that_just_passes_a_disc_sees_and_one_that_cuts_it_does_not():
+    surroundings = survey(flat(Disc(centre=(10, 10), radius=4)), 1.0)
+    angle = np.linspace(0.0, 6.28, 40)
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    along = 6.0 * np.column_stack([-out[:, 1], out[:, 0]])
+    for share, free in ((1.0 + 1e-9, True), (1.0 - 1e-9, False)):
+        middle = 10.0 + 4.0 * share * out
+        assert (sights(surroundings, middle - along, middle + along) == free).all()
 
 
 def test_a_place_sees_itself_unless_it_is_inside():

@@ -3,57 +3,107 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import shapely
 
+from worlds.queries.curves import MOST_SWEEP, Curves, Solid, apart, edge_rows
 from worlds.world import World
 
 HIDDEN = 1e-9
 """A point deeper than this in what is solid is no surface, length."""
+CENTRAL = 1e-6
+"""Share of a circle's radius within which a place is its centre."""
 
 
-def boundary_points(world: World, united: list[shapely.Geometry], margin: float) -> np.ndarray:
-    """Points along the united outlines and the solid edges of the box, (M, 2), length.
+def boundary_points(world: World, solids: list[Solid], margin: float) -> np.ndarray:
+    """Points along the outlines and the solid edges of the box, (M, 2), length.
 
-    Each ring is divided evenly, into steps of at most `world.boundary_spacing` along it; its
-    corners are not among the points. With corners among them counterclockwise flocks of Wu et al.
-    2023 leave agents behind at sharp ones.
-    Points that lie in a solid or beyond a solid edge are left out. Solid edges go on by `margin`
-    (length) across a wrapping edge.
+    Each part of an outline from one corner to the next is divided evenly, into steps of at most
+    `world.boundary_spacing` along it, and there is a point in the middle of each step: corners are
+    not among the points. With corners among them counterclockwise flocks of Wu et al. 2023 leave
+    agents behind at sharp ones. A ring without corners is divided evenly from the place on it that
+    is nearest to the goal, or to the centre of all outlines where the world has no goal. So the
+    points turn and move with the scene, and it is all one where a ring is said to begin.
+
+    Points beyond a solid edge are left out, and points of solid edges within an outline. Solid
+    edges go on by `margin` (length) across a wrapping edge.
     """
-    rings = [
-        shapely.get_coordinates(ring)
-        for outline in united
-        for part in shapely.get_parts(shapely.orient_polygons(outline))
-        for ring in (part.exterior, *part.interiors)
-    ]
-    found = [along_line(ring, world.boundary_spacing) for ring in rings]
-    found += box_lines(world, margin)
+    towards = seen_from(world, solids)
+    found = [ring_points(ring, world.boundary_spacing, towards)
+             for one in solids for ring in one.rings]  # fmt: skip
+    own = np.concatenate(found) if found else np.empty((0, 2))
+    edges = np.concatenate([*box_lines(world, margin), np.empty((0, 2))])
+    hidden = np.zeros(len(edges), bool)
+    for one in solids:
+        shapely.prepare(one.polygon)
+        inner = np.flatnonzero(shapely.contains_xy(one.polygon, *edges.T))
+        rim = one.polygon.boundary
+        shapely.prepare(rim)
+        hidden[inner] |= ~shapely.dwithin(rim, shapely.points(edges[inner]), HIDDEN)
+    points = np.concatenate([own, edges[~hidden]])
     low = np.array(world.low)
     high = low + world.size
-    points = np.concatenate(found) if found else np.empty((0, 2))
-    hidden = np.zeros(len(points), bool)
+    inside = np.ones(len(points), bool)
     for axis, edge in enumerate(world.edges):
         if edge == "solid":
-            hidden |= (points[:, axis] < low[axis] - HIDDEN) | (
-                points[:, axis] > high[axis] + HIDDEN
-            )
-    for outline in united:
-        shapely.prepare(outline)
-        inner = np.flatnonzero(shapely.contains_xy(outline, *points.T))
-        rim = outline.boundary
-        shapely.prepare(rim)
-        hidden[inner] |= ~shapely.dwithin(rim, shapely.points(points[inner]), HIDDEN)
-    return np.unique(points[~hidden], axis=0)
+            inside &= points[:, axis] >= low[axis] - HIDDEN
+            inside &= points[:, axis] <= high[axis] + HIDDEN
+    return np.unique(points[inside], axis=0)
+
+
+def seen_from(world: World, solids: list[Solid]) -> np.ndarray | None:
+    """The place (2,) that rings without corners are divided from; None where there is none.
+
+    Across wrapping edges the world has no such place: there an obstacle and its images are alike.
+    """
+    if world.wraps.any() or not solids:
+        return None
+    if world.mission is not None and world.mission.goal is not None:
+        return np.array(world.mission.goal.route[0])
+    centre = shapely.centroid(shapely.MultiPolygon([one.polygon for one in solids]))
+    return np.array([centre.x, centre.y])
+
+
+def ring_points(ring: Curves, spacing: float, towards: np.ndarray | None) -> np.ndarray:
+    """The points along a ring, (m, 2)."""
+    corners = ring.corners
+    before = np.concatenate([[0.0], np.cumsum(ring.length)])
+    if not len(corners):
+        number = steps(before[-1], spacing)
+        return ring.at(nearest_along(ring, towards) + before[-1] * np.arange(number) / number)
+    begins = before[corners]
+    long = np.diff(np.append(begins, begins[0] + before[-1]))
+    numbers = steps(long, spacing)
+    part = np.repeat(np.arange(len(corners)), numbers)
+    step = np.arange(len(part)) - np.repeat(np.cumsum(numbers) - numbers, numbers)
+    return ring.at(begins[part] + long[part] * (step + 0.5) / numbers[part])
+
+
+def nearest_along(ring: Curves, place: np.ndarray | None) -> float:
+    """How far along a ring its nearest place to a place is, length.
+
+    Where there is no such place, or all of a circle is as near, it is the furthest along x.
+    """
+    one = ring.divided(MOST_SWEEP)
+    before = np.concatenate([[0.0], np.cumsum(one.length)])
+    away = math.inf if place is None else float(np.hypot(*(place - one.centre).T).max())
+    if place is None or away < CENTRAL * abs(one.radius[0]):
+        place = one.start.mean(axis=0) + np.array([1e3 * before[-1], 0.0])
+    distance, share, _ = apart(edge_rows(one), np.broadcast_to(place, one.start.shape))
+    k = int(np.argmin(distance))
+    return float(before[k] + share[k] * one.length[k])
+
+
+def steps(length: Any, spacing: float) -> Any:
+    """Into how many steps of at most `spacing` lengths are divided, 1 or more."""
+    return np.maximum(1, np.ceil(np.asarray(length) / spacing * (1.0 - 1e-9))).astype(int)
 
 
 def box_lines(world: World, margin: float) -> list[np.ndarray]:
-    """Points along the solid edges of the box, each place once."""
+    """Points along the solid edges of the box, their ends among them."""
     (x, y), (u, v) = world.low, np.array(world.low) + world.size
-    if world.edges == ("solid", "solid"):
-        ring = np.array([(x, y), (u, y), (u, v), (x, v), (x, y)])
-        return [along_line(ring, world.boundary_spacing)]
     found = []
     for axis, edge in enumerate(world.edges):
         start, end = np.array([x, y]), np.array([u, v])
@@ -62,17 +112,14 @@ def box_lines(world: World, margin: float) -> list[np.ndarray]:
             end[1 - axis] += margin
         for at in (start[axis], end[axis]) if edge == "solid" else ():
             start[axis] = end[axis] = at
-            line = np.array([start, end])
-            found.append(np.concatenate([along_line(line, world.boundary_spacing), line[1:]]))
+            found.append(along_line(start, end, world.boundary_spacing))
     return found
 
 
-def along_line(line: np.ndarray, spacing: float) -> np.ndarray:
-    """Points that divide a line (n, 2) evenly, its start among them but not its end, (m, 2)."""
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    number = max(1, math.ceil(length[-1] / spacing * (1.0 - 1e-12)))
-    at = length[-1] * np.arange(number) / number
-    return np.column_stack([np.interp(at, length, axis) for axis in line.T])
+def along_line(start: np.ndarray, end: np.ndarray, spacing: float) -> np.ndarray:
+    """Points that divide a line evenly, both ends among them, (m, 2)."""
+    share = np.linspace(0.0, 1.0, int(steps(math.dist(start, end), spacing)) + 1)[:, None]
+    return (1.0 - share) * start + share * end
 
 
 def sorted_points(

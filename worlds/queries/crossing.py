@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from worlds.compiled import compiled, shared
-from worlds.queries.sight import SLACK, cells_between, shares_within
+from worlds.queries.sight import SLACK, cells_between, on_arc, shares_within
 from worlds.queries.surface import entry_distance, solids_around
 
 RELATIVE = 1e-9
@@ -80,6 +80,38 @@ def entered_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz):
 
 
 @compiled
+def entered_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz):
+    """The share at which the way from a along d goes in through an arc of an outline, or inf.
+
+    It goes into a round solid where it comes into the circle, and into what is round a hole where
+    it goes out of it.
+    """
+    wx, wy = ax - at[8], ay - at[9]
+    r = math.fabs(at[10])
+    out = math.sqrt(wx * wx + wy * wy)
+    b = wx * dx + wy * dy
+    d2 = dx * dx + dy * dy
+    c = (out - r) * (out + r)
+    root = b * b - d2 * c
+    if root <= 0.0:
+        return math.inf
+    if at[10] > 0.0:
+        if b >= 0.0 or out - r < -close:
+            return math.inf
+        t = c / (math.sqrt(root) - b)
+    else:
+        if r - out < -close:
+            return math.inf
+        t = -c / (b + math.sqrt(root)) if b > 0.0 else (math.sqrt(root) - b) / d2
+    if t > 1.0:
+        return math.inf
+    t = max(t, 0.0)
+    z = az + t * dz
+    hits = on_arc(at, wx + t * dx, wy + t * dy, close)
+    return t if hits and bottom - close <= z <= top + close else math.inf
+
+
+@compiled
 def entered_ball(ball, close, ax, ay, az, dx, dy, dz):
     """The share at which the way from a along d goes into a sphere, or inf."""
     wx, wy, wz = ax - ball[0], ay - ball[1], az - ball[2]
@@ -128,6 +160,13 @@ def entered(surroundings, entry, first, close, low, high, ax, ay, az, dx, dy, dz
     for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
         for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
             at = surroundings.edge[i]
+            if at[10] != 0.0:
+                t = entered_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz)
+                if t < best.share:
+                    x, y = ax + t * dx - at[8], ay + t * dy - at[9]
+                    size = math.copysign(math.sqrt(x * x + y * y), at[10])
+                    best = Crossing(t, x / size, y / size, 0.0)
+                continue
             t = entered_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz)
             if t < best.share:
                 best = Crossing(t, at[6], at[7], 0.0)

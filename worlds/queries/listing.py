@@ -76,12 +76,13 @@ class Pairs(NamedTuple):
 
 
 def list_solids(
-    solids: list[shapely.Polygon], ball: np.ndarray, chunks: Chunks, reach: float
+    solids: list[shapely.Polygon], ball: np.ndarray, chunks: Chunks, reach: float, slack: float
 ) -> Listing:
     """List outlines, and spheres (S, 4) after them, in the cells within `reach` of them.
 
     With d the distance from a cell's centre to a solid and h half its diagonal, all edges of the
-    solid within d + 2 h are listed: no other can be nearest to a place in the cell.
+    solid within d + 2 h are listed: no other can be nearest to a place in the cell. Polygons and
+    chunks may be up to `slack` (length) away from the outlines that they stand for.
     """
     nothing = np.empty(0, np.int32)
     if not solids and not len(ball):
@@ -93,7 +94,7 @@ def list_solids(
     cells = lay_cells(outlines, ball, len(chunks.first), reach)
     centres = shapely.points(cells.centres())
     tree = shapely.STRtree(centres)
-    flat, hits = near_outlines(tree, outlines, chunks, cells, reach)
+    flat, hits = near_outlines(tree, outlines, chunks, cells, reach, slack)
     round_ = near_balls(tree, ball, len(solids), cells, reach)
     cell, solid, least = (np.concatenate(both) for both in zip(flat, round_, strict=True))
     order = np.lexsort((solid, least, cell))
@@ -131,12 +132,17 @@ def lay_cells(outlines: np.ndarray, ball: np.ndarray, chunks: int, reach: float)
 
 
 def near_outlines(
-    tree: shapely.STRtree, outlines: np.ndarray, chunks: Chunks, cells: Cells, reach: float
+    tree: shapely.STRtree,
+    outlines: np.ndarray,
+    chunks: Chunks,
+    cells: Cells,
+    reach: float,
+    slack: float,
 ) -> tuple[Pairs, tuple[np.ndarray, np.ndarray]]:
     """The outlines within reach of each cell; and pairs of (one of these, chunk to look at)."""
     half = cells.half
     shapely.prepare(outlines)
-    solid, cell = tree.query(outlines, predicate="dwithin", distance=reach + half)
+    solid, cell = tree.query(outlines, predicate="dwithin", distance=reach + half + slack)
     order = np.argsort(solid, kind="stable")
     solid, cell = solid[order], cell[order]
     centre = tree.geometries[cell]
@@ -152,10 +158,11 @@ def near_outlines(
         own = shapely.STRtree(chunks.line[first[body] : first[body + 1]])
         (asked, _), apart = own.query_nearest(centre[of], return_distance=True, all_matches=False)
         away[of][asked] = apart
-        which, hit = own.query(centre[of], predicate="dwithin", distance=away[of] + 2.0 * half)
+        further = away[of] + 2.0 * (half + slack)
+        which, hit = own.query(centre[of], predicate="dwithin", distance=further)
         found.append((which + of.start, hit + first[body]))
     inside = shapely.intersects(outlines[solid], centre)
-    least = np.where(inside, -away, away) - half
+    least = np.where(inside, -away, away) - half - slack
     which, hit = (np.concatenate(column) for column in zip(*found, strict=True))
     return Pairs(cell, solid, least), (which, hit)
 

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import shapely
 
+from worlds.queries.curves import Solid, solids_in
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -74,6 +75,25 @@ def spheres(world: World, margin: float) -> list[Ball]:
                 if not (dx or dy) or near_box(world, (u - r, v - r, u + r, v + r), margin):
                     found.append(((u, v, z + dz), r))
     return found
+
+
+def circles(world: World, margin: float) -> np.ndarray:
+    """Circles that outlines have arcs of: x, y, radius, (C, 3), with images as in `outlines`."""
+    found = {
+        (x + dx, y + dy, r)
+        for obstacle in world.obstacles
+        for (x, y), r in obstacle.circles()
+        for dx, dy, _ in shifts(world)
+        if not (dx or dy)
+        or near_box(world, (x + dx - r, y + dy - r, x + dx + r, y + dy + r), margin)
+    }
+    return np.array(sorted(found)).reshape(-1, 3)
+
+
+def solids(world: World, margin: float) -> list[tuple[tuple[float, float], list[Solid]]]:
+    """The connected outlines of each span of heights, with exact arcs, as in `outlines`."""
+    round_ = circles(world, margin)
+    return [(span, solids_in(one, round_)) for span, one in outlines(world, margin).items()]
 
 
 def endless(world: World, bottom: float, top: float) -> bool:

@@ -9,6 +9,47 @@ from worlds.queries.surface import entry_distance, nearest_solid
 
 SLACK = 1e-9
 """Share of a cell by which rows and columns are taken wider, so that rounding hides no edge."""
+ENDS = 1e-12
+"""Share of its radius by which an arc is taken longer, so that there is no gap where two meet."""
+
+
+@compiled
+def arc_shares(at, ax, ay, dx, dy):
+    """The shares at which the way from a along d meets the circle of an arc, inf for none."""
+    wx, wy = ax - at[8], ay - at[9]
+    r = math.fabs(at[10])
+    b = wx * dx + wy * dy
+    d2 = dx * dx + dy * dy
+    out = math.sqrt(wx * wx + wy * wy)
+    c = (out - r) * (out + r)
+    root = b * b - d2 * c
+    if root < 0.0 or d2 == 0.0:
+        return math.inf, math.inf
+    q = -(b + math.copysign(math.sqrt(root), b))
+    one, two = q / d2, c / q if q != 0.0 else 0.0
+    return min(one, two), max(one, two)
+
+
+@compiled
+def on_arc(at, wx, wy, close):
+    """Whether a place w from its circle's centre, on the circle, is on an arc or `close` to it."""
+    after = (at[0] - at[8]) * wy - (at[1] - at[9]) * wx
+    before = wx * (at[3] - at[9]) - wy * (at[2] - at[8])
+    sign = math.copysign(1.0, at[10])
+    least = -close * math.fabs(at[10])
+    return (sign * after >= least) & (sign * before >= least)
+
+
+@compiled
+def meets_arc(at, bottom, top, ax, ay, az, dx, dy, dz):
+    """Whether the way from a along d goes through the upright face of an arc, its ends included."""
+    one, two = arc_shares(at, ax, ay, dx, dy)
+    for t in (one, two):
+        if 0.0 <= t <= 1.0 and bottom <= az + t * dz <= top:
+            x, y = ax + t * dx, ay + t * dy
+            if on_arc(at, x - at[8], y - at[9], ENDS * math.fabs(at[10])):
+                return True
+    return False
 
 
 @compiled
@@ -17,6 +58,10 @@ def meets_edges(surroundings, entry, bottom, top, ax, ay, az, dx, dy, dz):
     for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
         for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
             at = surroundings.edge[i]
+            if at[10] != 0.0:
+                if meets_arc(at, bottom, top, ax, ay, az, dx, dy, dz):
+                    return True
+                continue
             ex, ey = at[2] - at[0], at[3] - at[1]
             wx, wy = at[0] - ax, at[1] - ay
             turn = dx * ey - dy * ex

@@ -67,6 +67,22 @@ def solid_of(surroundings, around, k):
 
 
 @compiled
+def within_arc(at, wx, wy):
+    """Whether the direction (wx, wy) from its circle's centre goes through an arc, ends not."""
+    after = (at[0] - at[8]) * wy - (at[1] - at[9]) * wx
+    before = wx * (at[3] - at[9]) - wy * (at[2] - at[8])
+    return (after * at[10] > 0.0) & (before * at[10] > 0.0)
+
+
+@compiled
+def off_arc(at, x, y):
+    """Signed distance of a place to the circle of an arc, positive on the free side."""
+    wx, wy = x - at[8], y - at[9]
+    away = math.sqrt(wx * wx + wy * wy) - math.fabs(at[10])
+    return math.copysign(1.0, at[10]) * away
+
+
+@compiled
 def side_of(surroundings, edge, t, x, y):
     """> 0 if a place is on the free side of the edge that it is nearest to, at the share t of it.
 
@@ -79,28 +95,46 @@ def side_of(surroundings, edge, t, x, y):
     if t >= 1.0:
         corner = surroundings.corner[surroundings.after[edge]]
         return (x - at[2]) * corner[0] + (y - at[3]) * corner[1]
+    if at[10] != 0.0:
+        return off_arc(at, x, y)
     return (x - at[0]) * at[6] + (y - at[1]) * at[7]
+
+
+@compiled
+def from_arc(at, x, y):
+    """0, 1 or between as the start of an arc, its end or neither is nearest; squared distance."""
+    if within_arc(at, x - at[8], y - at[9]):
+        d = off_arc(at, x, y)
+        return 0.5, d * d
+    wx, wy = x - at[0], y - at[1]
+    vx, vy = x - at[2], y - at[3]
+    first, last = wx * wx + wy * wy, vx * vx + vy * vy
+    return (0.0, first) if first <= last else (1.0, last)
 
 
 @compiled
 def nearest_edge(surroundings, entry, x, y):
     """Of an outline listed in a cell: the nearest edge, the share t along it, squared distance.
 
-    Outlines may touch themselves in a corner; then the side that is free counts.
+    Of an arc t only says whether an end of it is nearest: 0 or 1, else it is between. Outlines may
+    touch themselves in a corner; then the side that is free counts.
     """
     best, share, least = -1, 0.0, math.inf
     for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
         for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
             at = surroundings.edge[i]
-            dx, dy = x - at[0], y - at[1]
-            t = dx * at[4] + dy * at[5]
-            if t >= 1.0:
-                dx, dy = x - at[2], y - at[3]
-            if (t > 0.0) & (t < 1.0):
-                d = dx * at[6] + dy * at[7]
-                d2 = d * d
+            if at[10] != 0.0:
+                t, d2 = from_arc(at, x, y)
             else:
-                d2 = dx * dx + dy * dy
+                dx, dy = x - at[0], y - at[1]
+                t = dx * at[4] + dy * at[5]
+                if t >= 1.0:
+                    dx, dy = x - at[2], y - at[3]
+                if (t > 0.0) & (t < 1.0):
+                    d = dx * at[6] + dy * at[7]
+                    d2 = d * d
+                else:
+                    d2 = dx * dx + dy * dy
             if d2 < least or (d2 == least and side_of(surroundings, i, t, x, y) > 0.0):
                 best, share, least = i, t, d2
     return best, share, least
@@ -161,6 +195,12 @@ def ball_surface(ball, distance, x, y, z):
 def outline_surface(surroundings, edge, t, x, y):
     """The nearest place of an outline on the plan, as a Surface with z = 0 and nz = 0."""
     at = surroundings.edge[edge]
+    if (t > 0.0) & (t < 1.0) & (at[10] != 0.0):
+        sign = math.copysign(1.0, at[10])
+        d = off_arc(at, x, y)
+        away = sign * d + math.fabs(at[10])
+        nx, ny = sign * (x - at[8]) / away, sign * (y - at[9]) / away
+        return Surface(d, x - d * nx, y - d * ny, 0.0, nx, ny, 0.0, 1.0)
     if (t > 0.0) & (t < 1.0):
         d = (x - at[0]) * at[6] + (y - at[1]) * at[7]
         return Surface(d, x - d * at[6], y - d * at[7], 0.0, at[6], at[7], 0.0, 1.0)

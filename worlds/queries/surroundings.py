@@ -69,7 +69,9 @@ class Surroundings(NamedTuple):
     """Centre and radius of each sphere, float64 (S, 4)."""
 
     edge: np.ndarray
-    """Start x, y; end x, y; (end - start) / length^2; unit normal to the free side; (E, 8)."""
+    """Start x, y; end x, y; (end - start) / length^2; unit normal to the free side; and, of an arc,
+    its circle's centre x, y and radius, < 0 where the solid is outside of it: 0 where the edge is
+    straight, (E, 11). No arc turns by more than a quarter of pi."""
     corner: np.ndarray
     """Unit normal where each edge starts, and 1 if the outline is smooth there, (E, 3)."""
     after: np.ndarray

@@ -6,18 +6,16 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 
 from worlds.mission import Goal, Mission
 from worlds.queries.boundary import boundary_points, sorted_points
+from worlds.queries.curves import MOST_SWEEP, Solid, chorded, corner_rows, edge_rows
 from worlds.queries.listing import Chunks, list_solids
-from worlds.queries.outlines import outlines, spheres
+from worlds.queries.outlines import solids, spheres
 from worlds.queries.surroundings import Surroundings
 from worlds.refusal import Refusal
 from worlds.world import World
 
-SMOOTH = np.cos(np.radians(20.0))
-"""Cosine of the least turn at a corner; where an outline turns less it is part of a curve."""
 CHUNK = 4
 """Most edges of one outline that are listed together."""
 
@@ -52,19 +50,15 @@ def surveyed(world: World, reach: float) -> Surroundings:
         raise Refusal(
             f"the random obstacles of {world.name} are not drawn: worlds.generators.drawn"
         )
-    united = outlines(world, reach)
-    solids: list[shapely.Polygon] = []
-    spans: list[tuple[float, float]] = []
-    for span, outline in united.items():
-        parts = shapely.get_parts(shapely.orient_polygons(outline))
-        solids.extend(parts)
-        spans.extend([span] * len(parts))
+    found = solids(world, reach)
+    outlines = [one for _, parts in found for one in parts]
+    spans = [span for span, parts in found for _ in parts]
     ball = np.array([(*centre, r) for centre, r in spheres(world, reach)]).reshape(-1, 4)
-    edges = outline_edges(solids)
+    edges = outline_edges(outlines)
     plane = solid_planes(world)
     points = np.empty((0, 2))
     if world.dim == 2:
-        points = boundary_points(world, list(united.values()), reach)
+        points = boundary_points(world, outlines, reach)
     mission = world.mission or Mission()
     return Surroundings(
         reach,
@@ -75,7 +69,13 @@ def surveyed(world: World, reach: float) -> Surroundings:
         edges.edge,
         edges.corner,
         edges.after,
-        *list_solids(solids, ball, edges.chunks, reach),
+        *list_solids(
+            [one.polygon for one in outlines],
+            ball,
+            edges.chunks,
+            reach,
+            max((one.slack for one in outlines), default=0.0),
+        ),
         *sorted_points(points, reach),
         in_space(mission.path.waypoints if mission.path else ()),
         mission.path.switch if mission.path else 0.0,
@@ -84,17 +84,17 @@ def surveyed(world: World, reach: float) -> Surroundings:
     )
 
 
-def outline_edges(solids: list[shapely.Polygon]) -> Edges:
+def outline_edges(solids: list[Solid]) -> Edges:
     """Edges with the solid on their left, corners and chunks of all rings, one after another."""
     edges, corners, afters = [], [], []
     firsts, lasts, owners = [], [], []
     first = 0
-    for solid, polygon in enumerate(solids):
-        for ring in (polygon.exterior, *polygon.interiors):
-            edge, corner = ring_edges(shapely.get_coordinates(ring))
-            n = len(edge)
-            edges.append(edge)
-            corners.append(corner)
+    for solid, outline in enumerate(solids):
+        for whole in outline.rings:
+            ring = whole.divided(MOST_SWEEP)
+            n = len(ring.start)
+            edges.append(edge_rows(ring))
+            corners.append(corner_rows(ring))
             afters.append(first + np.roll(np.arange(n), -1))
             starts = np.arange(first, first + n, CHUNK)
             firsts.append(starts)
@@ -104,39 +104,12 @@ def outline_edges(solids: list[shapely.Polygon]) -> Edges:
     if not first:
         none = np.empty(0, np.int32)
         empty = Chunks(none, none, none, np.empty(0, object))
-        return Edges(np.empty((0, 8)), np.empty((0, 3)), none, empty)
+        return Edges(np.empty((0, 11)), np.empty((0, 3)), none, empty)
     edge = np.concatenate(edges)
     low, high = np.concatenate(firsts), np.concatenate(lasts)
-    chunks = Chunks(low, high, np.concatenate(owners), chunk_lines(edge, low, high))
+    chunks = Chunks(low, high, np.concatenate(owners), chorded(edge, low, high))
     after = np.concatenate(afters).astype(np.int32)
     return Edges(edge, np.concatenate(corners), after, chunks)
-
-
-def ring_edges(ring: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (n, 8) and corners (n, 3) of a closed ring of points (n + 1, 2), solid on its left."""
-    start, end = ring[:-1], ring[1:]
-    way = end - start
-    length = np.hypot(*way.T)[:, None]
-    along = way / length
-    normal = np.column_stack([along[:, 1], -along[:, 0]])
-    before = np.roll(normal, 1, axis=0)
-    smooth = (normal * before).sum(axis=1) >= SMOOTH
-    # Where the outline turns right back there is no sum of normals: the way out is straight on.
-    total = normal + before
-    size = np.hypot(*total.T)[:, None]
-    total = np.where(size > 1e-9, total / np.maximum(size, 1e-9), -along)
-    return np.hstack([start, end, way / length**2, normal]), np.column_stack([total, smooth])
-
-
-def chunk_lines(edge: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The chunks low to high of consecutive edges as lines, (C,) of shapely."""
-    sizes = high - low + 1
-    which = np.repeat(np.arange(len(low)), sizes)
-    within = np.arange(len(which)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    at = low[which] + within
-    ends = at == high[which]
-    place = np.where(ends[:, None], edge[at - ends, 2:4], edge[np.minimum(at, len(edge) - 1), :2])
-    return shapely.linestrings(place, indices=which)
 
 
 def solid_planes(world: World) -> np.ndarray:

@@ -95,7 +95,7 @@ def resized(arrays: Arrays, kept: int, more: Sequence[Pose], model: Model) -> Ar
     for row, pose in enumerate(more, kept):
         position[row] = pose.x, pose.y
         heading[row] = math.cos(pose.yaw), math.sin(pose.yaw)
-    made = begun(Start(position, heading, np.zeros(n, bool), np.zeros(n)), model, 1)
+    made = begun(Start(position, heading, np.zeros(n, bool), np.zeros(n), np.arange(n)), model, 1)
     for name, column in made._asdict().items():
         before = getattr(arrays, name)
         if name == "memory":

@@ -83,7 +83,8 @@ class FlockDriver(Motion):
     def begin(self) -> None:
         """The cars as a flock that has done nothing yet."""
         n = len(self.names)
-        still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n))
+        number = np.arange(n)
+        still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n), number)
         self._use(begun(still, self.model, 1))
 
     def warm(self, tell: Callable[[str], object] | None) -> None:

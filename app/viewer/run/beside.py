@@ -99,6 +99,7 @@ def companion(first: Flock, beside: Spec) -> Flock:
         raise Refusal(f"{model.title}: {refusal}") from None
     if arrays is not None:
         flock.heading[:] = first.heading  # To the bit: given headings are normalised again.
+        flock.ids[:] = first.ids
     return flock
 
 
