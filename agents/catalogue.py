@@ -16,6 +16,7 @@ from agents.bodies import (
     drone,
     flyer,
     navigator,
+    old_heading,
     point_mass,
     steered,
     turning,
@@ -38,6 +39,7 @@ from agents.rules import (
     squashing,
     vasarhelyi,
     vicsek,
+    vicsek1995,
     wvem,
     zones,
 )
@@ -49,6 +51,7 @@ NEUTRAL = {"heading": CONSTANT, "acceleration": point_mass.BODY}
 """The bodies of rules that come without one, by what they wish."""
 
 BUILT_IN = [
+    Model(vicsek1995.RULE, old_heading.BODY, agents=400, density=4.0),
     Model(vicsek.VEM, CONSTANT),
     Model(vicsek.VEM_A, CONSTANT),
     Model(ivem.IVEM, CONSTANT),

@@ -76,6 +76,9 @@ class Model:
     """At the start, least distance between agents and of agents to what is solid, length."""
     agents: int = 100
     """How many ordinary agents a flock has unless the user says otherwise."""
+    density: float = 4.102
+    """Agents per unit of area or volume in a world without a size of its own, unless the user says
+    otherwise: by default rho of Liu et al. 2021, 3.1."""
     charts: tuple[tuple[str, ...], ...] = ()
     """The observables that are plotted of it unless the user says otherwise, in three charts; none:
     what `agents.observables.catalogue` has for flocks of its kind."""

@@ -20,7 +20,7 @@ def table_of(made: list[Verdict]) -> Any:
     if any(one.published for one in made):
         return published_tables(made)
     if any(one.case.sweep for one in made):
-        return sweep_table(made)
+        return sweep_tables(made)
     return measure_table(made)
 
 
@@ -64,6 +64,20 @@ def published_table(made: list[Verdict]) -> Any:
             )  # fmt: skip
         close_size(table, made, k)
     return table
+
+
+def sweep_tables(made: list[Verdict]) -> Any:
+    """A table for each measure."""
+    from rich.console import Group
+
+    measures = list(dict.fromkeys(one.measure.name for one in made))
+    tables = [sweep_table(of(made, name)) for name in measures]
+    if len(tables) > 1:
+        for table, name in zip(tables, measures, strict=True):
+            measure = of(made, name)[0].measure
+            table.title = f"{measure.symbol}: {measure.title[0].lower()}{measure.title[1:]}"
+            table.title_justify = "left"
+    return Group(*tables) if len(tables) > 1 else tables[0]
 
 
 def sweep_table(made: list[Verdict]) -> Any:
