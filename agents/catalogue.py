@@ -16,6 +16,7 @@ from agents.bodies import (
     drone,
     flyer,
     navigator,
+    old_heading,
     point_mass,
     steered,
     turning,
@@ -38,6 +39,7 @@ from agents.rules import (
     squashing,
     vasarhelyi,
     vicsek,
+    vicsek1995,
     wvem,
     zones,
 )
@@ -59,6 +61,7 @@ ROUND = ("nearest-neighbour", "angular-momentum")
 """What tells of cars that go round a place together."""
 
 BUILT_IN = [
+    Model(vicsek1995.RULE, old_heading.BODY, agents=400, density=4.0),
     Model(vicsek.VEM, CONSTANT),
     Model(vicsek.VEM_A, CONSTANT),
     Model(ivem.IVEM, CONSTANT),

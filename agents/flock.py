@@ -49,10 +49,10 @@ class Flock(Motion, mesa.Model):
         agents: ordinary agents, >= 1. Information agents come on top: informed, >= 0;
         world: a layout by name (see `flockscope.worlds.layout_names`), a TOML file or a `World`;
         size: side of the box, or one per axis, length > 0; by default the layout's own, or such
-        that the density is 4.102;
+        that the density is the model's, 4.102 unless its paper has another;
         dim: 2 or 3; by default as many as `size` has sides, the layout's own, or the model's;
         activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
-        noise: `angular` or `vectorial`: what `eta` means;
+        noise: `angular` or `vectorial`: what `eta` means; one that is part of a rule stays;
         delay, jitter, loss: how old what agents know of each other is, time >= 0, and the share of
         messages that get lost, in [0, 0.99];
         wind, wind_heading, wind_up, gusts, gust_time, pulse, pulse_at, pulse_lasts: what carries

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from agents.models.model import Model
 from agents.spec import Options, Spec
 from worlds.generators import drawn
@@ -10,14 +12,12 @@ from worlds.layout import world as build_world
 from worlds.refusal import Refusal
 from worlds.world import World
 
-DENSITY = 4.102
-"""Agents per unit of area or volume unless a size is given: rho of Liu et al. 2021, 3.1."""
-
 
 def at_home(spec: Spec, model: Model) -> Spec:
     """The spec with what its model and its world have of their own, where it says nothing.
 
-    The seed and the size stay open. Raises Refusal for a world that cannot be read.
+    A kind of noise that is part of the rule's definition is that of the run. The seed and the size
+    stay open. Raises Refusal for a world that cannot be read.
     """
     world = model.world if spec.world is None else spec.world
     if isinstance(world, World):
@@ -28,7 +28,10 @@ def at_home(spec: Spec, model: Model) -> Spec:
         own = layout_dim(world) if spec.layout is None else own_dim(spec.layout, world)
         dim = own or model.dim or model.dimensions[0]
     missing = [key for key in ("agents", *Options.model_fields) if getattr(spec, key) is None]
-    return spec.but(world=world, dim=dim, **{key: getattr(model, key) for key in missing})
+    chosen: dict[str, Any] = {key: getattr(model, key) for key in missing}
+    if model.rule.noise:
+        chosen["noise"] = model.rule.noise
+    return spec.but(world=world, dim=dim, **chosen)
 
 
 def find_world(spec: Spec, model: Model) -> World:
@@ -45,7 +48,7 @@ def find_world(spec: Spec, model: Model) -> World:
         found = world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
     else:
         found = build_world(
-            spec.world, spec.dim, spec.size, lambda dim: (spec.count / DENSITY) ** (1.0 / dim)
+            spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
         )
     found = drawn(found, spec.seed)
     if found.dim not in model.dimensions:

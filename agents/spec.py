@@ -80,7 +80,7 @@ class Options(Conditions):
     noise: Literal["angular", "vectorial"] = option(
         "Noise",
         "What eta means. Angular: an angle is added to the heading. Vectorial: a vector is added "
-        "to the mean heading",
+        "to the mean heading. A model whose paper defines its noise keeps that",
         "angular",
         words={"angular": "angular", "vectorial": "vectorial"},
     )

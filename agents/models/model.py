@@ -76,6 +76,9 @@ class Model:
     """At the start, least distance between agents and of agents to what is solid, length."""
     agents: int = 100
     """How many ordinary agents a flock has unless the user says otherwise."""
+    density: float = 4.102
+    """Agents per unit of area or volume in a world without a size of its own, unless the user says
+    otherwise: by default rho of Liu et al. 2021, 3.1."""
     tells: tuple[str, ...] = ()
     """The observables that tell how its flocks do, the foremost first: a run prints them and the
     laboratory plots them, each of a flock that it applies to. None: those that

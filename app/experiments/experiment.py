@@ -185,7 +185,8 @@ def read_file(path: Path) -> Experiment:
 def check_sizes(file: File, path: Path) -> None:
     """Refuse a file that gives sizes, but not for all rows."""
     if file.sizes or file.settings.kind == "convergence":
-        for n in [row.agents for row in file.rows] + [n for one in file.sweeps for n in one.agents]:
+        rows = [row.agents for row in file.rows if row.size is None]
+        for n in rows + [n for one in file.sweeps for n in one.agents]:
             if str(n) not in file.sizes:
                 raise Refusal(f"agents = {n} has no side in [sizes] ({path})")
 

@@ -29,6 +29,7 @@ Picture = Literal[
     "formation",
     "driving",
     "squash",
+    "ordering",
 ]
 
 
@@ -131,7 +132,8 @@ class Order(Claimed):
 
     says: Literal["order"]
     labels: list[str] = Field(min_length=2)
-    agents: list[int] = Field(min_length=1)
+    agents: list[int] = Field(default_factory=list)
+    """The sizes at which it is said; empty: the rows may differ in size."""
 
 
 class Every(Claimed):
@@ -185,7 +187,38 @@ class Lags(Claimed):
     by: float = Field(gt=0.0)
 
 
-Said = Annotated[Order | Every | Faster | Endures | Found | Lags, Field(discriminator="says")]
+class Sizes(Claimed):
+    """At one value of a sweep, the mean of a measure rises or falls from size to size."""
+
+    says: Literal["sizes"]
+    label: str
+    value: Value
+    agents: list[int] = Field(min_length=2)
+    trend: Literal["rises", "falls"]
+
+
+class Reaches(Claimed):
+    """The mean of a measure is beyond a bound at some value of a sweep, or at none."""
+
+    says: Literal["reaches"]
+    label: str
+    agents: list[int] = Field(min_length=1)
+    above: float | None = None
+    below: float | None = None
+    nowhere: bool = False
+    """Whether it is said to be so at no value."""
+
+    @model_validator(mode="after")
+    def _has_one_bound(self) -> Reaches:
+        if (self.above is None) == (self.below is None):
+            raise ValueError("either above or below is needed")
+        return self
+
+
+Said = Annotated[
+    Order | Every | Faster | Endures | Found | Lags | Sizes | Reaches,
+    Field(discriminator="says"),
+]
 
 
 class File[Kind: Settings](Strict):

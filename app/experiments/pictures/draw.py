@@ -22,6 +22,7 @@ from app.experiments.pictures.missions.mission import draw_mission
 from app.experiments.pictures.missions.snapshots import draw_snapshots
 from app.experiments.pictures.missions.success import draw_success
 from app.experiments.pictures.missions.trajectories import draw_trajectories
+from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.squash import draw_squash
 from app.experiments.verdicts.verdict import Verdict, main_ones
@@ -36,6 +37,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "endurance": draw_endurance,
     "phases": draw_phases,
     "crashes": draw_crashes,
+    "ordering": draw_ordering,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {

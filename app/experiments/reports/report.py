@@ -56,7 +56,8 @@ def write_summary(path: Path, made: list[Verdict]) -> None:
     """Write the summary as CSV, one line per row and measure. Raises Refusal."""
     rows = [one.as_row() for one in made]
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    columns = dict.fromkeys(key for row in rows for key in row)
+    writer = csv.DictWriter(text, list(columns), lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     write_text("summary", path, text.getvalue())

@@ -8,7 +8,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.experiments.file import Endures, Every, Faster, Found, Lags, Order, Said, Sweep
+from app.experiments.file import (
+    Endures,
+    Every,
+    Faster,
+    Found,
+    Lags,
+    Order,
+    Reaches,
+    Said,
+    Sizes,
+    Sweep,
+)
+from app.experiments.verdicts.along_sweeps import endures_claim, reaches_claim, sizes_claim
 from app.experiments.verdicts.answer import (
     DOES_NOT,
     HOLDS,
@@ -21,18 +33,23 @@ from app.experiments.verdicts.answer import (
     runs_for,
     share_of_runs,
 )
+from app.experiments.verdicts.bounds import bounds_in_words, is_within
 from app.experiments.verdicts.claim import Claim
 from app.experiments.verdicts.phase_map import found_claim, lag_claim
-from app.experiments.verdicts.verdict import Verdict, name, of, paired, sweeps_of
+from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, paired, sweeps_of
 from worlds.counting import counted
 
+SMALL = 2.0
+"""Means below which three digits are told."""
 FLAT = 0.05
 """Change of a mean, as a share of it, that is hardly any."""
 
 
 def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
     """Whether the runs do what the paper says; claims about rows that were not run are left out."""
-    found = [claim for sweep in sweeps_of(made) for claim in sweep_claims(*sweep)]
+    swept = sweeps_of(main_ones(made))
+    several = len({sweep.model for sweep, _, _ in swept}) > 1
+    found = [claim for one in swept for claim in sweep_claims(*one, several)]
     for one in said:
         points = of(made, one.measure)
         for text, answer in said_of(one, points):
@@ -45,7 +62,8 @@ def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
 def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
     """What a claim says of the runs in words, and the answer."""
     if isinstance(one, Order):
-        return [claim for n in one.agents for claim in order_claim(one, n, points)]
+        sizes: list[int | None] = [*one.agents] or [None]
+        return [claim for n in sizes for claim in order_claim(one, n, points)]
     if isinstance(one, Every):
         return every_claim(one, points)
     if isinstance(one, Endures):
@@ -54,19 +72,26 @@ def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
         return found_claim(one, points)
     if isinstance(one, Lags):
         return lag_claim(one, points)
+    if isinstance(one, Sizes):
+        return sizes_claim(one, points)
+    if isinstance(one, Reaches):
+        return reaches_claim(one, points)
     return faster_claim(one, points)
 
 
-def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[tuple[str, Answer]]:
-    """Whether the means rise along the labels at one size, each step seed by seed."""
-    by_label = {row.case.label: row for row in made if row.case.agents == agents}
+def order_claim(one: Order, agents: int | None, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether the means rise along the labels at one size, or any, each step seed by seed."""
+    rows = [row for row in made if agents in (None, row.case.agents)]
+    by_label = {row.case.label: row for row in rows}
     if not set(one.labels) <= set(by_label):
         return []
     rows = [by_label[label] for label in one.labels]
     steps = [paired(a, b) for a, b in pairwise(rows)]
-    means = " < ".join(f"{row.case.label} {row.summary.mean:.1f}" for row in rows)
+    digits = 1 if max(abs(row.summary.mean) for row in rows) >= SMALL else 3
+    means = " < ".join(f"{row.case.label} {row.summary.mean:.{digits}f}" for row in rows)
     smallest = min(steps, key=lambda step: step.mean() if step.size else math.inf)
-    text = f"N = {agents}, {rows[0].measure.symbol}: {means} (least step {spread(smallest)})"
+    size = "" if agents is None else f"N = {agents}, "
+    text = f"{size}{rows[0].measure.symbol}: {means} (least step {spread(smallest, digits)})"
     return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
 
 
@@ -118,55 +143,6 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     ]
 
 
-def endures_claim(one: Endures, label: str, made: list[Verdict]) -> list[tuple[str, Answer]]:
-    """Whether a measure is within bounds in every run of a sweep; from which value on it is not."""
-    found = []
-    for sweep, agents, points in sweeps_of(made):
-        if sweep.label != label or not all(point.values for point in points):
-            continue
-        measure = points[0].measure
-        runs = [len(point.values) for point in points]
-        good = [
-            sum(is_within(one, measure.counted(value)) for value in point.values)
-            for point in points
-        ]
-        unit = "" if points[0].unit == "1" else f" {points[0].unit}"
-        ends = f"{name(sweep.values[0])} to {name(sweep.values[-1])}"
-        text = (
-            f"{label}, N = {agents}: {measure.symbol} {bounds_in_words(one)}{unit} in every run at "
-            f"{sweep.parameter} {ends}"
-        )
-        failing = [k for k in range(len(points)) if good[k] < runs[k]]
-        if failing:
-            k = failing[0]
-            text += f"; first fails at {name(points[k].case.value)} ({good[k]} of {runs[k]} runs)"
-            text += f", worst {min(g / r for g, r in zip(good, runs, strict=True)):.0%}"
-        shares = zip(good, runs, strict=True)
-        found.append((text, all_of([share_of_runs(*share, 1.0) for share in shares])))
-    return found
-
-
-def bounds_in_words(one: Every | Endures) -> str:
-    """The bounds that are given."""
-    bounds = {
-        "above": one.above,
-        "below": one.below,
-        "at least": one.at_least,
-        "at most": one.at_most,
-    }
-    return " and ".join(f"{word} {x:g}" for word, x in bounds.items() if x is not None)
-
-
-def is_within(one: Every | Endures, value: float) -> bool:
-    """Whether a value is within all of the bounds that are given."""
-    return (
-        (one.above is None or value > one.above)
-        and (one.below is None or value < one.below)
-        and (one.at_least is None or value >= one.at_least)
-        and (one.at_most is None or value <= one.at_most)
-    )
-
-
 def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
     """Whether one row needs less than another by more than a share in every pair of runs."""
     found = []
@@ -197,16 +173,19 @@ def gain(quick: float | None, slow: float | None) -> float:
     return 1.0 if slow is None else 1.0 - quick / slow
 
 
-def sweep_claims(sweep: Sweep, agents: int, points: list[Verdict]) -> list[Claim]:
-    """What a figure says about a sweep at one size."""
+def sweep_claims(
+    sweep: Sweep, agents: int, points: list[Verdict], several: bool = False
+) -> list[Claim]:
+    """What a figure says about a sweep at one size; of which model, where there are `several`."""
     said = []
+    size = f"{sweep.model}, N = {agents}" if several else f"N = {agents}"
     ends = f"from {name(sweep.values[0])} to {name(sweep.values[-1])}"
     if sweep.trend and len(points) > 1:
-        said.append(trend_claim(f"N = {agents}, {sweep.parameter} {ends}", sweep, points))
+        said.append(trend_claim(f"{size}, {sweep.parameter} {ends}", sweep, points))
     if sweep.flat_from is not None:
         later = [p for p in points if float(p.case.value or 0) >= sweep.flat_from]
         if len(later) > 1:
-            start = f"N = {agents}, {sweep.parameter} from {sweep.flat_from:g} on"
+            start = f"{size}, {sweep.parameter} from {sweep.flat_from:g} on"
             said.append(flat_claim(start, later[0], later[-1]))
     return said
 
@@ -228,7 +207,7 @@ def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:
     """Whether the mean rises or falls from the first to the last value as published."""
     change = paired(points[0], points[-1])
     sign = 1.0 if sweep.trend == "rises" else -1.0
-    unit = f" {points[0].unit}"
+    unit = "" if points[0].unit == "1" else f" {points[0].unit}"
     text = f"{label}: the mean changes by {spread(change, 2, unit)}; published: {sweep.trend}"
     return Claim(text, mean_above(sign * change))
 

@@ -1,0 +1,98 @@
+"""Claims about the points of sweeps: what size does at one, what is so at some, or at all."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from app.experiments.file import Endures, Reaches, Sizes
+from app.experiments.verdicts.answer import (
+    Answer,
+    all_of,
+    any_of,
+    interval,
+    mean_above,
+    share_of_runs,
+)
+from app.experiments.verdicts.bounds import bounds_in_words, is_within
+from app.experiments.verdicts.verdict import Verdict, name, paired, sweeps_of
+
+
+def sizes_claim(one: Sizes, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a measure falls, or rises, from each size of flock to the next, seed by seed."""
+    there = [row for row in made if row.case.sweep and row.case.value == one.value]
+    by_size = {row.case.agents: row for row in there if row.case.label == one.label}
+    if not set(one.agents) <= set(by_size):
+        return []
+    rows = [by_size[agents] for agents in one.agents]
+    sign = 1.0 if one.trend == "rises" else -1.0
+    steps = [sign * paired(a, b) for a, b in pairwise(rows)]
+    sweep = rows[0].case.sweep
+    assert sweep is not None
+    means = ", ".join(f"{row.summary.mean:.3f} at N = {row.case.agents}" for row in rows)
+    text = (
+        f"{one.label}, {sweep.parameter} = {name(one.value)}: {rows[0].measure.symbol} {one.trend} "
+        f"with N: {means}"
+    )
+    return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
+
+
+def reaches_claim(one: Reaches, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a mean is below, or above, a bound at some point of a sweep; or at none."""
+    rows = [row for row in made if row.case.sweep and row.case.label == one.label]
+    rows = [row for row in rows if row.case.agents in one.agents]
+    rows = [row for row in rows if row.values]
+    if not rows:
+        return []
+    below = one.below is not None
+    bound = one.below if one.below is not None else one.above
+    assert bound is not None
+    sign = -1.0 if below else 1.0
+    margins = [sign * (counted(row) - bound) for row in rows]
+    most = max(zip(margins, rows, strict=True), key=lambda pair: float(pair[0].mean()))[1]
+    assert most.case.sweep is not None
+    low, high = interval(counted(most))
+    words = f"{'below' if below else 'above'} {bound:g}"
+    text = (
+        f"{one.label}, N = {', '.join(map(str, one.agents))}: mean {rows[0].measure.symbol} "
+        f"{words} {'nowhere' if one.nowhere else 'somewhere'}; {'least' if below else 'most'} "
+        f"{most.summary.mean:.3f} at {most.case.sweep.parameter} = {name(most.case.value)} "
+        f"(99 %: {low:.3f} to {high:.3f})"
+    )
+    if one.nowhere:
+        return [(text, all_of([mean_above(-margin, len(rows)) for margin in margins]))]
+    return [(text, any_of([mean_above(margin, len(rows)) for margin in margins]))]
+
+
+def endures_claim(one: Endures, label: str, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a measure is within bounds in every run of a sweep; from which value on it is not."""
+    found = []
+    for sweep, agents, points in sweeps_of(made):
+        if sweep.label != label or not all(point.values for point in points):
+            continue
+        measure = points[0].measure
+        runs = [len(point.values) for point in points]
+        good = [
+            sum(is_within(one, measure.counted(value)) for value in point.values)
+            for point in points
+        ]
+        unit = "" if points[0].unit == "1" else f" {points[0].unit}"
+        ends = f"{name(sweep.values[0])} to {name(sweep.values[-1])}"
+        text = (
+            f"{label}, N = {agents}: {measure.symbol} {bounds_in_words(one)}{unit} in every run at "
+            f"{sweep.parameter} {ends}"
+        )
+        failing = [k for k in range(len(points)) if good[k] < runs[k]]
+        if failing:
+            k = failing[0]
+            text += f"; first fails at {name(points[k].case.value)} ({good[k]} of {runs[k]} runs)"
+            text += f", worst {min(g / r for g, r in zip(good, runs, strict=True)):.0%}"
+        shares = zip(good, runs, strict=True)
+        found.append((text, all_of([share_of_runs(*share, 1.0) for share in shares])))
+    return found
+
+
+def counted(row: Verdict) -> np.ndarray:
+    """The values of the runs that have one, (R,)."""
+    return np.array([value for value in row.values if value is not None], float)
