@@ -33,6 +33,7 @@ from agents.rules import (
     hwvem,
     ivem,
     olfati_saber,
+    pedestrian,
     reynolds,
     safe_zones,
     squashing,
@@ -64,6 +65,15 @@ BUILT_IN = [
     Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80),
     Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30),
     drone.tenth(vasarhelyi.VASARHELYI),
+    Model(
+        pedestrian.RULE,
+        point_mass.BODY,
+        world="walkway",
+        agents=60,
+        spacing=0.4,
+        defaults={"dt": 0.05},
+        charts=(("lane-order",), ("nearest-neighbour",), ()),
+    ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
     Model(
         zones.ZONES,

@@ -262,6 +262,8 @@ class Rule:
     """Information agents unless the user says otherwise."""
     led: bool = True
     """Whether there may be information agents."""
+    checked: str = ""
+    """The published fact that it is checked against, with the number and the command."""
     bibtex: str = ""
     """Entries of its own, for a source that `agents.models.sources` does not have."""
     converges: bool = False

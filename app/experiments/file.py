@@ -28,6 +28,7 @@ Picture = Literal[
     "formation",
     "driving",
     "squash",
+    "lanes",
 ]
 
 

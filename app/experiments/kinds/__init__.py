@@ -5,6 +5,7 @@ from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
 from app.experiments.kinds.formation import Formation
 from app.experiments.kinds.gathering import Gathering
+from app.experiments.kinds.lanes import Lanes
 from app.experiments.kinds.mission import Mission
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
@@ -12,5 +13,8 @@ from app.experiments.kinds.squash import Squash
 
 KINDS: dict[str, type[Settings]] = {
     one.kind: one
-    for one in (Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash)
+    for one in (
+        *(Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash),
+        *(Lanes,),
+    )
 }

@@ -15,6 +15,7 @@ from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
 from app.experiments.pictures.gatherings.crashes import draw_crashes
 from app.experiments.pictures.gatherings.gathering import draw_gathering
+from app.experiments.pictures.lanes import draw_lanes
 from app.experiments.pictures.missions.distances import draw_distances
 from app.experiments.pictures.missions.duel import draw_duel
 from app.experiments.pictures.missions.mission import draw_mission
@@ -49,6 +50,7 @@ OF_BOTH: dict[str, Callable[..., None]] = {
     "gathering": draw_gathering,
     "formation": draw_formation,
     "driving": draw_driving,
+    "lanes": draw_lanes,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {
