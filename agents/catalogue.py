@@ -18,6 +18,7 @@ from agents.bodies import (
     navigator,
     point_mass,
     steered,
+    swerving,
     turning,
     zero_turn,
 )
@@ -31,6 +32,7 @@ from agents.rules import (
     echelon,
     guarded_zones,
     hwvem,
+    inertial_spin,
     ivem,
     olfati_saber,
     pedestrian,
@@ -75,6 +77,7 @@ BUILT_IN = [
         charts=(("lane-order",), ("nearest-neighbour",), ()),
     ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
+    Model(inertial_spin.RULE, swerving.BODY, agents=400),
     Model(
         zones.ZONES,
         flyer.FLYER,

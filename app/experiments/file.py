@@ -29,6 +29,7 @@ Picture = Literal[
     "driving",
     "squash",
     "lanes",
+    "turns",
 ]
 
 

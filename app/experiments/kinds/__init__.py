@@ -10,11 +10,12 @@ from app.experiments.kinds.mission import Mission
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
 from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.turns import Turns
 
 KINDS: dict[str, type[Settings]] = {
     one.kind: one
     for one in (
         *(Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash),
-        *(Lanes,),
+        *(Lanes, Turns),
     )
 }

@@ -24,6 +24,7 @@ from app.experiments.pictures.missions.success import draw_success
 from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.squash import draw_squash
+from app.experiments.pictures.turns import draw_turns
 from app.experiments.verdicts.verdict import Verdict, main_ones
 from app.figure import write_figure
 from app.results import PICTURES
@@ -51,6 +52,7 @@ OF_BOTH: dict[str, Callable[..., None]] = {
     "formation": draw_formation,
     "driving": draw_driving,
     "lanes": draw_lanes,
+    "turns": draw_turns,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {
