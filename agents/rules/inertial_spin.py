@@ -155,28 +155,4 @@ RULE = Rule(
     checked="a turn runs through the flock in proportion to time (Attanasi et al. 2014, figure 2): "
     "distance ~ delay^0.91, at 0.89 of the speed of sound of the linear theory, and ~ delay^0.48 "
     "without inertia (1 600 agents, 50 runs; `flockscope paper attanasi2014`)",
-    bibtex=r"""@article{attanasi2014,
-  author  = {Attanasi, Alessandro and Cavagna, Andrea and Del Castello, Lorenzo and Giardina, Irene
-             and Grigera, Tomas S. and Jeli{\'c}, Asja and Melillo, Stefania and Parisi, Leonardo
-             and Pohl, Oliver and Shen, Edward and Viale, Massimiliano},
-  title   = {Information Transfer and Behavioural Inertia in Starling Flocks},
-  journal = {Nature Physics},
-  volume  = {10},
-  number  = {9},
-  pages   = {691--696},
-  year    = {2014},
-  doi     = {10.1038/nphys3035},
-}
-
-@article{cavagna2015,
-  author  = {Cavagna, Andrea and Del Castello, Lorenzo and Giardina, Irene and Grigera, Tomas and
-             Jeli{\'c}, Asja and Melillo, Stefania and Mora, Thierry and Parisi, Leonardo and
-             Silvestri, Edmondo and Viale, Massimiliano and Walczak, Aleksandra M.},
-  title   = {Flocking and Turning: a New Model for Self-Organized Collective Motion},
-  journal = {Journal of Statistical Physics},
-  volume  = {158},
-  pages   = {601--627},
-  year    = {2015},
-  doi     = {10.1007/s10955-014-1119-3},
-}""",
 )

@@ -327,14 +327,4 @@ RULE = Rule(
     "2): 60 of them have lane order 0.39 after 100 s, against 0.11 where nobody minds the others "
     "and 0.15 where the same places are dealt out by chance (50 runs; `flockscope paper "
     "helbing1995-lanes`)",
-    bibtex=r"""@article{helbing1995,
-  author  = {Helbing, Dirk and Moln{\'a}r, P{\'e}ter},
-  title   = {Social Force Model for Pedestrian Dynamics},
-  journal = {Physical Review E},
-  volume  = {51},
-  number  = {5},
-  pages   = {4282--4286},
-  year    = {1995},
-  doi     = {10.1103/PhysRevE.51.4282},
-}""",
 )
