@@ -15,6 +15,7 @@ from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
 from agents.models.model import Model
+from agents.observables.occasions import in_a_corridor
 from app.worlds.colours import FLOOR, GOAL, INK, LOOK, PALE, PATH, SOLID, SOLID_EDGE
 from app.worlds.footprint import footprint
 from app.worlds.plan import edges, fill, floor
@@ -130,6 +131,8 @@ def how(flock: Flock) -> str:
         return f"{flock.observe('following'):.0%} linked"
     if seeks(flock) and flock.world.mission.goal.speed == 0.0:
         return f"{flock.observe('goal-distance'):.0f} m to the goal"
+    if in_a_corridor(flock):
+        return f"lane order {flock.observe('lane-order'):.2f}"
     return f"polarisation {flock.observe('polarisation'):.2f}"
 
 

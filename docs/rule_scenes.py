@@ -41,6 +41,8 @@ SCENES = {
     "olfati-saber": Scene((0, 1000, 2000, 8000), 3.0, tail=150, view=((0.0, 0.0), (92.0, 98.0))),
     "boundary-points": Scene((0, 400, 1000, 3000), 2.2, tail=100, view=((0.0, 0.0), (88.0, 45.0))),
     "reynolds": Scene((0, 300, 900, 1800), 1.3, tail=20),
+    "inertial-spin": Scene((0, 20, 60, 400), 0.36, agents=200, seed=4, size=7.0),
+    "pedestrian": Scene((0, 200, 1000, 3000), 1.3),
     "vasarhelyi": Scene((0, 100, 400, 900), 7.0, tail=60),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
     "thesis": Scene((0, 100, 500, 3000), 1.6, seed=3),
@@ -54,9 +56,8 @@ SCENES = {
 
 def scene_of(model: Model) -> Scene:
     """What is drawn of a model; of one without a scene of its own, its first 200 ticks."""
-    if model.world == "wrap":
-        return ON_TORUS
-    return SCENES.get(model.name, Scene((0, 50, 100, 200), 1.0))
+    usual = ON_TORUS if model.world == "wrap" else Scene((0, 50, 100, 200), 1.0)
+    return SCENES.get(model.name, usual)
 
 
 def flock_of(model: Model) -> Flock:

@@ -33,6 +33,7 @@ from agents.observables.formation import (
     vee_saved,
 )
 from agents.observables.groups import algebraic_connectivity, group_labels, group_sizes
+from agents.observables.lanes import lane_order
 from agents.observables.layers import layer_histogram, layers
 from agents.observables.neighbours import links, mean_neighbours, nearest_neighbour, separation
 from agents.observables.observable import Observable, Range, Table
@@ -73,6 +74,7 @@ __all__ = [
     "groups_within",
     "hamiltonian",
     "keep_following",
+    "lane_order",
     "layer_histogram",
     "layers",
     "least_clearances",

@@ -39,7 +39,8 @@ def test_an_agent_of_a_flock_that_is_nowhere_is_left_out(name, array):
 
 
 NONE = {
-    "polarisation": 0.0, "consistency": 1.0, "angular-momentum": 0.0, "groups": 0,
+    "polarisation": 0.0, "lane-order": 0.0, "consistency": 1.0, "angular-momentum": 0.0,
+    "groups": 0,
     "largest-group": 0, "mean-neighbours": 0.0, "nearest-neighbour": math.inf, "connectivity": 0.0,
     "obstacle-distance": math.inf, "inside-obstacles": 0, "group-polarisation": math.nan,
     "group-angular-momentum": math.nan, "correlation-length": math.nan, "goal-distance": math.nan,
@@ -48,7 +49,8 @@ NONE = {
 }  # fmt: skip
 """What a flock of nobody has, but for `crashes`, which goes on telling of those that were."""
 ONE = {
-    "polarisation": 1.0, "consistency": 1.0, "angular-momentum": 0.0, "groups": 1,
+    "polarisation": 1.0, "lane-order": 1.0, "consistency": 1.0, "angular-momentum": 0.0,
+    "groups": 1,
     "largest-group": 1, "group-polarisation": 1.0, "group-angular-momentum": 0.0,
     "mean-neighbours": 0.0, "nearest-neighbour": math.inf, "connectivity": 0.0,
     "correlation-length": math.nan, "group-sizes": {1: 1},

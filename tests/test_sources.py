@@ -29,6 +29,8 @@ def keys(entries):
         ("reynolds", ["reynolds1987", "reynolds1999"]),
         ("echelon", ["couzin2002", "flappingwing"]),
         ("couzin-cars", ["couzin2002", "jacobs"]),
+        ("inertial-spin", ["attanasi2014", "cavagna2015"]),
+        ("pedestrian", ["helbing1995"]),
         ("vasarhelyi", ["vasarhelyi2018", "soria2020"]),
     ],
 )

@@ -138,6 +138,48 @@ PAPERS = (
 }""",
     ),
     Paper(
+        r"Helbing and Molnar 1995",
+        r"""@article{helbing1995,
+  author  = {Helbing, Dirk and Moln{\'a}r, P{\'e}ter},
+  title   = {Social Force Model for Pedestrian Dynamics},
+  journal = {Physical Review E},
+  volume  = {51},
+  number  = {5},
+  pages   = {4282--4286},
+  year    = {1995},
+  doi     = {10.1103/PhysRevE.51.4282},
+}""",
+    ),
+    Paper(
+        r"Attanasi et al\. 2014",
+        r"""@article{attanasi2014,
+  author  = {Attanasi, Alessandro and Cavagna, Andrea and Del Castello, Lorenzo and Giardina, Irene
+             and Grigera, Tomas S. and Jeli{\'c}, Asja and Melillo, Stefania and Parisi, Leonardo
+             and Pohl, Oliver and Shen, Edward and Viale, Massimiliano},
+  title   = {Information Transfer and Behavioural Inertia in Starling Flocks},
+  journal = {Nature Physics},
+  volume  = {10},
+  number  = {9},
+  pages   = {691--696},
+  year    = {2014},
+  doi     = {10.1038/nphys3035},
+}""",
+    ),
+    Paper(
+        r"Cavagna et al\. 2015",
+        r"""@article{cavagna2015,
+  author  = {Cavagna, Andrea and Del Castello, Lorenzo and Giardina, Irene and Grigera, Tomas and
+             Jeli{\'c}, Asja and Melillo, Stefania and Mora, Thierry and Parisi, Leonardo and
+             Silvestri, Edmondo and Viale, Massimiliano and Walczak, Aleksandra M.},
+  title   = {Flocking and Turning: a New Model for Self-Organized Collective Motion},
+  journal = {Journal of Statistical Physics},
+  volume  = {158},
+  pages   = {601--627},
+  year    = {2015},
+  doi     = {10.1007/s10955-014-1119-3},
+}""",
+    ),
+    Paper(
         r"SwarmLab",
         r"""@inproceedings{soria2020,
   author    = {Soria, Enrica and Schiano, Fabrizio and Floreano, Dario},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from agents.observables import consistency, fluctuations, of_flocks, order, rotation
+from agents.observables import consistency, fluctuations, lanes, of_flocks, order, rotation
 from agents.observables.observable import (
     COUNT,
     LENGTH,
@@ -19,6 +19,7 @@ from agents.observables.observable import (
 from agents.observables.occasions import (
     among_solids,
     can_crash,
+    in_a_corridor,
     led,
     led_along_a_path,
     on_its_way,
@@ -60,6 +61,17 @@ ORDER = [
         quick=True,
         beside="polarisation",
         card=Card("rotation"),
+    ),
+    Observable(
+        "lane-order",
+        "How far those who pass each other along x walk in lanes",
+        "1",
+        SHARE,
+        lambda flock: lanes.lane_order(
+            flock.position, flock.heading, flock.world.size, flock.world.images
+        ),
+        quick=True,
+        tells=in_a_corridor,
     ),
     Observable(
         "correlation-length",

@@ -10,6 +10,12 @@ def among_solids(flock) -> bool:
     return flock.world.is_solid
 
 
+def in_a_corridor(flock) -> bool:
+    """Whether its world is flat, goes on for ever along x and ends along y."""
+    world = flock.world
+    return world.dim == 2 and bool(world.wraps[0] and not world.wraps[1])
+
+
 def on_its_way(flock) -> bool:
     """Whether its mission has an end: a goal, or that of a path."""
     mission = flock.world.mission

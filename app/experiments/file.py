@@ -30,6 +30,8 @@ Picture = Literal[
     "driving",
     "squash",
     "ordering",
+    "lanes",
+    "turns",
 ]
 
 

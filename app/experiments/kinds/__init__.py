@@ -5,23 +5,18 @@ from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
 from app.experiments.kinds.formation import Formation
 from app.experiments.kinds.gathering import Gathering
+from app.experiments.kinds.lanes import Lanes
 from app.experiments.kinds.mission import Mission
 from app.experiments.kinds.ordering import Ordering
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
 from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.turns import Turns
 
 KINDS: dict[str, type[Settings]] = {
     one.kind: one
     for one in (
-        Convergence,
-        Mission,
-        Energy,
-        Phases,
-        Gathering,
-        Formation,
-        Driving,
-        Squash,
-        Ordering,
+        *(Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash),
+        *(Lanes, Ordering, Turns),
     )
 }

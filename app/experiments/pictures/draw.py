@@ -16,6 +16,7 @@ from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
 from app.experiments.pictures.gatherings.crashes import draw_crashes
 from app.experiments.pictures.gatherings.gathering import draw_gathering
+from app.experiments.pictures.lanes import draw_lanes
 from app.experiments.pictures.missions.distances import draw_distances
 from app.experiments.pictures.missions.duel import draw_duel
 from app.experiments.pictures.missions.mission import draw_mission
@@ -25,6 +26,7 @@ from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.squash import draw_squash
+from app.experiments.pictures.turns import draw_turns
 from app.experiments.verdicts.verdict import Verdict, main_ones
 from app.figure import write_figure
 from app.results import PICTURES
@@ -53,6 +55,8 @@ OF_BOTH: dict[str, Callable[..., None]] = {
     "gathering": draw_gathering,
     "formation": draw_formation,
     "driving": draw_driving,
+    "lanes": draw_lanes,
+    "turns": draw_turns,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {

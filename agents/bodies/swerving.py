@@ -1,0 +1,71 @@
+"""A body of constant speed that an acceleration turns: what is along its heading does nothing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from agents.engine.block import Moved
+from agents.engine.lanes import where
+from agents.models.declare import Body, Parameters, parameter
+from worlds.compiled import compiled
+
+
+class Swerving(Parameters):
+    """Parameters of the swerving body."""
+
+    v0: float = parameter(
+        1.0,
+        "Speed of every agent",
+        symbol="v_0",
+        unit="length/s",
+        low=0.000001,
+        high=100.0,
+        step=0.1,
+        source="Cavagna et al. 2015; value ours",
+    )
+    dt: float = parameter(
+        0.05,
+        "Time of a tick",
+        symbol="\\Delta t",
+        unit="s",
+        low=0.0001,
+        high=1.0,
+        step=0.01,
+        source="ours",
+    )
+
+
+@compiled
+def move(me, near, surroundings, want, p, out):
+    """dv/dt = a across the heading: u turns towards it by |a| dt / v_0, then x += dt v_0 u."""
+    along = want.x * me.ux + want.y * me.uy + want.z * me.uz
+    ax, ay, az = want.x - along * me.ux, want.y - along * me.uy, want.z - along * me.uz
+    a = math.sqrt(ax * ax + ay * ay + az * az)
+    angle = a * p.dt / p.v0
+    c, s = math.cos(angle), math.sin(angle)
+    s = s / where(a == 0.0, 1.0, a)
+    ux, uy, uz = c * me.ux + s * ax, c * me.uy + s * ay, c * me.uz + s * az
+    length = math.sqrt(ux * ux + uy * uy + uz * uz)
+    ux, uy, uz = ux / length, uy / length, uz / length
+    way = p.v0 * p.dt
+    return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, p.v0)
+
+
+def begins(parameters: Swerving, rng: np.random.Generator, n: int) -> np.ndarray:
+    """The speeds (n,), all v_0."""
+    return np.full(n, parameters.v0)
+
+
+BODY = Body(
+    name="swerving",
+    title="Constant speed under an acceleration",
+    source="Cavagna et al. 2015, |v| = v_0",
+    parameters=Swerving,
+    move=move,
+    takes="acceleration",
+    begins=begins,
+    lasts=lambda p: p.dt,
+    unit="s",
+)
