@@ -28,6 +28,7 @@ from agents.models.rule_file import thing_in
 from agents.rules import (
     boundary_points,
     couzin,
+    cucker_smale,
     echelon,
     guarded_zones,
     hwvem,
@@ -64,6 +65,13 @@ BUILT_IN = [
     Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80),
     Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30),
     drone.tenth(vasarhelyi.VASARHELYI),
+    Model(
+        cucker_smale.RULE,
+        point_mass.BODY,
+        world="open",
+        defaults={"dt": 0.02, "v_start": 2.0},
+        charts=(("velocity-spread",), ("polarisation",), ("gyration-radius",)),
+    ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
     Model(
         zones.ZONES,

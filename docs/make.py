@@ -49,7 +49,7 @@ GROUPS = {
     "lattice and to get round obstacles.",
     ZONES: "Zones of repulsion, orientation and attraction with a field of view, as Couzin et al. "
     "published them and as a thesis gave them to flapping-wing aircraft, whose bodies crash.",
-    OTHERS: "Boids and drones, with which other work can be compared.",
+    OTHERS: "Boids, drones and particles, with which other work can be compared.",
 }
 
 
@@ -122,6 +122,8 @@ def facts(model: Model) -> list[tuple[str, str]]:
         made.append(("At the start", f"at least {model.spacing:g} from each other and all else"))
     made.append(("At home in", home(model)))
     made.append(("Unit of time", clock(model)))
+    if rule.fact:
+        made.append(("Checked against", rule.fact))
     return made
 
 

@@ -42,6 +42,7 @@ SCENES = {
     "boundary-points": Scene((0, 400, 1000, 3000), 2.2, tail=100, view=((0.0, 0.0), (88.0, 45.0))),
     "reynolds": Scene((0, 300, 900, 1800), 1.3, tail=20),
     "vasarhelyi": Scene((0, 100, 400, 900), 7.0, tail=60),
+    "cucker-smale": Scene((0, 20, 80, 400), 0.45, tail=20, view=((-2.0, -2.0), (7.0, 7.0))),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
     "thesis": Scene((0, 100, 500, 3000), 1.6, seed=3),
     "safe": Scene((0, 100, 500, 3000), 1.6, seed=3, parameters={"alpha": 270.0, "v0": 2.0}),

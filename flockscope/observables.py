@@ -46,6 +46,7 @@ from agents.observables.per_group import (
     size_histogram,
 )
 from agents.observables.rotation import angular_momentum, centre
+from agents.observables.spread import gyration_radius, velocity_spread
 
 __all__ = [
     "Correlation",
@@ -71,6 +72,7 @@ __all__ = [
     "group_sizes",
     "group_table",
     "groups_within",
+    "gyration_radius",
     "hamiltonian",
     "keep_following",
     "layer_histogram",
@@ -91,4 +93,5 @@ __all__ = [
     "upwash_share",
     "vee",
     "vee_saved",
+    "velocity_spread",
 ]

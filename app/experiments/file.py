@@ -28,6 +28,7 @@ Picture = Literal[
     "formation",
     "driving",
     "squash",
+    "consensus",
 ]
 
 
@@ -142,6 +143,26 @@ class Every(Claimed):
     at_most: float | None = None
 
 
+class Near(Claimed):
+    """The mean of a measure is no further than a bound from a value."""
+
+    says: Literal["near"]
+    labels: list[str] = Field(min_length=1)
+    agents: list[int] = Field(default_factory=list)
+    """The sizes that it is said of; empty: all."""
+    value: float
+    within: float = Field(gt=0.0)
+
+
+class Scales(Claimed):
+    """A measure goes with a power of the number of agents, over the sizes of a row's label."""
+
+    says: Literal["scales"]
+    label: str
+    power: float
+    within: float = Field(gt=0.0)
+
+
 class Faster(Claimed):
     """One row is faster than another by more than a share, in every pair of runs of one seed."""
 
@@ -165,7 +186,7 @@ class Lags(Claimed):
     by: float = Field(gt=0.0)
 
 
-Said = Annotated[Order | Every | Faster | Found | Lags, Field(discriminator="says")]
+Said = Annotated[Order | Every | Near | Scales | Faster | Found | Lags, Field(discriminator="says")]
 
 
 class File[Kind: Settings](Strict):

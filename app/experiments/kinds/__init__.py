@@ -1,5 +1,6 @@
 """The kinds of experiments."""
 
+from app.experiments.kinds.consensus import Consensus
 from app.experiments.kinds.convergence import Convergence
 from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
@@ -12,5 +13,15 @@ from app.experiments.kinds.squash import Squash
 
 KINDS: dict[str, type[Settings]] = {
     one.kind: one
-    for one in (Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash)
+    for one in (
+        Convergence,
+        Mission,
+        Energy,
+        Phases,
+        Gathering,
+        Formation,
+        Driving,
+        Squash,
+        Consensus,
+    )
 }

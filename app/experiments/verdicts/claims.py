@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.experiments.file import Every, Faster, Found, Lags, Order, Said, Sweep
+from app.experiments.file import Every, Faster, Found, Lags, Near, Order, Said, Scales, Sweep
 from app.experiments.verdicts.answer import (
     DOES_NOT,
     HOLDS,
@@ -18,6 +18,7 @@ from app.experiments.verdicts.answer import (
     by_construction,
     interval,
     mean_above,
+    mean_within,
     runs_for,
     share_of_runs,
 )
@@ -48,6 +49,10 @@ def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
         return [claim for n in one.agents for claim in order_claim(one, n, points)]
     if isinstance(one, Every):
         return every_claim(one, points)
+    if isinstance(one, Near):
+        return near_claim(one, points)
+    if isinstance(one, Scales):
+        return scales_claim(one, points)
     if isinstance(one, Found):
         return found_claim(one, points)
     if isinstance(one, Lags):
@@ -79,6 +84,18 @@ def spread(margins: np.ndarray, digits: int = 1, unit: str = "") -> str:
     return f"{mean}, 99 %: {low:+.{digits}f} to {high:+.{digits}f}{unit}"
 
 
+def mean_of(values: np.ndarray, unit: str = "") -> str:
+    """The mean of values (R,) with its interval, in words.
+
+    >>> mean_of(np.array([1.0, 1.0, 1.0]), " m")
+    '1 m, 99 %: 1 to 1 m'
+    """
+    if values.size < 2:
+        return f"{values.mean():.4g}{unit} in one run" if values.size else "measured in no run"
+    low, high = interval(values)
+    return f"{values.mean():.4g}{unit}, 99 %: {low:.4g} to {high:.4g}{unit}"
+
+
 def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     """Whether a measure is within bounds in every run, or in a share of the runs."""
     rows = [row for row in made if not one.labels or row.case.label in one.labels]
@@ -88,7 +105,7 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
         return []
     measure = rows[0].measure
     good = [sum(is_within(one, measure.counted(value)) for value in row.values) for row in rows]
-    there = [value for row in rows for value in row.values if value is not None]
+    came = [value for row in rows for value in row.values if value is not None]
     bounds = {
         "above": one.above,
         "below": one.below,
@@ -97,7 +114,7 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     }
     words = " and ".join(f"{word} {x:g}" for word, x in bounds.items() if x is not None)
     who = ", ".join(one.labels) or "all"
-    span = f"{number(min(there))} to {number(max(there))}" if there else measure.absent
+    span = f"{number(min(came))} to {number(max(came))}" if came else measure.absent
     unit = "" if rows[0].unit == "1" else f" {rows[0].unit}"
     when = "" if one.tick is None else f" at tick {one.tick}"
     often = "every run" if one.share == 1.0 else f"{one.share:.0%} of the runs or more"
@@ -130,6 +147,49 @@ def is_within(one: Every, value: float) -> bool:
         and (one.at_least is None or value >= one.at_least)
         and (one.at_most is None or value <= one.at_most)
     )
+
+
+def near_claim(one: Near, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether the means of some rows are near a value."""
+    rows = [row for row in made if row.case.label in one.labels]
+    rows = [row for row in rows if not one.agents or row.case.agents in one.agents]
+    found = []
+    for row in rows:
+        values = there(row)
+        unit = "" if row.unit == "1" else f" {row.unit}"
+        text = (
+            f"{row.case.label}, N = {row.case.agents}: the mean {row.measure.symbol} is within "
+            f"{one.within:g} of {one.value:g}{unit}; it is {mean_of(values, unit)}"
+        )
+        found.append((text, mean_within(values, one.value, one.within, len(rows))))
+    return found
+
+
+def scales_claim(one: Scales, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a measure goes with a power of N, by the slope of each seed's line on log scales."""
+    rows = [row for row in made if row.case.label == one.label]
+    if len(rows) < 2:
+        return []
+    sizes = np.log([row.case.agents for row in rows])
+    seeds = zip(*(row.values for row in rows), strict=True)
+    slopes = np.array(
+        [
+            np.polyfit(sizes, np.log(np.array(seed, float)), 1)[0]
+            for seed in seeds
+            if all(value is not None and value > 0.0 for value in seed)
+        ]
+    )
+    span = ", ".join(str(row.case.agents) for row in rows)
+    text = (
+        f"{one.label}, N = {span}: {rows[0].measure.symbol} goes with N to the power "
+        f"{one.power:g}, within {one.within:g}; it is {mean_of(slopes)}"
+    )
+    return [(text, mean_within(slopes, one.power, one.within))]
+
+
+def there(row: Verdict) -> np.ndarray:
+    """The values of a row, (R,), those of runs without one left out."""
+    return np.array([value for value in row.values if value is not None], float)
 
 
 def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
