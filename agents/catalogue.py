@@ -30,6 +30,7 @@ from agents.models.rule_file import thing_in
 from agents.rules import (
     boundary_points,
     couzin,
+    cucker_smale,
     echelon,
     guarded_zones,
     hwvem,
@@ -96,6 +97,13 @@ BUILT_IN = [
         spacing=0.4,
         defaults={"dt": 0.05},
         tells=("lane-order", "nearest-neighbour"),
+    ),
+    Model(
+        cucker_smale.RULE,
+        point_mass.BODY,
+        world="open",
+        defaults={"dt": 0.02, "v_start": 2.0},
+        tells=("velocity-spread", "polarisation", "gyration-radius"),
     ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
     Model(inertial_spin.RULE, swerving.BODY, agents=400),

@@ -49,7 +49,7 @@ GROUPS = {
     "lattice and to get round obstacles.",
     ZONES: "Zones of repulsion, orientation and attraction with a field of view, as Couzin et al. "
     "published them and as a thesis gave them to flapping-wing aircraft, whose bodies crash.",
-    OTHERS: "Boids, drones, people and spins, with which other work can be compared.",
+    OTHERS: "Boids, drones, people, particles and spins, with which other work can be compared.",
 }
 
 

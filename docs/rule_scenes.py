@@ -44,6 +44,7 @@ SCENES = {
     "inertial-spin": Scene((0, 20, 60, 400), 0.36, agents=200, seed=4, size=7.0),
     "pedestrian": Scene((0, 200, 1000, 3000), 1.3),
     "vasarhelyi": Scene((0, 100, 400, 900), 7.0, tail=60),
+    "cucker-smale": Scene((0, 20, 80, 400), 0.45, tail=20, view=((-2.0, -2.0), (7.0, 7.0))),
     "couzin": Scene((0, 60, 200, 1200), 1.6),
     "thesis": Scene((0, 100, 500, 3000), 1.6, seed=3),
     "safe": Scene((0, 100, 500, 3000), 1.6, seed=3, parameters={"alpha": 270.0, "v0": 2.0}),

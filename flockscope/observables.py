@@ -47,6 +47,7 @@ from agents.observables.per_group import (
     size_histogram,
 )
 from agents.observables.rotation import angular_momentum, centre
+from agents.observables.spread import gyration_radius, velocity_spread
 
 __all__ = [
     "Correlation",
@@ -72,6 +73,7 @@ __all__ = [
     "group_sizes",
     "group_table",
     "groups_within",
+    "gyration_radius",
     "hamiltonian",
     "keep_following",
     "lane_order",
@@ -93,4 +95,5 @@ __all__ = [
     "upwash_share",
     "vee",
     "vee_saved",
+    "velocity_spread",
 ]

@@ -24,6 +24,7 @@ from agents.observables import (
     order,
     per_group,
     rotation,
+    spread,
 )
 from agents.observables.checks import LeftOut
 from agents.observables.components import groups_within
@@ -88,6 +89,8 @@ WHOLE = {
     "energy": lambda t: energy.hamiltonian(
         t.position, t.velocity, np.zeros((2, t.dim)), t.position + 0.5, P
     ),
+    "gyration radius": lambda t: spread.gyration_radius(t.position, *t.box),
+    "velocity spread": lambda t: spread.velocity_spread(t.velocity),
     "susceptibility": lambda t: fluctuations.susceptibility(t.series[:, 0], 30),
     "binder": lambda t: fluctuations.binder(t.series[:, 0]),
 }

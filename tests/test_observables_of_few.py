@@ -45,7 +45,7 @@ NONE = {
     "obstacle-distance": math.inf, "inside-obstacles": 0, "group-polarisation": math.nan,
     "group-angular-momentum": math.nan, "correlation-length": math.nan, "goal-distance": math.nan,
     "following": math.nan, "drag-saved": math.nan, "energy-saved": math.nan, "group-sizes": {},
-    "group-table": {}, "layers": {},
+    "group-table": {}, "layers": {}, "velocity-spread": 0.0, "gyration-radius": 0.0,
 }  # fmt: skip
 """What a flock of nobody has, but for `crashes`, which goes on telling of those that were."""
 ONE = {
@@ -53,7 +53,8 @@ ONE = {
     "groups": 1,
     "largest-group": 1, "group-polarisation": 1.0, "group-angular-momentum": 0.0,
     "mean-neighbours": 0.0, "nearest-neighbour": math.inf, "connectivity": 0.0,
-    "correlation-length": math.nan, "group-sizes": {1: 1},
+    "correlation-length": math.nan, "group-sizes": {1: 1}, "velocity-spread": 0.0,
+    "gyration-radius": 0.0,
     "group-table": {"agents": 1, "polarisation": 1.0, "angular-momentum": 0.0},
 }  # fmt: skip
 """What a lone agent has, whatever it is and wherever; the rest depends on its world."""

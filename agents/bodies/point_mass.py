@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from agents.engine.block import Moved
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
@@ -46,6 +48,23 @@ class PointMass(Parameters):
         step=0.1,
         source="ours",
     )
+    v_start: float = parameter(
+        0.0,
+        "Largest speed at the start, in any direction; 0: at rest",
+        symbol="v_{start}",
+        unit="m/s",
+        low=0.0,
+        high=1000.0,
+        step=0.1,
+        source="ours",
+    )
+
+
+def begins(p: PointMass, rng: np.random.Generator, n: int) -> np.ndarray:
+    """Speeds (n,) of velocities that are uniform in the disc of radius v_start, m/s."""
+    if p.v_start == 0.0:
+        return np.zeros(n)
+    return p.v_start * np.sqrt(rng.uniform(0.0, 1.0, n))
 
 
 @compiled
@@ -72,6 +91,7 @@ BODY = Body(
     parameters=PointMass,
     move=move,
     takes="acceleration",
+    begins=begins,
     stride=lambda p: p.v_max * p.dt,
     lasts=lambda p: p.dt,
     unit="s",

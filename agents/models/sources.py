@@ -124,6 +124,19 @@ PAPERS = (
 }""",
     ),
     Paper(
+        r"Cucker and Smale 2007",
+        r"""@article{cuckersmale2007,
+  author  = {Cucker, Felipe and Smale, Steve},
+  title   = {Emergent Behavior in Flocks},
+  journal = {IEEE Transactions on Automatic Control},
+  volume  = {52},
+  number  = {5},
+  pages   = {852--862},
+  year    = {2007},
+  doi     = {10.1109/TAC.2007.895842},
+}""",
+    ),
+    Paper(
         r"Vasarhelyi et al\. 2018",
         r"""@article{vasarhelyi2018,
   author  = {V{\'a}s{\'a}rhelyi, G{\'a}bor and Vir{\'a}gh, Csaba and Somorjai, Gerg{\H{o}} and

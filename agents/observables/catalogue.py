@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from agents.observables import consistency, fluctuations, lanes, of_flocks, order, rotation
+from agents.observables import (
+    consistency,
+    fluctuations,
+    lanes,
+    of_flocks,
+    order,
+    rotation,
+    spread,
+)
 from agents.observables.observable import (
     COUNT,
     LENGTH,
@@ -80,6 +88,14 @@ ORDER = [
         LENGTH,
         of_flocks.correlation_length,
     ),
+    Observable(
+        "velocity-spread",
+        "Root mean square difference of the velocities from their mean",
+        "length/time",
+        LENGTH,
+        lambda flock: spread.velocity_spread(flock.heading * flock.speed[:, None]),
+        quick=True,
+    ),
     over_a_run(
         "susceptibility",
         "Variance of the polarisation over a run, times N",
@@ -111,6 +127,14 @@ NEIGHBOURS = [
         LENGTH,
         of_flocks.nearest,
         tells=among_solids,
+    ),
+    Observable(
+        "gyration-radius",
+        "Root mean square distance of the agents from their centre",
+        "length",
+        LENGTH,
+        lambda flock: spread.gyration_radius(flock.position, flock.world.size, flock.world.images),
+        quick=True,
     ),
     Observable(
         "connectivity",

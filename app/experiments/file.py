@@ -32,6 +32,7 @@ Picture = Literal[
     "ordering",
     "lanes",
     "turns",
+    "consensus",
 ]
 
 
@@ -154,6 +155,26 @@ class Every(Claimed):
     at_most: float | None = None
 
 
+class Near(Claimed):
+    """The mean of a measure is no further than a bound from a value."""
+
+    says: Literal["near"]
+    labels: list[str] = Field(min_length=1)
+    agents: list[int] = Field(default_factory=list)
+    """The sizes that it is said of; empty: all."""
+    value: float
+    within: float = Field(gt=0.0)
+
+
+class Scales(Claimed):
+    """A measure goes with a power of the number of agents, over the sizes of a row's label."""
+
+    says: Literal["scales"]
+    label: str
+    power: float
+    within: float = Field(gt=0.0)
+
+
 class Faster(Claimed):
     """One row is faster than another by more than a share, in every pair of runs of one seed."""
 
@@ -218,7 +239,7 @@ class Reaches(Claimed):
 
 
 Said = Annotated[
-    Order | Every | Faster | Endures | Found | Lags | Sizes | Reaches,
+    Order | Every | Near | Scales | Faster | Endures | Found | Lags | Sizes | Reaches,
     Field(discriminator="says"),
 ]
 

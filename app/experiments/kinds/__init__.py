@@ -1,5 +1,6 @@
 """The kinds of experiments."""
 
+from app.experiments.kinds.consensus import Consensus
 from app.experiments.kinds.convergence import Convergence
 from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
@@ -17,6 +18,6 @@ KINDS: dict[str, type[Settings]] = {
     one.kind: one
     for one in (
         *(Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash),
-        *(Lanes, Ordering, Turns),
+        *(Consensus, Lanes, Ordering, Turns),
     )
 }

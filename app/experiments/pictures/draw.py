@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.experiments.experiment import Experiment
+from app.experiments.pictures.consensus import draw_consensus
 from app.experiments.pictures.convergence.models import draw_models
 from app.experiments.pictures.convergence.pairs import draw_pairs
 from app.experiments.pictures.convergence.sweeps import draw_sweeps
@@ -49,6 +50,7 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "trajectories": draw_trajectories,
     "energy": draw_energy,
     "squash": draw_squash,
+    "consensus": draw_consensus,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {

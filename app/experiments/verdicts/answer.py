@@ -89,6 +89,24 @@ def mean_above(margins: np.ndarray, of: int = 1) -> Answer:
     return Answer("undecided", runs_for(margins, of))
 
 
+def mean_within(values: np.ndarray, target: float, bound: float, of: int = 1) -> Answer:
+    """Whether the mean of values (R,) is no further than a bound from a target.
+
+    `of` as in `mean_above`. It holds where the whole interval is within the bound, and does not
+    where all of it is outside.
+    """
+    low, high = interval(values, 1.0 - (1.0 - CONFIDENCE) / of)
+    if low >= target - bound and high <= target + bound:
+        return HOLDS
+    if low > target + bound or high < target - bound:
+        return DOES_NOT
+    if values.size < 2:
+        return UNDECIDED
+    off = float(values.mean()) - target
+    edge = bound if off >= 0.0 else -bound
+    return Answer("undecided", runs_for(values - target - edge, of))
+
+
 def runs_for(margins: np.ndarray, of: int = 1) -> int | None:
     """Runs with which a mean like that of margins (R,) is told from 0, about; None if unknown."""
     if margins.size < 2 or margins.mean() == 0.0:

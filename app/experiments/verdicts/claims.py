@@ -14,9 +14,11 @@ from app.experiments.file import (
     Faster,
     Found,
     Lags,
+    Near,
     Order,
     Reaches,
     Said,
+    Scales,
     Sizes,
     Sweep,
 )
@@ -30,6 +32,7 @@ from app.experiments.verdicts.answer import (
     by_construction,
     interval,
     mean_above,
+    mean_within,
     runs_for,
     share_of_runs,
 )
@@ -68,6 +71,10 @@ def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
         return every_claim(one, points)
     if isinstance(one, Endures):
         return [claim for label in one.labels for claim in endures_claim(one, label, points)]
+    if isinstance(one, Near):
+        return near_claim(one, points)
+    if isinstance(one, Scales):
+        return scales_claim(one, points)
     if isinstance(one, Found):
         return found_claim(one, points)
     if isinstance(one, Lags):
@@ -106,6 +113,18 @@ def spread(margins: np.ndarray, digits: int = 1, unit: str = "") -> str:
     return f"{mean}, 99 %: {low:+.{digits}f} to {high:+.{digits}f}{unit}"
 
 
+def mean_of(values: np.ndarray, unit: str = "") -> str:
+    """The mean of values (R,) with its interval, in words.
+
+    >>> mean_of(np.array([1.0, 1.0, 1.0]), " m")
+    '1 m, 99 %: 1 to 1 m'
+    """
+    if values.size < 2:
+        return f"{values.mean():.4g}{unit} in one run" if values.size else "measured in no run"
+    low, high = interval(values)
+    return f"{values.mean():.4g}{unit}, 99 %: {low:.4g} to {high:.4g}{unit}"
+
+
 def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     """Whether a measure is within bounds in every run, or in a share of the runs."""
     rows = [row for row in made if not one.labels or row.case.label in one.labels]
@@ -115,10 +134,10 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
         return []
     measure = rows[0].measure
     good = [sum(is_within(one, measure.counted(value)) for value in row.values) for row in rows]
-    there = [value for row in rows for value in row.values if value is not None]
+    came = [value for row in rows for value in row.values if value is not None]
     words = bounds_in_words(one)
     who = ", ".join(one.labels) or "all"
-    span = f"{number(min(there))} to {number(max(there))}" if there else measure.absent
+    span = f"{number(min(came))} to {number(max(came))}" if came else measure.absent
     unit = "" if rows[0].unit == "1" else f" {rows[0].unit}"
     when = "" if one.tick is None else f" at tick {one.tick}"
     often = "every run" if one.share == 1.0 else f"{one.share:.0%} of the runs or more"
@@ -141,6 +160,49 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
             all_of([share_of_runs(*share, one.share, of) for share in shares]),
         )
     ]
+
+
+def near_claim(one: Near, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether the means of some rows are near a value."""
+    rows = [row for row in made if row.case.label in one.labels]
+    rows = [row for row in rows if not one.agents or row.case.agents in one.agents]
+    found = []
+    for row in rows:
+        values = there(row)
+        unit = "" if row.unit == "1" else f" {row.unit}"
+        text = (
+            f"{row.case.label}, N = {row.case.agents}: the mean {row.measure.symbol} is within "
+            f"{one.within:g} of {one.value:g}{unit}; it is {mean_of(values, unit)}"
+        )
+        found.append((text, mean_within(values, one.value, one.within, len(rows))))
+    return found
+
+
+def scales_claim(one: Scales, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether a measure goes with a power of N, by the slope of each seed's line on log scales."""
+    rows = [row for row in made if row.case.label == one.label]
+    if len(rows) < 2:
+        return []
+    sizes = np.log([row.case.agents for row in rows])
+    seeds = zip(*(row.values for row in rows), strict=True)
+    slopes = np.array(
+        [
+            np.polyfit(sizes, np.log(np.array(seed, float)), 1)[0]
+            for seed in seeds
+            if all(value is not None and value > 0.0 for value in seed)
+        ]
+    )
+    span = ", ".join(str(row.case.agents) for row in rows)
+    text = (
+        f"{one.label}, N = {span}: {rows[0].measure.symbol} goes with N to the power "
+        f"{one.power:g}, within {one.within:g}; it is {mean_of(slopes)}"
+    )
+    return [(text, mean_within(slopes, one.power, one.within))]
+
+
+def there(row: Verdict) -> np.ndarray:
+    """The values of a row, (R,), those of runs without one left out."""
+    return np.array([value for value in row.values if value is not None], float)
 
 
 def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:

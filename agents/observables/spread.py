@@ -1,0 +1,45 @@
+"""How far a flock is spread out, in space and in velocity."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from agents.observables.checks import box, together, vectors
+from agents.observables.rotation import middle
+
+
+def gyration_radius(position: np.ndarray, size: np.ndarray, images: np.ndarray) -> float:
+    """Root of the mean square distance of the agents from their centre, length.
+
+    `position` (N, dim), length; `size` (dim,) sides of the box > 0, `images` (dim,) bool: along
+    such axes the centre is the mean on the circle and distances go to the nearest image. 0 for a
+    lone agent and for nobody. Rows that are no numbers are left out, with a warning. Raises Refusal.
+
+    >>> corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0]])
+    >>> gyration_radius(corners, np.ones(2), np.zeros(2, bool))
+    2.5
+    """
+    _, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
+    if len(position) < 2:
+        return 0.0
+    apart = position - middle(position, size, images)
+    apart = apart - np.where(images, size * np.round(apart / size), 0.0)
+    return math.sqrt((apart**2).sum(axis=1).mean())
+
+
+def velocity_spread(velocity: np.ndarray) -> float:
+    """Root of the mean square difference of the velocities from their mean, length/time.
+
+    `velocity` (N, dim). 0 where all agree on a velocity, and for nobody. Rows that are no numbers
+    are left out, with a warning. Raises Refusal.
+
+    >>> velocity_spread(np.array([[3.0, 4.0], [-3.0, -4.0]]))
+    5.0
+    """
+    _, velocity = together(velocity=vectors("velocity", velocity))
+    if len(velocity) == 0:
+        return 0.0
+    return math.sqrt(((velocity - velocity.mean(axis=0)) ** 2).sum(axis=1).mean())
