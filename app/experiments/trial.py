@@ -18,7 +18,7 @@ from agents.spec import versions
 from app.experiments.experiment import Case
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
-from app.experiments.overrides import PLAIN, Overrides, with_goal_speed
+from app.experiments.overrides import PLAIN, Overrides, with_goal
 from worlds.layout import world
 from worlds.world import World
 
@@ -65,7 +65,7 @@ def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> Wo
 
     Raises Refusal if the overrides change a part of the mission that the world does not have.
     """
-    found = with_goal_speed(world(name, dim), overrides)
+    found = with_goal(world(name, dim), overrides)
     return replace(found, obstacles=(), random=None) if bare else found
 
 

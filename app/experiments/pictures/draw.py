@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.experiments.experiment import Experiment
+from app.experiments.pictures.convergence.evolution import draw_evolution
 from app.experiments.pictures.convergence.models import draw_models
 from app.experiments.pictures.convergence.pairs import draw_pairs
 from app.experiments.pictures.convergence.sweeps import draw_sweeps
@@ -15,11 +16,18 @@ from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
 from app.experiments.pictures.gatherings.crashes import draw_crashes
 from app.experiments.pictures.gatherings.gathering import draw_gathering
+from app.experiments.pictures.gatherings.start import draw_start
+from app.experiments.pictures.holding import draw_holding
+from app.experiments.pictures.layering import draw_layering
+from app.experiments.pictures.missions.centres import draw_centres
+from app.experiments.pictures.missions.detours import draw_detour, draw_expected
 from app.experiments.pictures.missions.distances import draw_distances
 from app.experiments.pictures.missions.duel import draw_duel
 from app.experiments.pictures.missions.mission import draw_mission
+from app.experiments.pictures.missions.nearest import draw_nearest
 from app.experiments.pictures.missions.snapshots import draw_snapshots
 from app.experiments.pictures.missions.success import draw_success
+from app.experiments.pictures.missions.tangents import draw_tangents
 from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.squash import draw_squash
@@ -40,15 +48,24 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "mission": draw_mission,
     "snapshots": draw_snapshots,
     "duel": draw_duel,
+    "centres": draw_centres,
     "trajectories": draw_trajectories,
     "energy": draw_energy,
     "squash": draw_squash,
+    "start": draw_start,
+    "layering": draw_layering,
+    "tangents": draw_tangents,
+    "detour": draw_detour,
+    "expected": draw_expected,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {
+    "evolution": draw_evolution,
+    "nearest": draw_nearest,
     "gathering": draw_gathering,
     "formation": draw_formation,
     "driving": draw_driving,
+    "holding": draw_holding,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {
