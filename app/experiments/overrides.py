@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from app.strict import Strict
+from worlds.mission import Goal
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -45,6 +46,8 @@ class Overrides(Strict):
 
     ranks: Ranks | None = None
     """Where agents start; None: at random in the world's own region."""
+    rests: tuple[float, float] | None = None
+    """Where the goal rests, length; None: on its route."""
     speed: float | None = Field(default=None, gt=0.0)
     """Speed of the goal along its route; None: the world's own."""
     scene: str | None = None
@@ -53,6 +56,12 @@ class Overrides(Strict):
     """Every run has one start, that of seed 1; from run to run the scene is turned by another
     angle, with the start in it, and its outlines begin elsewhere: the seed draws both."""
 
+    @model_validator(mode="after")
+    def _rests_or_moves(self) -> Overrides:
+        if self.rests is not None and self.speed is not None:
+            raise ValueError("a goal that rests has no speed")
+        return self
+
 
 START = 1
 """The seed of the start that turned runs have."""
@@ -60,11 +69,15 @@ PLAIN = Overrides()
 """Nothing is overridden."""
 
 
-def with_goal_speed(world: World, overrides: Overrides) -> World:
-    """The world with the goal at the speed of the overrides. Raises Refusal if it has no goal."""
-    if overrides.speed is None:
+def with_goal(world: World, overrides: Overrides) -> World:
+    """The world with the goal as the overrides have it. Raises Refusal if it has no goal."""
+    if overrides.speed is None and overrides.rests is None:
         return world
     if world.mission is None or world.mission.goal is None:
-        raise Refusal(f"speed = {overrides.speed:g}: the world {world.name!r} has no goal")
-    goal = world.mission.goal.model_copy(update={"speed": overrides.speed})
+        said = "rests" if overrides.speed is None else f"speed = {overrides.speed:g}"
+        raise Refusal(f"{said}: the world {world.name!r} has no goal")
+    if overrides.rests is not None:
+        goal = Goal(route=(overrides.rests,))
+    else:
+        goal = world.mission.goal.model_copy(update={"speed": overrides.speed})
     return replace(world, mission=world.mission.model_copy(update={"goal": goal}))

@@ -18,7 +18,7 @@ from agents.spec import Spec, versions
 from app.experiments.experiment import Case
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
-from app.experiments.overrides import PLAIN, START, Overrides, with_goal_speed
+from app.experiments.overrides import PLAIN, START, Overrides, with_goal
 from worlds.layout import world
 from worlds.turning import turned, turned_places
 from worlds.world import World
@@ -84,7 +84,7 @@ def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> Wo
 
     Raises Refusal if the overrides change a part of the mission that the world does not have.
     """
-    found = with_goal_speed(world(name, dim), overrides)
+    found = with_goal(world(name, dim), overrides)
     return replace(found, obstacles=(), random=None) if bare else found
 
 

@@ -11,7 +11,7 @@ from agents import Flock
 from app.experiments.experiment import read_file
 from app.experiments.kinds.driving import Drive, Driving, gaps, lags, lap_of, nearest
 from app.experiments.kinds.squash import Squash
-from app.experiments.overrides import PLAIN, Overrides, Ranks, with_goal_speed
+from app.experiments.overrides import PLAIN, Overrides, Ranks, with_goal
 from app.experiments.trial import fingerprint, flock_of
 from worlds.layout import world
 from worlds.refusal import Refusal
@@ -152,7 +152,7 @@ def test_one_car_that_turns_on_the_spot_lags_as_its_speed_has_it(speed):
         "squashing",
         agents=1,
         rng=1,
-        world=with_goal_speed(world("cars-circle"), Overrides(speed=speed)),
+        world=with_goal(world("cars-circle"), Overrides(speed=speed)),
     )
     found = Driving(world="cars-circle", limit=130.0).run(flock, lambda: None)
     assert found["locked"] == 100
@@ -212,4 +212,4 @@ def test_a_drive_needs_an_injected_car_that_goes_round_within_it():
     with pytest.raises(Refusal, match="'open' has no injected car"):
         settings.run(alone, lambda: None)
     with pytest.raises(Refusal, match="'open' has no goal"):
-        with_goal_speed(world("open", 2, 5.0), Overrides(speed=1.0))
+        with_goal(world("open", 2, 5.0), Overrides(speed=1.0))

@@ -207,10 +207,16 @@ def test_faster_in_every_pair(done, quick, slow, word):
 
 
 SHORT = {
+    "liu2021-fig2": ({}, []),
+    "liu2021-fig3": ({}, []),
+    "liu2021-fig4": ({"hold": 5, "limit": 40}, []),
     "liu2021-table2": ({}, [20]),
     "liu2021-fig7": ({"limit": 120.0}, []),
     "liu2021-fig8": ({"limit": 120.0}, []),
+    "wu2023-fig3": ({"limit": 10.0}, []),
+    "wu2023-fig4": ({"limit": 10.0}, []),
     "wu2023-fig5": ({"limit": 2.0}, []),
+    "wu2023-fig6": ({"limit": 2.0}, []),
     "wu2023-fig7": ({"limit": 2.0}, []),
     "wu2023-fig8": ({"limit": 2.0}, []),
     "wu2023-fig9": ({"limit": 2.0}, [30]),
@@ -222,6 +228,8 @@ SHORT = {
     "couzin2002-phases": ({}, []),
     "thesis-table5.1": ({}, []),
     "thesis-table5.2": ({}, []),
+    "thesis-fig5.3": ({}, []),
+    "thesis-fig5.6": ({}, []),
     "thesis-fig5.4": ({"words": {"1": "all", "3": "few"}}, []),
     "thesis-fig5.7": ({"words": {"1": "all", "3": "few"}}, []),
     "thesis-fig3.7": ({"words": {"1": "all", "3": "few"}}, []),
@@ -234,6 +242,8 @@ SHORT = {
     "jacobs-fig3": ({"limit": 45.0}, []),
     "jacobs-fig11": ({"limit": 12.0}, [4]),
     "jacobs-predator": ({"limit": 12.0}, []),
+    "jacobs-gallery1": ({"limit": 12.0}, []),
+    "jacobs-gallery2": ({"limit": 12.0}, []),
 }
 
 

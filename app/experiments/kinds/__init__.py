@@ -1,23 +1,30 @@
 """The kinds of experiments."""
 
+from app.experiments.kinds.beginning import Beginning
 from app.experiments.kinds.consensus import Consensus
 from app.experiments.kinds.convergence import Convergence
+from app.experiments.kinds.detours import Detours
 from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
+from app.experiments.kinds.evolution import Evolution
 from app.experiments.kinds.formation import Formation
 from app.experiments.kinds.gathering import Gathering
+from app.experiments.kinds.holding import Holding
 from app.experiments.kinds.lanes import Lanes
+from app.experiments.kinds.layering import Layering
 from app.experiments.kinds.mission import Mission
 from app.experiments.kinds.ordering import Ordering
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
 from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.tangents import Tangents
 from app.experiments.kinds.turns import Turns
 
 KINDS: dict[str, type[Settings]] = {
     one.kind: one
     for one in (
-        *(Convergence, Mission, Energy, Phases, Gathering, Formation, Driving, Squash),
+        *(Convergence, Evolution, Mission, Energy, Phases, Gathering, Beginning, Formation),
+        *(Driving, Holding, Squash, Layering, Tangents, Detours),
         *(Consensus, Lanes, Ordering, Turns),
     )
 }

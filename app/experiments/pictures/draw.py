@@ -8,6 +8,7 @@ from typing import Any
 
 from app.experiments.experiment import Experiment
 from app.experiments.pictures.consensus import draw_consensus
+from app.experiments.pictures.convergence.evolution import draw_evolution
 from app.experiments.pictures.convergence.models import draw_models
 from app.experiments.pictures.convergence.pairs import draw_pairs
 from app.experiments.pictures.convergence.sweeps import draw_sweeps
@@ -17,12 +18,19 @@ from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
 from app.experiments.pictures.gatherings.crashes import draw_crashes
 from app.experiments.pictures.gatherings.gathering import draw_gathering
+from app.experiments.pictures.gatherings.start import draw_start
+from app.experiments.pictures.holding import draw_holding
 from app.experiments.pictures.lanes import draw_lanes
+from app.experiments.pictures.layering import draw_layering
+from app.experiments.pictures.missions.centres import draw_centres
+from app.experiments.pictures.missions.detours import draw_detour, draw_expected
 from app.experiments.pictures.missions.distances import draw_distances
 from app.experiments.pictures.missions.duel import draw_duel
 from app.experiments.pictures.missions.mission import draw_mission
+from app.experiments.pictures.missions.nearest import draw_nearest
 from app.experiments.pictures.missions.snapshots import draw_snapshots
 from app.experiments.pictures.missions.success import draw_success
+from app.experiments.pictures.missions.tangents import draw_tangents
 from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
@@ -47,18 +55,27 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "mission": draw_mission,
     "snapshots": draw_snapshots,
     "duel": draw_duel,
+    "centres": draw_centres,
     "trajectories": draw_trajectories,
     "energy": draw_energy,
     "squash": draw_squash,
     "consensus": draw_consensus,
+    "start": draw_start,
+    "layering": draw_layering,
+    "tangents": draw_tangents,
+    "detour": draw_detour,
+    "expected": draw_expected,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {
+    "evolution": draw_evolution,
+    "nearest": draw_nearest,
     "gathering": draw_gathering,
     "formation": draw_formation,
     "driving": draw_driving,
     "lanes": draw_lanes,
     "turns": draw_turns,
+    "holding": draw_holding,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {

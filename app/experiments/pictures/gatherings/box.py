@@ -17,8 +17,11 @@ LENGTH = 0.06
 """Length of an arrow, of the box's longest side."""
 
 
-def draw_box(axes: Any, flock: Any) -> None:
-    """Draw the box, its obstacles and the flock as it stands."""
+def draw_box(axes: Any, flock: Any, shades: list[Any] | None = None) -> None:
+    """Draw the box, its obstacles and the flock as it stands.
+
+    `shades`: colours of those that fly; None: those of their groups.
+    """
     from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
         Line3DCollection,
         Poly3DCollection,
@@ -41,7 +44,7 @@ def draw_box(axes: Any, flock: Any) -> None:
                     faces, facecolor=SOLID, edgecolor="white", linewidth=0.4, alpha=0.3
                 )
             )
-    draw_flock(axes, flock, LENGTH * float(size.max()))
+    draw_flock(axes, flock, LENGTH * float(size.max()), shades)
     axes.set(
         xlim=(low[0], low[0] + size[0]),
         ylim=(low[1], low[1] + size[1]),
@@ -53,8 +56,8 @@ def draw_box(axes: Any, flock: Any) -> None:
     axes.set_axis_off()
 
 
-def draw_flock(axes: Any, flock: Any, length: float) -> None:
-    """Draw those that fly as arrows in their group's colour, those that have crashed as crosses."""
+def draw_flock(axes: Any, flock: Any, length: float, shades: list[Any] | None = None) -> None:
+    """Draw those that fly as arrows, those that have crashed as crosses."""
     up = flock.active
     place = np.where(flock.world.wraps, flock.position % flock.world.size, flock.position)
     if not up.all():
@@ -66,7 +69,7 @@ def draw_flock(axes: Any, flock: Any, length: float) -> None:
         axes.quiver(
             *(fly - 0.5 * way).T,
             *way.T,
-            colors=colours(groups_of(flock)),
+            colors=shades or colours(groups_of(flock)),
             linewidths=1.3,
             arrow_length_ratio=0.45,
         )

@@ -18,24 +18,32 @@ from app.experiments.pictures.missions.scene import (
 )
 
 COLOURS = ("#b07d12", "#2166ac")
+LETTERS = "abcdefgh"
 
 
 def draw_duel(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the runs of that seed, one of each row."""
-    flights = [flown(experiment, case, seed) for case in experiment.cases]
     labels = [case.label for case in experiment.cases]
-    figure.set_size_inches(5.0 * len(flights) + 0.4, 7.8)
-    letters = "abcdefgh"[: len(flights)]
-    panels = figure.subplot_mosaic([list(letters), ["time"] * len(flights)], height_ratios=[2.1, 1])
+    rows = len(labels)
+    figure.set_size_inches(5.0 * rows + 0.4, 7.8)
+    panels = figure.subplot_mosaic([list(LETTERS[:rows]), ["time"] * rows], height_ratios=[2.1, 1])
+    draw_times(panels["time"], experiment, draw_flights(panels, experiment, seed), labels)
+
+
+def draw_flights(panels: dict[str, Any], experiment: Experiment, seed: int) -> list[Flight]:
+    """Draw the trajectories of the runs of that seed into the panels "a", "b" and so on."""
+    flights = [flown(experiment, case, seed) for case in experiment.cases]
     low, high = shared_box(flights)
-    for letter, label, flight, colour in zip(letters, labels, flights, COLOURS, strict=False):
+    for letter, case, flight, colour in zip(
+        LETTERS, experiment.cases, flights, COLOURS, strict=False
+    ):
         axes = panels[letter]
         draw_flight(axes, flight, colour)
         show_box(axes, low, high)
-        axes.set_title(f"{label}: {through(experiment, flight)}", loc="left")
+        axes.set_title(f"{case.label}: {through(experiment, flight)}", loc="left")
         axes.set_xlabel("x / m")
     panels["a"].set_ylabel("y / m")
-    draw_times(panels["time"], experiment, flights, labels)
+    return flights
 
 
 def shared_box(flights: list[Flight]) -> tuple[np.ndarray, np.ndarray]:

@@ -21,10 +21,10 @@ class Flight(NamedTuple):
     record: MissionRecord
 
 
-def flown(experiment: Experiment, case: Case, seed: int) -> Flight:
-    """Fly the run of a case with that seed."""
+def flown(experiment: Experiment, case: Case, seed: int, every: int | None = None) -> Flight:
+    """Fly the run of a case with that seed; keep every so many ticks, or about FRAMES in all."""
     settings = experiment.settings
     assert isinstance(settings, Mission)
     flock = flock_of(case, seed)
     ticks = round(settings.limit / flock.dt)
-    return Flight(flock, fly(flock, ticks, every=max(1, ticks // FRAMES)))
+    return Flight(flock, fly(flock, ticks, every=every or max(1, ticks // FRAMES)))

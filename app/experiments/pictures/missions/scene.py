@@ -20,15 +20,20 @@ PIECES = 14
 """Pieces of a trajectory, each drawn in one strength."""
 
 
-def draw_world(axes: Any, world: Any) -> None:
-    """Draw obstacles, solid edges, the path of the information agents and the goal."""
-    from matplotlib.patches import Rectangle
-
+def draw_obstacles(axes: Any, world: Any) -> None:
+    """Draw obstacles on a ground of equal scales."""
     axes.set_facecolor(GROUND)
     axes.grid(visible=False)
     axes.set_aspect("equal")
     for obstacle in world.obstacles:
         draw_outline(axes, obstacle.footprint())
+
+
+def draw_world(axes: Any, world: Any) -> None:
+    """Draw obstacles, solid edges, the path of the information agents and the goal."""
+    from matplotlib.patches import Rectangle
+
+    draw_obstacles(axes, world)
     if "solid" in world.edges:
         axes.add_patch(
             Rectangle(world.low[:2], *world.size[:2], fill=False, edgecolor=SOLID_EDGE, linewidth=2)
