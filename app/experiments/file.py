@@ -18,6 +18,7 @@ Picture = Literal[
     "evolution",
     "success",
     "endurance",
+    "rows",
     "mission",
     "snapshots",
     "duel",

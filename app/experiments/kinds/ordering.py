@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import Field
 
+from agents.observables.neighbours import nearest_neighbour
 from app.experiments.kinds.settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ class Ordering(Settings):
         Measure("order", "order", "Polarisation, mean over time", "1"),
         Measure("binder", "G", "Binder cumulant of the polarisation over time", "1"),
         Measure("chi", "chi", "N times the variance of the polarisation over time", "1"),
+        Measure("d_pair", "d_pair", "Least distance of two agents", "length", "one agent"),
     )
 
     settle: int = Field(ge=0)
@@ -35,15 +38,18 @@ class Ordering(Settings):
         """Let the flock settle, then look at it."""
         between()
         flock.run(self.settle)
-        seen = np.empty(self.looks)
+        seen, least = np.empty(self.looks), math.inf
         for k in range(self.looks):
             between()
             flock.run(self.every)
             seen[k] = flock.observe("polarisation")
+            near = nearest_neighbour(flock.position, flock.world.size, flock.world.images)
+            least = min(least, near.min(initial=math.inf))
         return {
             "order": float(seen.mean()),
             "binder": binder(seen),
             "chi": len(flock.ids) * float(seen.var()),
+            "d_pair": least if math.isfinite(least) else None,
         }
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002

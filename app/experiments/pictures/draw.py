@@ -34,6 +34,7 @@ from app.experiments.pictures.missions.tangents import draw_tangents
 from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
+from app.experiments.pictures.rows import draw_rows
 from app.experiments.pictures.squash import draw_squash
 from app.experiments.pictures.turns import draw_turns
 from app.experiments.verdicts.verdict import Verdict, main_ones
@@ -46,6 +47,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "success": draw_success,
     "distances": draw_distances,
     "endurance": draw_endurance,
+    "rows": draw_rows,
     "phases": draw_phases,
     "crashes": draw_crashes,
     "ordering": draw_ordering,
