@@ -14,6 +14,7 @@ import json
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 from rule_scenes import flock_of, scene_of
 
@@ -123,8 +124,43 @@ def facts(model: Model) -> list[tuple[str, str]]:
     made.append(("At home in", home(model)))
     made.append(("Unit of time", clock(model)))
     if rule.checked:
-        made.append(("Checked against", rule.checked))
+        made.append(("Checked against", with_numbers(rule.checked)))
     return made
+
+
+def with_numbers(text: str) -> str:
+    """The text with what runs gave in the places of `{PAPER/ROW/N/MEASURE}` and `{PAPER#CLAIM}`.
+
+    Of a row the mean, and what was published; claims are counted from 1. From `docs/papers`.
+    """
+    text = re.sub(r"\{([\w.-]+)#(\d+)\}", lambda found: claim_of(found[1], int(found[2])), text)
+    return re.sub(
+        r"\{([\w.-]+)/([^/}]+)/(\d+)/(\w+)\}", lambda found: row_of(*found.groups()), text
+    )
+
+
+def stored(paper: str) -> dict[str, Any]:
+    """The stored results of a paper's full runs."""
+    path = Path(__file__).parent / "papers" / f"{paper}.json"
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def claim_of(paper: str, number: int) -> str:
+    """A claim in words, and its verdict."""
+    one = stored(paper)["claims"][number - 1]
+    return f"{one['text']}: {one['verdict']}"
+
+
+def row_of(paper: str, label: str, agents: str, measure: str) -> str:
+    """The mean of a measure in a row, with the published one and the verdict where there are."""
+    rows = stored(paper)["rows"]
+    wanted = (label, int(agents), measure)
+    row = next(one for one in rows if (one["label"], one["agents"], one["measure"]) == wanted)
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    found = f"{row['mean']:.4g}{unit}"
+    if row.get("published_mean") is None:
+        return found
+    return f"{found} (published {row['published_mean']:.4g}: {row['verdict']})"
 
 
 def crashes(model: Model) -> str:

@@ -73,6 +73,8 @@ VEM = Rule(
     summary="Each agent takes the mean heading of all agents within r, itself among them.",
     equation=EQUATION,
     source="Vicsek et al. 1995; Liu et al. 2021, (6)",
+    checked="time to align at N = 100 {liu2021-table1/vem/100/k_con}, at 200 "
+    "{liu2021-table1/vem/200/k_con}: `flockscope paper liu2021-table1`",
     parameters=Vicsek,
     **OF_PAIRS,
 )
@@ -84,6 +86,9 @@ VEM_A = Rule(
     "turns; nobody weighs it more than any other.",
     equation=EQUATION,
     source="Liu et al. 2021, (6) and section 3.1.2",
+    checked="time to align at N = 100 {liu2021-table1/vem-a/100/k_con}, at 200 "
+    "{liu2021-table1/vem-a/200/k_con}: `flockscope paper liu2021-table1`; success on a mission "
+    "of 50 UAVs {liu2021-table2/VEM-A/50/success}: `flockscope paper liu2021-table2`",
     parameters=Vicsek,
     **OF_PAIRS,
     informed=1,
