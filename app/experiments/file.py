@@ -21,6 +21,7 @@ Picture = Literal[
     "duel",
     "trajectories",
     "distances",
+    "turns",
     "energy",
     "phases",
     "gathering",

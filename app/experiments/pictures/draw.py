@@ -21,6 +21,7 @@ from app.experiments.pictures.missions.mission import draw_mission
 from app.experiments.pictures.missions.snapshots import draw_snapshots
 from app.experiments.pictures.missions.success import draw_success
 from app.experiments.pictures.missions.trajectories import draw_trajectories
+from app.experiments.pictures.missions.turns import draw_turns
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.squash import draw_squash
 from app.experiments.verdicts.verdict import Verdict, main_ones
@@ -34,6 +35,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "distances": draw_distances,
     "phases": draw_phases,
     "crashes": draw_crashes,
+    "turns": draw_turns,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {
