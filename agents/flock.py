@@ -38,7 +38,8 @@ class Flock(Motion, mesa.Model):
         `flockscope.from_file`. Or a `Spec`, which says more of the run.
     start: None for random, or arrays `position`, `heading` and, if wanted, `speed`, `informed`;
         `agents` is then not used. Positions are outside of obstacles, and in the box along axes
-        that wrap or are solid; without speeds agents set off as at a random start.
+        that wrap or are solid; without speeds agents set off as at a random start, and those of a
+        body of one speed have that.
     rng: the run's seed, an integer in [0, 2^63), or `seed`; None draws one.
     threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
     interpret: run the model as plain Python, some thousand times slower, with `print` and `pdb`;
@@ -126,12 +127,12 @@ class Flock(Motion, mesa.Model):
         begin = random_start(
             self.world, run.agents or 0, run.informed or 0, self.rng, run.spacing, self._gap
         )
-        return begin if begin.speed.any() else self._set_off(begin)
+        return self._set_off(begin, bool(begin.speed.any()))
 
     def _given(self, start: Mapping[str, Any]) -> Start:
         """A start from arrays; without speeds with those that the body begins with. Or Refusal."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
-        return begin if "speed" in start else self._set_off(begin)
+        return self._set_off(begin, "speed" in start)
 
     @property
     def _gap(self) -> float:
@@ -141,12 +142,14 @@ class Flock(Motion, mesa.Model):
             return float(body.stride(self.parameters))
         return 0.5 * float(getattr(self.parameters, body.size)) if body.size else 0.0
 
-    def _set_off(self, begin: Start) -> Start:
-        """The start with the speeds that the body begins with."""
-        begins = self.model.body.begins
-        if begins is None:
+    def _set_off(self, begin: Start, with_speeds: bool) -> Start:
+        """The start with the one speed of the body, or, without speeds, those it begins with."""
+        body, n = self.model.body, len(begin.speed)
+        if body.speed is not None:
+            return replace(begin, speed=np.full(n, float(body.speed(self.parameters))))
+        if with_speeds or body.begins is None:
             return begin
-        return replace(begin, speed=begins(self.parameters, self.rng, len(begin.speed)))
+        return replace(begin, speed=body.begins(self.parameters, self.rng, n))
 
     def _lay_out(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""

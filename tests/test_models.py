@@ -98,3 +98,21 @@ def test_a_model_that_declares_what_cannot_be_measured_is_refused():
     odd = replace(MODELS["vem"], tells=("polarization",))
     with pytest.raises(Refusal, match=r"unknown observable 'polarization'.*model vem"):
         foremost(odd)
+
+
+@pytest.mark.parametrize("name", ["vem", "hwvem", "couzin", "hwvem-nav"])
+def test_a_body_of_one_speed_has_it_from_tick_0_on(name):
+    flock = Flock(name, agents=20, rng=1)
+    before = flock.speed.copy()
+    assert (before == flock.model.body.speed(flock.parameters)).all()
+    assert (before > 0.0).all()
+    flock.run(1)
+    assert np.median(flock.speed) == pytest.approx(before[0]), "solids hold some UAVs back"
+
+
+def test_a_body_of_one_speed_has_that_whatever_it_is_handed_and_others_have_what_they_are():
+    start = {"position": np.ones((3, 2)), "heading": np.eye(2)[[0, 1, 0]], "speed": np.full(3, 0.7)}
+    assert (Flock("vem", start=start, size=4.0, rng=1, v0=0.05).speed == 0.05).all()
+    assert (Flock("vem", agents=3, world="wu2023-multi", rng=1).speed == 0.03).all()
+    assert (Flock("reynolds", start=start, world="open", size=4.0, rng=1).speed == 0.7).all()
+    assert Flock("boundary-points", agents=9, rng=1).speed.std() > 0.1

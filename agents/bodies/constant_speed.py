@@ -43,5 +43,6 @@ BODY = Body(
     source="Liu et al. 2021, (7), (8)",
     parameters=ConstantSpeed,
     move=move,
+    speed=lambda p: p.v0,
     by_lanes=True,
 )

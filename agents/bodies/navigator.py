@@ -209,6 +209,7 @@ BODY = Body(
     source="Liu et al. 2021, (18) to (26)",
     parameters=Navigator,
     move=move,
+    speed=lambda p: p.v0,
     signals=("heard",),
     deafens=True,
     sees_obstacles=True,

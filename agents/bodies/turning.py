@@ -89,6 +89,7 @@ BODY = Body(
     source="Couzin et al. 2002",
     parameters=Turning,
     move=move,
+    speed=lambda p: p.s,
     by_lanes=True,
     lasts=lambda p: p.tau,
     unit="s",

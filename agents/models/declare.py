@@ -334,6 +334,9 @@ class Body:
     """Compiled: (me, near, p, out). Measures it, on the flock as the tick finds it."""
     begins: Callable[[Any, np.random.Generator, int], np.ndarray] | None = None
     """Speeds (n,) at the start, from the parameters; None: 0."""
+    speed: Callable[[Any], float] | None = None
+    """The speed at which all its agents go while nothing is in their way, from the parameters: they
+    have it from tick 0 on, whatever speeds a start hands them. None: speeds are free."""
     deafens: bool = False
     """Whether its last signal is 1.0 for agents whose heading counts and 0.0 for others."""
     sees_obstacles: bool = False

@@ -26,6 +26,7 @@ Picture = Literal[
     "nearest",
     "trajectories",
     "distances",
+    "turned",
     "energy",
     "phases",
     "gathering",

@@ -48,3 +48,15 @@ def test_theorem_1_the_bound_holds_and_energy_only_falls_without_obstacles(tmp_p
     assert min(values(made, "peak")["obstacles", 30]) > 1.0, "what the theorem leaves out"
     assert all(0.1 < one < 0.25 for row in values(made, "ratio").values() for one in row)
     assert min(values(made, "rises")["obstacles", 30]) > 0.0
+
+
+def test_a_turned_scene_is_the_same_scene_wherever_its_outlines_begin(tmp_path):
+    """One start in four turns: all that was measured is the same, as far as numbers have digits."""
+    experiment, made = flown("wu2023-turned", tmp_path, 4, [30])
+    assert borne_out(experiment, made)
+    for measure in ("settled", "through", "d_pair", "d_obs"):
+        for (label, _), found in values(made, measure).items():
+            if label != "multi":  # there an agent decides between two ways
+                assert found == [None] * 4 or found == pytest.approx([found[0]] * 4, abs=1e-6), (
+                    label
+                )

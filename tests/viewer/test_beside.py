@@ -25,7 +25,7 @@ from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
 
-SAME = ("position", "heading", "speed", "informed", "ids")
+SAME = ("position", "heading", "informed", "ids")
 
 
 def pair(model: str = "hwvem", beside: str = "vem-a", **given) -> Pair:
@@ -58,6 +58,17 @@ def test_both_begin_alike_to_the_bit(model, beside, given):
             assert not second.informed.any()
         else:
             assert np.array_equal(getattr(first, name), getattr(second, name)), name
+    alone = Flock(second.spec) if led else None
+    bodies = first.model.body, second.model.body
+    if bodies[1].speed is not None:
+        assert (second.speed == bodies[1].speed(second.parameters)).all()
+        assert (second.speed > 0.0).all()
+    elif bodies[0].speed is None:
+        assert np.array_equal(first.speed, second.speed)
+    elif alone is not None:
+        assert np.array_equal(second.speed, alone.speed)
+    else:
+        assert not second.speed.any(), "as it begins alone in a world that says nothing of speeds"
     assert (second.seed, second.tick) == (first.seed, 0)
     assert second.spec.chosen == first.spec.chosen | ({} if led else {"informed": 0})
 

@@ -32,6 +32,7 @@ from app.experiments.pictures.missions.snapshots import draw_snapshots
 from app.experiments.pictures.missions.success import draw_success
 from app.experiments.pictures.missions.tangents import draw_tangents
 from app.experiments.pictures.missions.trajectories import draw_trajectories
+from app.experiments.pictures.missions.turned import draw_turned
 from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.rows import draw_rows
@@ -51,6 +52,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "phases": draw_phases,
     "crashes": draw_crashes,
     "ordering": draw_ordering,
+    "turned": draw_turned,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {

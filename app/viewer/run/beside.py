@@ -79,6 +79,8 @@ def companion(first: Flock, beside: Spec) -> Flock:
 
     It has the world, seed, turns, noise and information agents of the first, and its values of
     what the models share. A model that knows no information agents takes them for ordinary ones.
+    Positions and headings are the same, and speeds where both bodies have free ones: agents of a
+    body of one speed go at that, and beside them others begin as they do alone.
     Raises Refusal, with the model's title, if it cannot be in this world or at these values.
     """
     model = find_model(beside.model)
@@ -91,7 +93,9 @@ def companion(first: Flock, beside: Spec) -> Flock:
     )
     arrays = None
     if spec.informed and not model.rule.led:
-        arrays = {name: getattr(first, name) for name in ("position", "heading", "speed")}
+        arrays = {name: getattr(first, name) for name in ("position", "heading")}
+        if first.model.body.speed is None:
+            arrays["speed"] = first.speed
         spec = spec.but(informed=0)
     try:
         flock = Flock(spec, threads=first.threads, start=arrays, interpret=first.interpret)
