@@ -41,8 +41,9 @@ def scene(rng, n):
     derivative=st.sampled_from((0.0, 0.02)),
     c_align=st.sampled_from((0.0, 0.3)),
     injected=st.booleans(),
+    varied=st.sampled_from(("", "integral", "shape", "own", "all")),
 )
-def test_ticks_are_the_papers(seed, n, k, predators, derivative, c_align, injected):
+def test_ticks_are_the_papers(seed, n, k, predators, derivative, c_align, injected, varied):
     rng = np.random.default_rng(seed)
     position, heading = scene(rng, n)
     shape = {
@@ -55,14 +56,23 @@ def test_ticks_are_the_papers(seed, n, k, predators, derivative, c_align, inject
     }
     more = {**shape, "k": k, "predators": predators, "derivative": derivative, "c_align": c_align}
     goal = rng.uniform(0.0, 4.0, 2) if injected else None
+    if varied in ("integral", "all"):
+        more |= {"integral": rng.uniform(0.1, 5.0), "windup": rng.uniform(0.01, 0.1)}
+    if varied in ("shape", "all"):
+        more |= {"power": rng.uniform(0.3, 4.0), "soft": rng.uniform(0.0, 1.0)}
+    if varied in ("own", "all"):
+        more |= {"sensing": "own", "alpha_s": rng.uniform(60.0, 360.0), "r": rng.uniform(1.0, 5.0)}
     world = OPEN if goal is None else around(goal)
     start = {"position": position, "heading": heading}
     flock = Flock("squashing", start=start, world=world, rng=1, **EXACT, **more)
     p, last = oracle.Cars(**more), None
+    sums = np.zeros((n, 2))
     for _ in range(3):
         flock.run(1)
         d = np.array([oracle.desired(i, position, heading, goal, p) for i in range(n)])
         wish = d if last is None else d + derivative * (d - last) / p.dt
+        sums = np.array([oracle.cut(s + p.dt * one, p) for s, one in zip(sums, d, strict=True)])
+        wish = wish + p.integral * sums
         last, position = d, position + p.dt * wish
         length = np.linalg.norm(wish, axis=1, keepdims=True)
         heading = np.where(length > 1e-12, wish / np.where(length > 0, length, 1.0), heading)
@@ -86,6 +96,56 @@ def test_the_squashing_function_has_the_values_of_figure_2(apart, pull):
     flock = Flock("squashing", start=start, world=around((apart, 0.0)), rng=1, **EXACT)
     flock.run(1)
     assert flock.position[0] == pytest.approx([0.01 * pull, 0.0], abs=1e-8)
+
+
+@pytest.mark.parametrize(("power", "soft"), [(1.0, 0.0), (2.0, 0.0), (0.5, 0.0), (1.0, 0.4)])
+def test_the_shape_leaves_the_zero_and_the_far_end_where_they_are(power, soft):
+    def pull(apart):
+        start = {"position": [(0.0, 0.0)], "heading": [(1.0, 0.0)]}
+        more = {"power": power, "soft": soft, "r": 200.0}
+        flock = Flock("squashing", start=start, world=around((apart, 0.0)), rng=1, **EXACT, **more)
+        flock.run(1)
+        return flock.position[0, 0] / flock.dt
+
+    zero = 0.7 * 0.214 / 0.3
+    assert pull(zero) == pytest.approx(0.0, abs=1e-9)
+    assert pull(0.5 * zero) < 0.0 < pull(2.0 * zero)
+    assert pull(1e8) == pytest.approx(0.6, abs=0.002)
+    slope = (pull(2e-4) - pull(1e-4)) / 1e-4
+    plain = 2.0 / 0.214
+    if power == 1.0 and soft == 0.0:
+        assert slope == pytest.approx(plain, rel=0.01)
+        assert pull(1e-9) == pytest.approx(-1.4)
+    elif power > 1.0:
+        assert abs(slope) < 0.01 * plain, "flat"
+        assert pull(1e-9) == pytest.approx(-1.4)
+    elif power < 1.0:
+        assert slope > 3.0 * plain, "steep"
+    else:
+        assert slope < 0.5 * plain
+        assert -0.7 < pull(1e-9) < 0.0, "they repel less"
+
+
+def test_own_sensors_tell_what_is_in_view_with_their_errors():
+    start = {"position": [(5.0, 5.0), (7.0, 5.0), (3.0, 5.2)], "heading": [(1.0, 0.0)] * 3}
+    own = {"sensing": "own", "alpha_s": 180.0, "c_goal": 1.0, **EXACT}
+    flock = Flock("squashing", start=start, world=around((5.5, 7.0)), rng=4, **own)
+    near = flock.inspect(0)
+    heard = dict(zip(near.neighbours.tolist(), near.weights.tolist(), strict=True))
+    assert heard == {1: 1.0, 2: 0.0}, "the one behind is not seen"
+    assert np.linalg.norm(near.forces["injected car"]) > 0.0
+    flock.set(alpha_s=140.0)
+    assert np.linalg.norm(flock.inspect(0).forces["injected car"]) == 0.0
+    flock.set(alpha_s=360.0, noise_bearing=0.1)
+    turns = []
+    position, ahead = np.array(start["position"]), np.array(start["heading"])
+    for _ in range(400):
+        flock.position[:], flock.heading[:] = position, ahead
+        flock.run(1)
+        x, y = oracle.desired(0, position, ahead, np.array([5.5, 7.0]), oracle.Cars())
+        turns.append(math.atan2(*flock.heading[0][::-1]) - math.atan2(y, x))
+    assert np.std(turns) == pytest.approx(0.1, rel=0.15)
+    assert abs(np.mean(turns)) < 0.02
 
 
 def test_two_cars_settle_where_the_function_is_zero_and_beta_is_only_the_pace():

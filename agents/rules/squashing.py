@@ -8,6 +8,9 @@ bounded, sigma(0) = -beta C, and so it is here.
 
 from __future__ import annotations
 
+import math
+from typing import Literal
+
 from agents.bodies.tracking import Tracking, error_of, left_behind
 from agents.engine.block import Wish, adjacent
 from agents.models.declare import Rule, parameter
@@ -15,18 +18,23 @@ from agents.rules.terms.pulls import (
     ERROR_X,
     ERROR_Y,
     HUNTS,
+    OWN,
     chase,
     hearing,
     injected,
     is_heard,
     is_hunter,
+    is_plain,
+    own_chase,
     pulls,
+    sense,
 )
 from worlds.compiled import compiled
 
-LAST_X, LAST_Y, KNOWN, RATE_X, RATE_Y = 0, 1, 2, 3, 4
-"""The rule's memory: D of the tick before, whether there was one, and how fast D changes, 1/s."""
-FORCES = ("cars", "injected car", "predators", "alignment", "derivative")
+LAST_X, LAST_Y, KNOWN, RATE_X, RATE_Y, SUM_X, SUM_Y = 0, 1, 2, 3, 4, 5, 6
+"""The rule's memory: D of the tick before, whether there was one, how fast D changes, 1/s, and what
+it has added up to, s."""
+FORCES = ("cars", "injected car", "predators", "alignment", "derivative", "integral")
 """The terms of D."""
 PAPER = "Jacobs and Koessler (3)"
 
@@ -61,6 +69,27 @@ class Squashing(Tracking):
         high=10.0,
         step=0.001,
         source=PAPER,
+    )
+    power: float = parameter(
+        1.0,
+        "Shape of the squashing function: above 1 it is flat near 0, below 1 steep; the distance "
+        "at which cars do not affect each other stays",
+        symbol="n",
+        low=0.2,
+        high=6.0,
+        step=0.1,
+        source="the paper's future work: other characteristics; 1 in the paper",
+    )
+    soft: float = parameter(
+        0.0,
+        "Softness of the squashing function: distances count as so much larger, so that near cars "
+        "repel less; the distance at which cars do not affect each other stays",
+        symbol="s",
+        unit="m",
+        low=0.0,
+        high=5.0,
+        step=0.05,
+        source="the paper's future work: a smaller slope near 0; 0 in the paper",
     )
     r: float = parameter(
         20.0,
@@ -109,6 +138,64 @@ class Squashing(Tracking):
         step=0.01,
         source="the paper's future work: integral and derivative terms",
     )
+    integral: float = parameter(
+        0.0,
+        "Integral term: what D has added up to counts so much",
+        symbol="K_I",
+        unit="1/s",
+        low=0.0,
+        high=10.0,
+        step=0.05,
+        source="the paper's future work: integral and derivative terms",
+    )
+    windup: float = parameter(
+        1.0,
+        "The most that D adds up to: a longer sum is cut to this length",
+        symbol="I_{max}",
+        unit="s",
+        low=0.01,
+        high=100.0,
+        step=0.1,
+        source="ours: else cars that cannot follow add up without end",
+    )
+    sensing: Literal["tracking", "own"] = parameter(
+        "tracking",
+        "Whether cars know what the cameras track, or only what each measures itself: who is "
+        "within r and in its field of view, the injected car too",
+        symbol="sens",
+        source="the paper's future work: distributed processing, cars that locate their neighbours",
+    )
+    alpha_s: float = parameter(
+        360.0,
+        "Field of view of a car's own sensors: the full angle about its heading",
+        symbol="\\alpha_s",
+        unit="deg",
+        low=10.0,
+        high=360.0,
+        step=10.0,
+        source="the paper's future work, without a value",
+    )
+    noise_range: float = parameter(
+        0.0,
+        "Noise of a car's own sensors: standard deviation of all its distances, as a share",
+        symbol="\\sigma_r",
+        low=0.0,
+        high=1.0,
+        step=0.01,
+        source="ours",
+        noise=True,
+    )
+    noise_bearing: float = parameter(
+        0.0,
+        "Noise of a car's own sensors: standard deviation of all its bearings",
+        symbol="\\sigma_\\phi",
+        unit="rad",
+        low=0.0,
+        high=1.0,
+        step=0.01,
+        source="ours",
+        noise=True,
+    )
     predators: float = parameter(
         0.0,
         "Predators: so many cars, those with the first numbers, chase the nearest other car",
@@ -139,10 +226,16 @@ class Squashing(Tracking):
 
 
 @compiled
+def chased(me, near, p):
+    """What a predator wants, by the tracking or by its own sensors."""
+    return own_chase(me, near, p) if p.sensing == OWN else chase(me, near, p)
+
+
+@compiled
 def desired(me, near, surroundings, p):
-    """D of (2) without its derivative."""
+    """D of (2) without its derivative and its integral."""
     if is_hunter(me, p):
-        return chase(me, near, p)
+        return chased(me, near, p)
     cx, cy, px, py, ax, ay = pulls(me, near, p)
     ix, iy = injected(me, surroundings, p)
     return cx + ix + px + ax, cy + iy + py + ay
@@ -150,7 +243,13 @@ def desired(me, near, surroundings, p):
 
 @compiled
 def perceive(me, near, surroundings, p):
-    """How fast D changes, by its value of the tick before."""
+    """How fast D changes, by its value of the tick before, and what it has added up to."""
+    if p.integral > 0.0:
+        x, y = desired(me, near, surroundings, p)
+        x, y = me.memory[SUM_X] + p.dt * x, me.memory[SUM_Y] + p.dt * y
+        length = math.sqrt(x * x + y * y)
+        share = p.windup / length if length > p.windup else 1.0
+        me.memory[SUM_X], me.memory[SUM_Y] = share * x, share * y
     if p.derivative > 0.0:
         x, y = desired(me, near, surroundings, p)
         known = me.memory[KNOWN]
@@ -163,11 +262,14 @@ def perceive(me, near, surroundings, p):
 
 @compiled
 def decide(me, near, surroundings, p):
-    """D of (2), with the derivative term if there is one."""
+    """D of (2), with the derivative and the integral term if there are any."""
     x, y = desired(me, near, surroundings, p)
     if p.derivative > 0.0:
         x += p.derivative * me.memory[RATE_X]
         y += p.derivative * me.memory[RATE_Y]
+    if p.integral > 0.0:
+        x += p.integral * me.memory[SUM_X]
+        y += p.integral * me.memory[SUM_Y]
     return Wish(x, y, 0.0)
 
 
@@ -176,13 +278,16 @@ def explain(me, near, surroundings, p, out):
     """The terms of D, in the order of FORCES; the chase of a predator is its pull by cars."""
     out[:, :] = 0.0
     if is_hunter(me, p):
-        out[0, 0], out[0, 1] = chase(me, near, p)
+        out[0, 0], out[0, 1] = chased(me, near, p)
     else:
         out[0, 0], out[0, 1], out[2, 0], out[2, 1], out[3, 0], out[3, 1] = pulls(me, near, p)
         out[1, 0], out[1, 1] = injected(me, surroundings, p)
     if p.derivative > 0.0:
         out[4, 0] = p.derivative * me.memory[RATE_X]
         out[4, 1] = p.derivative * me.memory[RATE_Y]
+    if p.integral > 0.0:
+        out[5, 0] = p.integral * me.memory[SUM_X]
+        out[5, 1] = p.integral * me.memory[SUM_Y]
 
 
 @compiled
@@ -202,6 +307,11 @@ def remember(me, near, p, out):
 @compiled
 def weigh(me, near, p, out):
     """1 for the cars that are heard and for predators."""
+    if not is_plain(p):
+        sense(me, near, p)
+        for j in range(near.n):
+            out[j] = max(near.spare[2, j], near.spare[3, j])
+        return
     hunts = near.signal[HUNTS]
     limit = hearing(me, near, p)
     for j in range(near.n):
@@ -228,7 +338,7 @@ SQUASHING = Rule(
     hunters="predator",
     show=show,
     remember=remember,
-    memory=("last_x", "last_y", "known", "rate_x", "rate_y"),
+    memory=("last_x", "last_y", "known", "rate_x", "rate_y", "sum_x", "sum_y"),
     perceive=perceive,
     weigh=weigh,
     forces=FORCES,

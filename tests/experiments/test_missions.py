@@ -242,6 +242,7 @@ SHORT = {
     "jacobs-fig3": ({"limit": 45.0}, []),
     "jacobs-fig11": ({"limit": 12.0}, [4]),
     "jacobs-predator": ({"limit": 12.0}, []),
+    "jacobs-future": ({"limit": 12.0}, []),
     "jacobs-gallery1": ({"limit": 12.0}, []),
     "jacobs-gallery2": ({"limit": 12.0}, []),
 }

@@ -24,6 +24,13 @@ class Cars:
     c_goal: float = 1.0
     c_align: float = 0.0
     derivative: float = 0.0
+    integral: float = 0.0
+    windup: float = 1.0
+    power: float = 1.0
+    soft: float = 0.0
+    sensing: str = "tracking"
+    alpha_s: float = 360.0
+    r: float = 20.0
     predators: int = 0
     beta_p: float = 0.6
     C_p: float = 1.2
@@ -44,10 +51,33 @@ def sigma(v, beta, c, gamma):
     return beta * v / r * (-c + r / (r + gamma))
 
 
+def shaped(v, beta, c, gamma, p):
+    """(3) of another shape: zero where (3) is, if it is anywhere, and -C beta at r = -soft."""
+    r = np.linalg.norm(v)
+    zero = c * gamma / (1.0 - c) if 0.0 < c < 1.0 else None
+    if zero is None:
+        ratio = ((r + p.soft) / gamma) ** p.power
+    else:  # c / (1 - c) at the zero, where ratio / (1 + ratio) = c
+        ratio = ((r + p.soft) / (zero + p.soft)) ** p.power * c / (1.0 - c)
+    return beta * v / r * (-c + ratio / (1.0 + ratio))
+
+
+def is_seen(i, place, position, heading, p):
+    """Whether car i's own sensors, or the tracking, tell it of what is at a place."""
+    away = place - position[i]
+    d = np.linalg.norm(away)
+    if d > p.r:
+        return False
+    off = math.degrees(math.acos(np.clip(away @ heading[i] / d, -1.0, 1.0)))
+    return p.sensing == "tracking" or off <= p.alpha_s / 2
+
+
 def desired(i, position, heading, goal, p):
     """D_i of (2), row i having the number i + 1; goal is None or the injected car's position."""
-    others = [j for j in range(len(position)) if j != i]
-    prey = [j for j in others if j >= p.predators]
+    seen = [
+        j for j in range(len(position)) if j != i and is_seen(i, position[j], position, heading, p)
+    ]
+    prey = [j for j in seen if j >= p.predators]
     prey.sort(key=lambda j: np.linalg.norm(position[j] - position[i]))
     if i < p.predators:
         if not prey:
@@ -55,12 +85,18 @@ def desired(i, position, heading, goal, p):
         return sigma(position[prey[0]] - position[i], p.beta, 0.0, p.gamma)
     total = np.zeros(2)
     for j in prey[: p.k or None]:
-        total += sigma(position[j] - position[i], p.beta, p.C, p.gamma) + p.c_align * heading[j]
-    for j in range(min(p.predators, len(position))):
-        total += sigma(position[j] - position[i], p.beta_p, p.C_p, p.gamma)
-    if goal is not None:
-        total += p.c_goal * sigma(goal - position[i], p.beta, p.C, p.gamma)
+        total += shaped(position[j] - position[i], p.beta, p.C, p.gamma, p) + p.c_align * heading[j]
+    for j in seen:
+        if j < p.predators:
+            total += shaped(position[j] - position[i], p.beta_p, p.C_p, p.gamma, p)
+    if goal is not None and (p.sensing != "own" or is_seen(i, goal, position, heading, p)):
+        total += p.c_goal * shaped(goal - position[i], p.beta, p.C, p.gamma, p)
     return total
+
+
+def cut(total, p):
+    """What D has added up to, no longer than windup."""
+    return total / max(1.0, np.linalg.norm(total) / p.windup)
 
 
 class Plant:
@@ -75,6 +111,7 @@ class Plant:
         ways = [round((p.latency + (i + 1) * p.hop) / p.dt) for i in range(len(self.x))]
         self.radio = [deque([(0.0, 0.0)] * way) for way in ways]
         self.last = [None] * len(self.x)
+        self.sums = [np.zeros(2)] * len(self.x)
 
     @property
     def heading(self):
@@ -85,10 +122,12 @@ class Plant:
         """All cars decide on what is, then all move."""
         heading = self.heading
         wanted = [desired(i, self.x, heading, goal, self.p) for i in range(len(self.x))]
+        self.sums = [cut(s + self.p.dt * d, self.p) for s, d in zip(self.sums, wanted, strict=True)]
         for i, d in enumerate(wanted):
             before, self.last[i] = self.last[i], d
             if before is not None:
                 d = d + self.p.derivative * (d - before) / self.p.dt
+            d = d + self.p.integral * self.sums[i]
             self.drive(i, d)
 
     def drive(self, i, d):

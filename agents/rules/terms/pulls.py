@@ -7,17 +7,43 @@ from __future__ import annotations
 
 import math
 
+from agents.bodies.tracking import normal_pair
 from agents.engine.block import adjacent
+from agents.engine.noise import cos_sin
 from worlds.compiled import compiled
 
 ERROR_X, ERROR_Y, HUNTS = 0, 1, 2
 """The rule's signals: the error of the tracked position (m), and 1.0 for a predator."""
+OWN = 1.0
+"""Index of `own` among the choices of `sensing`."""
+RANGE, BEARING = 10, 11
+"""Draws of a car's own sensors."""
 
 
 @compiled
 def squashed(r, beta, c, gamma):
     """sigma(v) of (3) for a vector of length r (m), along it: below 0 it repels."""
     return beta * (-c + r / (r + gamma))
+
+
+@compiled
+def shaped(r, beta, c, gamma, p):
+    """sigma of (3) with another slope near 0, for a vector of length r (m), along it.
+
+    r + soft to the power takes the place of r. What it is halved at is such that the zero stays
+    at C gamma / (1 - C); where there is none, for C = 0 or C >= 1, it is gamma as before.
+    """
+    half = gamma**p.power
+    if 0.0 < c < 1.0:
+        half = (c * gamma / (1.0 - c) + p.soft) ** p.power * (1.0 - c) / c
+    far = (r + p.soft) ** p.power
+    return beta * (-c + far / (far + half))
+
+
+@compiled
+def is_plain(p):
+    """Whether it is the paper's function and the paper's tracking."""
+    return (p.power == 1.0) & (p.soft == 0.0) & (p.sensing != OWN)
 
 
 @compiled
@@ -65,8 +91,108 @@ def hearing(me, near, p):
 
 
 @compiled
+def own_error(me, p):
+    """What a car's own sensors are off by in this tick: a factor of distances, and a turn (c, s).
+
+    It is the same for all that the car sees.
+    """
+    if p.sensing != OWN:
+        return 1.0, 1.0, 0.0
+    n, m = normal_pair(me.key, me.id, RANGE, BEARING)
+    c, s = cos_sin(p.noise_bearing * m)
+    return 1.0 + p.noise_range * n, c, s
+
+
+@compiled
+def sighted(me, dx, dy, p):
+    """1.0 if what is at (dx, dy) from the car, m, is within r and in its field of view, else 0.0.
+
+    By the tracking all that is within r is.
+    """
+    d = math.sqrt(dx * dx + dy * dy)
+    ahead = me.ux * dx + me.uy * dy >= math.cos(0.5 * math.radians(p.alpha_s)) * d
+    return 1.0 if (d <= p.r) & (ahead | (p.sensing != OWN)) else 0.0
+
+
+@compiled
+def turned(x, y, error):
+    """A vector as sensors tell it that are off by `error`, see `own_error`."""
+    far, c, s = error
+    return far * (c * x - s * y), far * (s * x + c * y)
+
+
+@compiled
+def sense(me, near, p):
+    """The vectors to all cars as this car knows them, in the rows 0 and 1 of `near.spare`, m.
+
+    Row 2 is 1.0 for those that are heard and row 3 for predators that it notices. Heard are the k
+    nearest that it notices, or all; predators are not among them.
+    """
+    error = own_error(me, p)
+    spare, hunts = near.spare, near.signal[HUNTS]
+    for j in range(near.n):
+        dx, dy = near.x[j] - me.x, near.y[j] - me.y
+        there = sighted(me, dx, dy, p) * adjacent(me, near, j, p.r)
+        if p.sensing == OWN:
+            dx, dy = turned(dx, dy, error)
+        else:
+            dx, dy = apart(me, near, j)
+        spare[0, j], spare[1, j] = dx, dy
+        spare[2, j] = there * (1.0 - hunts[j])
+        spare[3, j] = there * hunts[j]
+    if p.k > 0.0:
+        limit = furthest_heard(near, p.k)
+        for j in range(near.n):
+            d2 = spare[0, j] ** 2 + spare[1, j] ** 2
+            spare[2, j] = spare[2, j] if d2 <= limit else 0.0
+
+
+@compiled
+def furthest_heard(near, k):
+    """Square of the distance (m^2) of the k-th nearest of those in row 2 of `near.spare`."""
+    spare = near.spare
+    limit, heard = -1.0, 0.0
+    while heard < k:
+        following = math.inf
+        for j in range(near.n):
+            d2 = spare[0, j] ** 2 + spare[1, j] ** 2
+            following = d2 if (spare[2, j] > 0.0) & (limit < d2 < following) else following
+        if following == math.inf:
+            return math.inf
+        limit = following
+        heard = 0.0
+        for j in range(near.n):
+            d2 = spare[0, j] ** 2 + spare[1, j] ** 2
+            heard += spare[2, j] if d2 <= limit else 0.0
+    return limit
+
+
+@compiled
+def varied_pulls(me, near, p):
+    """The sums of `pulls` with another function or with a car's own sensors."""
+    sense(me, near, p)
+    spare = near.spare
+    cx = cy = px = py = ax = ay = 0.0
+    for j in range(near.n):
+        dx, dy = spare[0, j], spare[1, j]
+        r = math.sqrt(dx * dx + dy * dy)
+        over = (1.0 if r > 0.0 else 0.0) / (r if r > 0.0 else 1.0)
+        pull = spare[2, j] * shaped(r, p.beta, p.C, p.gamma, p) * over
+        push = spare[3, j] * shaped(r, p.beta_p, p.C_p, p.gamma, p) * over
+        cx += pull * dx
+        cy += pull * dy
+        px += push * dx
+        py += push * dy
+        ax += spare[2, j] * p.c_align * near.ux[j]
+        ay += spare[2, j] * p.c_align * near.uy[j]
+    return cx, cy, px, py, ax, ay
+
+
+@compiled
 def pulls(me, near, p):
     """The sums of sigma over the cars that are heard and over predators, and of headings: six."""
+    if not is_plain(p):
+        return varied_pulls(me, near, p)
     hunts = near.signal[HUNTS]
     limit = hearing(me, near, p)
     cx = cy = px = py = ax = ay = 0.0
@@ -89,14 +215,50 @@ def pulls(me, near, p):
 
 @compiled
 def injected(me, surroundings, p):
-    """sigma of the injected car, which is known without error; (0, 0) in a world without one."""
+    """sigma of the injected car; (0, 0) in a world without one.
+
+    Where it is, is known without error, but to cars that know only what they see themselves.
+    """
     if surroundings.route.shape[0] == 0:
         return 0.0, 0.0
+    if not is_plain(p):
+        return varied_injected(me, surroundings, p)
     dx = surroundings.goal[0, 0] - (me.x + me.signal[ERROR_X])
     dy = surroundings.goal[0, 1] - (me.y + me.signal[ERROR_Y])
     r = math.sqrt(dx * dx + dy * dy)
     pull = p.c_goal * squashed(r, p.beta, p.C, p.gamma) / r if r > 0.0 else 0.0
     return pull * dx, pull * dy
+
+
+@compiled
+def varied_injected(me, surroundings, p):
+    """The same with another function or with a car's own sensors."""
+    dx, dy = surroundings.goal[0, 0] - me.x, surroundings.goal[0, 1] - me.y
+    there = 1.0
+    if p.sensing == OWN:
+        there = sighted(me, dx, dy, p)
+        dx, dy = turned(dx, dy, own_error(me, p))
+    else:
+        dx, dy = dx - me.signal[ERROR_X], dy - me.signal[ERROR_Y]
+    r = math.sqrt(dx * dx + dy * dy)
+    pull = there * p.c_goal * shaped(r, p.beta, p.C, p.gamma, p) / r if r > 0.0 else 0.0
+    return pull * dx, pull * dy
+
+
+@compiled
+def own_chase(me, near, p):
+    """The same by the predator's own sensors."""
+    sense(me, near, p)
+    least = math.inf
+    x = y = 0.0
+    for j in range(near.n):
+        dx, dy = near.spare[0, j], near.spare[1, j]
+        d2 = dx * dx + dy * dy
+        if near.spare[2, j] > 0.0 and d2 < least:
+            least, x, y = d2, dx, dy
+    r = math.sqrt(x * x + y * y)
+    pull = squashed(r, p.beta, 0.0, p.gamma) / r if r > 0.0 else 0.0
+    return pull * x, pull * y
 
 
 @compiled

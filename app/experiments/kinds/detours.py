@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 A1, A2, A3, A4 = 1.0, 2.0, 3.0, 4.0
 """The scenarios of Wu et al. 2023, table 2, as the rule counts them."""
 CLOCKWISE = "clockwise"
+FAR = math.inf
+"""What counts as the least of nothing."""
 
 
 class Course(NamedTuple):
@@ -66,6 +69,7 @@ class Detours(Settings):
             "Least that a rejoin point is nearer than its split point",
             "m",
             "none",
+            FAR,
         ),
         Measure(
             "behind",
@@ -73,6 +77,7 @@ class Detours(Settings):
             "Least that A2 is further from the goal than its split point",
             "m",
             "no A2",
+            FAR,
         ),
         Measure(
             "off", "off", "Largest difference of the phase aimed at from (15), (16)", "rad", "never"

@@ -20,6 +20,8 @@ AROUND = 1.4
 """How far around obstacles it is put down, of r_avoid."""
 CORNER = 1e-9
 """A nearest point that is no further than this from a corner is the corner, length."""
+LEAST = 0.01
+"""How near it is put down at least, length: a circle and its 128 sides are 2e-4 apart."""
 SURE = 0.01, 2.0
 """Distance (length) and angle (deg) to the edge of the occasion within which nothing is expected:
 the flock's circles have 128 sides."""
@@ -125,7 +127,7 @@ def places_near(world: World, rng: np.random.Generator, count: int, around: floa
         x0, y0, x1, y1 = shapes[rng.integers(len(shapes))].bounds
         low, high = np.array([x0, y0]) - around, np.array([x1, y1]) + around
         place = rng.uniform(low, high)
-        if 0.0 < solid.distance(shapely.Point(place)) <= around:
+        if LEAST < solid.distance(shapely.Point(place)) <= around:
             found.append(place)
     return np.array(found)
 
