@@ -29,6 +29,7 @@ from agents.rules import (
     boundary_points,
     couzin,
     cucker_smale,
+    dorsogna,
     echelon,
     guarded_zones,
     hwvem,
@@ -71,6 +72,14 @@ BUILT_IN = [
         world="open",
         defaults={"dt": 0.02, "v_start": 2.0},
         charts=(("velocity-spread",), ("polarisation",), ("gyration-radius",)),
+    ),
+    Model(
+        dorsogna.RULE,
+        point_mass.BODY,
+        world="open",
+        dim=2,
+        defaults={"dt": 0.02, "v_start": 1.0},
+        charts=(("angular-momentum", "polarisation"), ("gyration-radius",), ("velocity-spread",)),
     ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
     Model(

@@ -21,7 +21,7 @@ def test_a_ring_has_its_radius_and_so_has_one_across_the_seam():
 def test_a_common_velocity_makes_no_difference():
     v = np.array([[3.0, 4.0], [-3.0, -4.0], [0.0, 5.0], [0.0, -5.0]])
     assert velocity_spread(v) == pytest.approx(5.0, abs=1e-15)
-    assert velocity_spread(v + [100.0, -20.0]) == pytest.approx(5.0, abs=1e-13)
+    assert velocity_spread(v + np.array([100.0, -20.0])) == pytest.approx(5.0, abs=1e-13)
     assert velocity_spread(np.tile([3.0, 4.0], (9, 1))) == 0.0
 
 

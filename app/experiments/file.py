@@ -29,6 +29,8 @@ Picture = Literal[
     "driving",
     "squash",
     "consensus",
+    "gallery",
+    "growth",
 ]
 
 

@@ -10,6 +10,7 @@ from app.experiments.kinds.mission import Mission
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
 from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.swarming import Swarming
 
 KINDS: dict[str, type[Settings]] = {
     one.kind: one
@@ -23,5 +24,6 @@ KINDS: dict[str, type[Settings]] = {
         Driving,
         Squash,
         Consensus,
+        Swarming,
     )
 }

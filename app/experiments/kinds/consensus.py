@@ -140,7 +140,8 @@ class Consensus(Settings):
         time, x, v = np.array(found).T
         if math.sqrt(2.0) * x.max() > flock.reach:
             raise Refusal(
-                f"r = {flock.reach:g} is less than the flock became wide, {math.sqrt(2.0) * x.max():g}"
+                f"r = {flock.reach:g} is less than the flock became wide, "
+                f"{math.sqrt(2.0) * x.max():g}"
             )
         return time, x, v
 

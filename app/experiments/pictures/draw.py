@@ -14,8 +14,10 @@ from app.experiments.pictures.convergence.sweeps import draw_sweeps
 from app.experiments.pictures.driving import draw_driving
 from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
+from app.experiments.pictures.gallery import draw_gallery
 from app.experiments.pictures.gatherings.crashes import draw_crashes
 from app.experiments.pictures.gatherings.gathering import draw_gathering
+from app.experiments.pictures.growth import draw_growth
 from app.experiments.pictures.missions.distances import draw_distances
 from app.experiments.pictures.missions.duel import draw_duel
 from app.experiments.pictures.missions.mission import draw_mission
@@ -35,6 +37,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "distances": draw_distances,
     "phases": draw_phases,
     "crashes": draw_crashes,
+    "growth": draw_growth,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {
@@ -51,6 +54,7 @@ OF_BOTH: dict[str, Callable[..., None]] = {
     "gathering": draw_gathering,
     "formation": draw_formation,
     "driving": draw_driving,
+    "gallery": draw_gallery,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {
