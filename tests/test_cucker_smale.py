@@ -120,7 +120,7 @@ def apart(speed, beta, ticks, x0=1.0, dt=0.01):
 
 
 def test_of_two_that_fly_apart_speed_is_lost_to_the_integral_of_the_weight():
-    """v + 2 K (atan(x / sigma) - atan(x0 / sigma)) / sigma stays for beta = 1, to order dt."""
+    """v + 2 K atan(x / sigma) / sigma stays for beta = 1, to the order of dt."""
     off = []
     for dt in (0.02, 0.01):
         x, v = apart(0.7, 1.0, 60, dt=dt)

@@ -18,7 +18,7 @@ from agents import Flock
 from agents.catalogue import MODELS
 from agents.engine import lanes
 from agents.engine.lanes import WIDTH, exponent, load, mantissa, store, where
-from agents.engine.noise import cos_sin, log, normal
+from agents.engine.noise import cos_sin, exp, log, normal
 from agents.engine.pairs.meeting import STOP
 from agents.engine.pairs.runner import OfPairs
 from agents.engine.runner import NotANumber
@@ -56,20 +56,31 @@ def of_the_noise(x, angle, table):
     store(table, 2, s)
     store(table, 3, mantissa(a))
     store(table, 4, exponent(a))
+    store(table, 5, exp(30.0 * load(angle, 0)))
 
 
 @given(
     drawn(float, WIDTH, elements=st.floats(1e-300, 1e300)),
     drawn(float, WIDTH, elements=st.floats(-20.0, 20.0)),
 )
-def test_logarithm_cosine_and_sine_are_those_of_the_library_in_every_lane(x, angle):
-    table = np.zeros((5, WIDTH))
+def test_logarithm_exponential_cosine_and_sine_are_those_of_the_library_in_every_lane(x, angle):
+    table = np.zeros((6, WIDTH))
     of_the_noise(x, angle, table)
     assert np.allclose(table[0], np.log(x), rtol=1e-15, atol=3e-16)
     assert np.allclose(table[1:3], [np.cos(angle), np.sin(angle)], rtol=0.0, atol=3e-16)
-    assert np.array_equal(table[3:], np.frexp(x))
+    assert np.array_equal(table[3:5], np.frexp(x))
+    assert np.allclose(table[5], np.exp(30.0 * angle), rtol=5e-16, atol=0.0)
+    by_itself = [exp.py_func(30.0 * one) for one in angle]
+    assert np.allclose(table[5], by_itself, rtol=5e-16, atol=0.0)
     alone = [(log.py_func(a), *cos_sin.py_func(b)) for a, b in zip(x, angle, strict=True)]
     assert np.allclose(table[:3].T, alone, rtol=1e-15, atol=3e-16)
+
+
+def test_the_exponential_is_one_at_zero_and_nothing_far_below():
+    assert [exp(x) for x in (0.0, -701.0, -1e9, -np.inf)] == [1.0, 0.0, 0.0, 0.0]
+    assert exp(1.0) == np.e
+    x = np.linspace(-700.0, 700.0, 20_001)
+    assert np.allclose([exp(one) for one in x], np.exp(x), rtol=5e-16, atol=0.0)
 
 
 def test_normal_numbers_are_normal():

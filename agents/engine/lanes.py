@@ -231,6 +231,18 @@ def exponent(number: Any) -> Any:
     return float(math.frexp(number)[1])
 
 
+def power_of_two(number: Any) -> Any:
+    """2**k of a whole number k in [-1022, 1023], which may be given as a float."""
+    return math.ldexp(1.0, int(number))
+
+
+@overload(power_of_two)
+def power_of_two_of_one(number):
+    """The power for one agent."""
+    one = isinstance(number, types.Float | types.Integer)
+    return (lambda number: math.ldexp(1.0, int(number))) if one else None
+
+
 @overload(mantissa)
 def mantissa_of_one(number):
     """The mantissa for one agent."""
@@ -263,6 +275,14 @@ def exponent_of_lanes(builder, value):
     """The bits of the exponent."""
     word = builder.lshr(builder.bitcast(value, WORDS.vector), bits(52))
     return builder.sitofp(builder.sub(word, bits(1022)), LANES.vector)
+
+
+@operation(power_of_two, LANES, LANES)
+def power_of_two_of_lanes(builder, value):
+    """The last bits of k + 1023 + 2**52 are the bits of the exponent."""
+    shifted = builder.fadd(value, ir.Constant(LANES.vector, [1023.0 + 2.0**52] * WIDTH))
+    word = builder.shl(builder.bitcast(shifted, WORDS.vector), bits(52))
+    return builder.bitcast(word, LANES.vector)
 
 
 def in_llvm(function: Callable, **options: Any) -> Any:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from agents.engine.lanes import as_float, exponent, mantissa, where, words
+from agents.engine.lanes import as_float, exponent, mantissa, power_of_two, where, words
 from worlds.compiled import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -29,6 +29,7 @@ HALF_PI_HIGH = 1.57079632673412561417
 HALF_PI_LOW = 6.07710050650619224932e-11
 LN2_HIGH = 6.93147180369123816490e-01
 LN2_LOW = 1.90821492927058770002e-10
+INVERSE_LN2 = 1.44269504088896338700
 
 
 @compiled
@@ -131,6 +132,32 @@ def log(x):
     )
     half = 0.5 * f * f
     return k * LN2_HIGH - ((half - (s * (half + even + odd) + k * LN2_LOW)) - f)
+
+
+@compiled
+def exp(x):
+    """e^x of x <= 700, within 2 units in the last place; 0 below -700.
+
+    By the rational function of fdlibm, for the reason of `cos_sin`.
+    """
+    k = math.floor(max(x, -700.0) * INVERSE_LN2 + 0.5)
+    high, low = max(x, -700.0) - k * LN2_HIGH, k * LN2_LOW
+    r = high - low
+    t = r * r
+    c = r - t * (
+        1.66666666666666019037e-01
+        + t
+        * (
+            -2.77777777770155933842e-03
+            + t
+            * (
+                6.61375632143793436117e-05
+                + t * (-1.65339022054652515390e-06 + t * 4.13813679705723846039e-08)
+            )
+        )
+    )
+    y = 1.0 - ((low - r * c / (2.0 - c)) - high)
+    return where(x < -700.0, 0.0, y * power_of_two(k))
 
 
 @compiled

@@ -137,6 +137,20 @@ PAPERS = (
 }""",
     ),
     Paper(
+        r"D'Orsogna et al\. 2006",
+        r"""@article{dorsogna2006,
+  author  = {D'Orsogna, M. R. and Chuang, Y. L. and Bertozzi, A. L. and Chayes, L. S.},
+  title   = {Self-Propelled Particles with Soft-Core Interactions: Patterns, Stability, and
+             Collapse},
+  journal = {Physical Review Letters},
+  volume  = {96},
+  number  = {10},
+  pages   = {104302},
+  year    = {2006},
+  doi     = {10.1103/PhysRevLett.96.104302},
+}""",
+    ),
+    Paper(
         r"Vasarhelyi et al\. 2018",
         r"""@article{vasarhelyi2018,
   author  = {V{\'a}s{\'a}rhelyi, G{\'a}bor and Vir{\'a}gh, Csaba and Somorjai, Gerg{\H{o}} and

@@ -15,8 +15,7 @@ def gyration_radius(position: np.ndarray, size: np.ndarray, images: np.ndarray) 
 
     `position` (N, dim), length; `size` (dim,) sides of the box > 0, `images` (dim,) bool: along
     such axes the centre is the mean on the circle and distances go to the nearest image. 0 for a
-    lone agent and for nobody. Rows that are no numbers are left out, with a warning. Raises
-    Refusal.
+    lone agent and for nobody. Rows that are no numbers are left out, with a warning. Or Refusal.
 
     >>> corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0]])
     >>> gyration_radius(corners, np.ones(2), np.zeros(2, bool))

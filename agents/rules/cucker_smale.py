@@ -11,9 +11,8 @@ as no two agents are further apart than r the equation is the paper's, to the la
 
 from __future__ import annotations
 
-import math
-
 from agents.engine.block import Wish, is_neighbour, seen
+from agents.engine.noise import exp, log
 from agents.models.declare import Parameters, Rule, parameter
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
@@ -70,7 +69,7 @@ class CuckerSmale(Parameters):
 @compiled
 def communication(d2, p):
     """a_ij = K / (sigma^2 + |x_i - x_j|^2)^beta (1), 1/s, from the square of the distance."""
-    return p.K * math.exp(-p.beta * math.log(p.sigma * p.sigma + d2))
+    return p.K * exp(-p.beta * log(p.sigma * p.sigma + d2))
 
 
 @compiled
@@ -105,7 +104,7 @@ def weigh(me, near, p, out):
     """a_ij over what it is of two in one place: 1 next to an agent, and falling."""
     for j in range(near.n):
         other = seen(me, near, j)
-        share = math.exp(-p.beta * math.log(1.0 + other.d2 / (p.sigma * p.sigma)))
+        share = exp(-p.beta * log(1.0 + other.d2 / (p.sigma * p.sigma)))
         out[j] = share if is_neighbour(other, p.r) else 0.0
 
 

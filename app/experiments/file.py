@@ -44,6 +44,8 @@ Picture = Literal[
     "tangents",
     "detour",
     "expected",
+    "gallery",
+    "growth",
 ]
 
 

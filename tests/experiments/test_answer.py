@@ -19,6 +19,7 @@ from app.experiments.verdicts.answer import (
     by_construction,
     interval,
     mean_above,
+    mean_within,
     share_of_runs,
 )
 from app.experiments.verdicts.comparison import compare
@@ -44,6 +45,25 @@ def test_means_without_spread():
     assert mean_above(np.full(7, -1.0)) == DOES_NOT
     assert mean_above(np.array([2.0, 2.0])) == Answer("undecided", 7), "they may be so by chance"
     assert mean_above(np.array([5.0])) == UNDECIDED
+
+
+def test_whether_a_mean_is_near_a_value():
+    values = np.array([1.0, 1.1, 0.9, 1.05, 0.95] * 4)
+    assert mean_within(values, 1.0, 0.2) == HOLDS
+    assert mean_within(values, 1.5, 0.2) == DOES_NOT
+    assert mean_within(values, 0.5, 0.2) == DOES_NOT
+    assert mean_within(np.array([1.0]), 1.0, 0.2) == UNDECIDED
+    near = mean_within(values, 1.18, 0.2)
+    assert near.word == "undecided"
+    assert near.needed is not None
+    assert near.needed > len(values)
+    assert mean_within(np.full(3, 2.0), 2.0, 0.1) == HOLDS
+
+
+def test_a_mean_is_said_to_be_near_in_one_case_of_a_hundred_if_it_is_at_the_edge():
+    draws = np.random.default_rng(3).normal(1.0, 3.0, (1500, 20))
+    found = [mean_within(values, 0.0, 1.0).word for values in draws]
+    assert np.mean([word != "undecided" for word in found]) < 0.016
 
 
 def test_the_runs_that_are_said_to_decide_do():

@@ -17,6 +17,7 @@ from app.experiments.kinds.ordering import Ordering
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
 from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.swarming import Swarming
 from app.experiments.kinds.tangents import Tangents
 from app.experiments.kinds.turns import Turns
 
@@ -25,6 +26,6 @@ KINDS: dict[str, type[Settings]] = {
     for one in (
         *(Convergence, Evolution, Mission, Energy, Phases, Gathering, Beginning, Formation),
         *(Driving, Holding, Squash, Layering, Tangents, Detours),
-        *(Consensus, Lanes, Ordering, Turns),
+        *(Consensus, Lanes, Ordering, Swarming, Turns),
     )
 }

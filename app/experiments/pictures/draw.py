@@ -16,9 +16,11 @@ from app.experiments.pictures.driving import draw_driving
 from app.experiments.pictures.endurance import draw_endurance
 from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
+from app.experiments.pictures.gallery import draw_gallery
 from app.experiments.pictures.gatherings.crashes import draw_crashes
 from app.experiments.pictures.gatherings.gathering import draw_gathering
 from app.experiments.pictures.gatherings.start import draw_start
+from app.experiments.pictures.growth import draw_growth
 from app.experiments.pictures.holding import draw_holding
 from app.experiments.pictures.lanes import draw_lanes
 from app.experiments.pictures.layering import draw_layering
@@ -53,6 +55,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "crashes": draw_crashes,
     "ordering": draw_ordering,
     "turned": draw_turned,
+    "growth": draw_growth,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {
@@ -80,6 +83,7 @@ OF_BOTH: dict[str, Callable[..., None]] = {
     "lanes": draw_lanes,
     "turns": draw_turns,
     "holding": draw_holding,
+    "gallery": draw_gallery,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {

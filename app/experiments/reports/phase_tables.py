@@ -14,6 +14,12 @@ SHORT = {
     "torus": "torus",
     "dynamic parallel": "dyn",
     "highly parallel": "high",
+    "disperses": "apart",
+    "flock": "flock",
+    "ring": "ring",
+    "mill": "mill",
+    "double mill": "2mill",
+    "disordered": "dis",
 }
 STYLES = {
     "fragments": "dim",
@@ -21,6 +27,12 @@ STYLES = {
     "torus": "magenta",
     "dynamic parallel": "cyan",
     "highly parallel": "blue",
+    "disperses": "dim",
+    "flock": "blue",
+    "ring": "green",
+    "mill": "magenta",
+    "double mill": "cyan",
+    "disordered": "yellow",
 }
 
 

@@ -13,7 +13,7 @@ from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, sweep
 
 def table_of(made: list[Verdict]) -> Any:
     """The table that fits: by what was published, and by how many measures there are."""
-    if any(one.measure.words for one in made):
+    if any(one.measure.words for one in made) and any(one.case.sweep for one in made):
         return phase_tables(made)
     if any(one.case.tick is not None for one in made):
         return gathering_table(made)
