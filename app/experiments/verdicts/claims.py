@@ -26,6 +26,8 @@ from app.experiments.verdicts.phase_map import found_claim, lag_claim
 from app.experiments.verdicts.verdict import Verdict, name, of, paired, sweeps_of
 from worlds.counting import counted
 
+FEW_DIGITS = 10.0
+"""Mean from which on a digit behind the point is enough in a sentence."""
 FLAT = 0.05
 """Change of a mean, as a share of it, that is hardly any."""
 
@@ -62,9 +64,12 @@ def order_claim(one: Order, agents: int, made: list[Verdict]) -> list[tuple[str,
         return []
     rows = [by_label[label] for label in one.labels]
     steps = [paired(a, b) for a, b in pairwise(rows)]
-    means = " < ".join(f"{row.case.label} {row.summary.mean:.1f}" for row in rows)
+    digits = 1 if max(abs(row.summary.mean) for row in rows) >= FEW_DIGITS else 2
+    means = " < ".join(f"{row.case.label} {row.summary.mean:.{digits}f}" for row in rows)
     smallest = min(steps, key=lambda step: step.mean() if step.size else math.inf)
-    text = f"N = {agents}, {rows[0].measure.symbol}: {means} (least step {spread(smallest)})"
+    text = (
+        f"N = {agents}, {rows[0].measure.symbol}: {means} (least step {spread(smallest, digits)})"
+    )
     return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
 
 
