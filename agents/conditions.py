@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from agents.engine.past import Messages
-from agents.engine.wind import CALM
+from agents.engine.wind import NO_WIND
 from agents.option import between, option
 from worlds.refusal import Refusal
 
@@ -182,7 +182,7 @@ class Wind:
         """Displacement of agents in each of `ticks` ticks from `tick` on, length, (ticks, 3)."""
         now = self.conditions
         if not now.is_windy:
-            return CALM
+            return NO_WIND
         speed = np.tile(now.wind * self.along, (ticks, 1))
         speed[:, 2] += now.wind_up
         if now.pulse:

@@ -16,7 +16,7 @@ from agents.engine.loop import delayed_module, is_compiled, loop_module, turns_m
 from agents.engine.noise import ANGULAR, VECTORIAL
 from agents.engine.pairs.runner import OfPairs
 from agents.engine.runner import SPLIT_FROM, UNTRACED, Delayed, InTurn, Synchronous
-from agents.engine.wind import CALM
+from agents.engine.wind import NO_WIND
 from agents.models.calling import call
 from agents.models.declare import as_floats, checked
 from agents.models.model import Model
@@ -107,9 +107,9 @@ class Motion(State):
         )
         place = Place(space, survey(self.world, self.sight))
         if self.options.is_late:
-            told = messages(self.options, self.dt)
+            late = messages(self.options, self.dt)
             module = delayed_module(self.loop)
-            return Delayed(module, self.arrays, place, self.seed, told, self.call)
+            return Delayed(module, self.arrays, place, self.seed, late, self.call)
         if self.options.activation == "synchronous":
             split = not self.interpret and len(self.ids) >= self.split_from
             threads = self.threads if split else 1
@@ -130,7 +130,7 @@ class Motion(State):
             made = {name: np.float64(value) for name, value in made.items()}
         self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
         numbers = self.loop.P(**made)
-        return Context(numbers, noise, self.reach, self.dt, CALM, 0)
+        return Context(numbers, noise, self.reach, self.dt, NO_WIND, 0)
 
     def _during(self, ticks: int) -> Context:
         """What agents go by in the next ticks, the wind with it."""

@@ -16,6 +16,7 @@ NEW = """    gait: Literal["walk", "trot"] = option(
 
 CODE = f"""
 import importlib.util, sys
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 found = importlib.util.find_spec("agents.spec")
@@ -50,12 +51,16 @@ class Gui:
         return add
 
 
+    def add_folder(self, _label, **_more):
+        return nullcontext()
+
+
 gui = Gui()
 panel = SetupPanel(gui, State(at_home("vem", gait="trot")))
 for name, option in OPTIONS.items():
     for command in ("run", "lab"):
         [made] = [one for one in load(command).params if one.name == name]
-        assert made.opts == [f"--{{name}}"] and option.help in made.help, name
+        assert made.opts == ["--" + name.replace("_", "-")] and option.help in made.help, name
     assert name in Spec.model_fields
     assert option.help in gui.made[option.title].hint, name
 for name in spec.Options.model_fields:

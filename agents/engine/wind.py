@@ -7,7 +7,7 @@ import numpy as np
 from agents.engine.block import Moved
 from worlds.compiled import compiled
 
-CALM = np.empty((0, 3))
+NO_WIND = np.empty((0, 3))
 """No wind."""
 
 

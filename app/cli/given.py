@@ -92,7 +92,7 @@ def given(
     changed, said = set_by(settings)
     for key, value in {"model": model, **asked}.items():
         if value is not None:
-            values[key], origins[key] = value, f"--{key}" if key != "model" else "MODEL"
+            values[key], origins[key] = value, named(key)
     origins.update(said)
     if "model" not in values:
         raise Refusal("which MODEL? `flockscope list models` names them; or give --spec or --state")
@@ -102,6 +102,11 @@ def given(
             values["world"] = carried(layout, values, origins["layout"])
         parameters = {**values.pop("parameters", {}), **changed}
         return Spec(**values, parameters=parameters), origins
+
+
+def named(key: str) -> str:
+    """How a command line names an option of a run."""
+    return "MODEL" if key == "model" else "--" + key.replace("_", "-")
 
 
 def set_by(settings: list[str]) -> tuple[dict[str, Any], Origins]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app.cli.given import Asked, given, set_by, with_options
+from app.cli.given import Asked, given, named, set_by, with_options
 from app.cli.keeping import run_ticks
 from app.cli.lookout import Lookout
 from app.cli.outcome import as_json, outcome, show, tell_written
@@ -187,8 +187,9 @@ def loaded(
 
     for name, value in {**asked, "spec": spec}.items():
         if value is not None:
-            option = "MODEL" if name == "model" else f"--{name}"
-            raise Refusal(f"{option} {value} cannot be given with --state, which says it already")
+            raise Refusal(
+                f"{named(name)} {value} cannot be given with --state, which says it already"
+            )
     parameters, origins = set_by(settings)
     flock = Flock.load(state, threads=threads, interpret=interpret)
     with origins.named():

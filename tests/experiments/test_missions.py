@@ -236,7 +236,7 @@ SHORT = {
     "guarded-alpha": ({"words": {"1": "all", "3": "few"}}, []),
     "formation-thesis": ({"settle": 5}, []),
     "formation-echelon": ({"settle": 5}, [20]),
-    "attanasi2014": ({"limit": 4.0}, []),
+    "attanasi2014": ({"limit": 4.0, "settle": 5}, []),
     "helbing1995-lanes": ({"settle": 5}, [20]),
     "jacobs-fig2": ({"looks": 5}, []),
     "jacobs-fig3": ({"limit": 45.0}, []),

@@ -21,38 +21,39 @@ if TYPE_CHECKING:
 class Turn:
     """How the turn of one agent came to the others."""
 
-    away: np.ndarray
-    """Distance of each agent to the one that turned, when it did, (N,), length."""
-    delay: np.ndarray
-    """Time after the turn at which each turns half as fast as it ever does, (N,)."""
     distance: np.ndarray
-    """Middles of the rings about the one that turned, (K,), length."""
-    median: np.ndarray
-    """The median delay of the agents of each ring, (K,)."""
+    """Mean distance of the agents of each ring to the one that turned, (K,), length."""
+    delay: np.ndarray
+    """Time after the turn at which a ring first turns half as fast as it ever does, (K,)."""
+    order: float
+    """Polarisation of the flock when the turn began."""
     sound: float
     """c_s of the linear theory, length per time."""
 
     @property
     def exponent(self) -> float:
         """a of distance ~ delay^a: 1 for a wave, 1/2 for what diffuses."""
-        return float(np.polyfit(np.log(self.median), np.log(self.distance), 1)[0])
+        return float(np.polyfit(np.log(self.delay), np.log(self.distance), 1)[0])
 
     @property
     def speed(self) -> float:
-        """Rings that the turn comes across per time, length per time."""
-        return float(np.polyfit(self.median, self.distance, 1)[0])
+        """At which the turn comes from ring to ring, length per time."""
+        return float(np.polyfit(self.delay, self.distance, 1)[0])
 
 
 class Turns(Settings):
-    """By how much one agent turns, how long the others are followed, and how far from it."""
+    """How long a flock flies before one agent turns, by how much, and what is then looked at."""
 
     kind: ClassVar[str] = "turns"
     measures: ClassVar[tuple[Measure, ...]] = (
         Measure("exponent", "a", "Exponent of distance over delay", "1"),
         Measure("speed", "c", "Speed at which the turn spreads", "length/s"),
         Measure("ratio", "c/c_s", "That speed over that of the linear theory", "1"),
+        Measure("order", "order", "Polarisation when the turn begins", "1"),
     )
 
+    settle: int = Field(ge=0)
+    """Ticks from a start in which all are aligned to the turn, where there is noise."""
     turn: float = Field(gt=0.0, le=90.0)
     """Angle by which the information agent turns, deg."""
     limit: float = Field(gt=0.0)
@@ -70,39 +71,59 @@ class Turns(Settings):
             "exponent": one.exponent,
             "speed": one.speed,
             "ratio": one.speed / one.sound,
+            "order": one.order,
         }
 
     def turned(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
-        """All fly along x until the information agent turns. Raises Refusal unless there is one."""
+        """All are aligned, until the information agent turns. Raises Refusal unless there is one.
+
+        Where there is noise the flock flies on twice from the same tick, with the same noise: once
+        without the turn. What differs is the turn.
+        """
         if flock.informed.sum() != 1:
             raise Refusal(f"informed = {flock.informed.sum()}: one agent is to turn")
         first = int(np.argmax(flock.informed))
         flock.heading[:] = np.eye(flock.world.dim)[0]
-        angle = math.radians(self.turn)
-        flock.heading[first, :2] = math.cos(angle), math.sin(angle)
-        away, sound = distances(flock, first), sound_of(flock)
-        rate = self.rates(flock, between)
-        delay = flock.dt * ((rate >= 0.5 * rate.max(axis=0)).argmax(axis=0) + 0.5)
-        edges = np.linspace(self.nearest, self.furthest, self.rings + 1)
-        ring = np.digitize(away, edges) - 1
+        still: np.ndarray = flock.heading.copy()
+        if flock.parameters.T > 0.0:  # type: ignore[attr-defined]
+            between()
+            flock.run(self.settle)
+            begun = flock.tick
+            kept = [one.copy() for one in (flock.position, flock.heading, flock.arrays.memory)]
+            still = self.headings(flock, between)
+            flock.position[:], flock.heading[:], flock.arrays.memory[:] = kept
+            flock.tick = begun
+        away, order = distances(flock, first), float(flock.observe("polarisation"))
+        sound, angle = sound_of(flock), math.radians(self.turn)
+        ux, uy = flock.heading[first, :2]
+        flock.heading[first, 0] = math.cos(angle) * ux - math.sin(angle) * uy
+        flock.heading[first, 1] = math.sin(angle) * ux + math.cos(angle) * uy
+        aside = np.zeros(flock.world.dim)
+        aside[:2] = -uy, ux
+        gone = (self.headings(flock, between) - still) @ aside
+        ring = np.digitize(away, np.linspace(self.nearest, self.furthest, self.rings + 1)) - 1
         within = [ring == k for k in range(self.rings)]
-        median = np.array([np.median(delay[rows]) for rows in within])
-        middle = np.array([away[rows].mean() for rows in within])
-        return Turn(away, delay, middle, median, sound)
+        rate = np.diff([gone[:, rows].mean(axis=1) for rows in within], axis=1)
+        reached = rate >= 0.5 * rate.max(axis=1, keepdims=True)
+        return Turn(
+            np.array([away[rows].mean() for rows in within]),
+            flock.dt * (reached.argmax(axis=1) + 0.5),
+            order,
+            sound,
+        )
 
-    def rates(self, flock: Flock, between: Callable[[], None]) -> np.ndarray:
-        """By how much each turns in each tick from now on, (T, N), as lengths of chords."""
-        made = []
+    def headings(self, flock: Flock, between: Callable[[], None]) -> np.ndarray:
+        """Headings at every tick from now on, (T + 1, N, dim)."""
+        seen = [flock.heading.copy()]
         for _ in range(round(self.limit / flock.dt)):
             between()
-            before = flock.heading.copy()
             flock.run(1)
-            made.append(np.linalg.norm(flock.heading - before, axis=1))
-        return np.array(made)
+            seen.append(flock.heading.copy())
+        return np.array(seen)
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
-        """All of them."""
-        return self.limit / dt
+        """All of them, with noise."""
+        return self.settle + 2.0 * self.limit / dt
 
 
 def distances(flock: Flock, row: int) -> np.ndarray:

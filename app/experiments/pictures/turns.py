@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from app.experiments.pictures.boxes import explain
 from app.experiments.trial import flock_of
 from app.experiments.verdicts.verdict import Verdict, of
 
-COLOURS = ("#2166ac", "#5aa9c9", "#1f9d63", "#c0392b", "#8e44ad")
+COLOURS = ("#2166ac", "#5aa9c9", "#1f9d63", "#c0392b", "#0b2545", "#8e44ad", "#b07d12")
 LINE = "#3c434b"
 
 
@@ -25,12 +26,10 @@ def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
     for k, case in enumerate(experiment.cases):
         turn = settings.turned(flock_of(case, seed))
         colour = COLOURS[k % len(COLOURS)]
-        near = (turn.away >= settings.nearest) & (turn.away < settings.furthest)
-        ways.plot(turn.delay[near], turn.away[near], ".", color=colour, markersize=2, alpha=0.25)
-        ways.plot(turn.median, turn.distance, "o-", color=colour, linewidth=1.4, label=case.label)
+        ways.plot(turn.delay, turn.distance, "o-", color=colour, linewidth=1.4, label=case.label)
     time = np.array([1.0, settings.limit])
-    ways.plot(time, 2.2 * time, "--", color=LINE, linewidth=1.0, label="distance ~ delay")
-    ways.plot(time, 7.0 * time**0.5, ":", color=LINE, linewidth=1.2, label="distance ~ root of it")
+    ways.plot(time, 2.2 * time, "--", color=LINE, linewidth=1.0)
+    ways.plot(time, 7.0 * time**0.5, ":", color=LINE, linewidth=1.2)
     ways.set(
         xscale="log",
         yscale="log",
@@ -42,7 +41,7 @@ def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
     ways.set_yticks([4, 8, 16], ["4", "8", "16"])
     ways.set_xticks([0.1, 1, 10], ["0.1", "1", "10"])
     ways.minorticks_off()
-    ways.set_title(f"seed {seed}: agents, and medians of rings", loc="left")
+    ways.set_title(f"seed {seed}: rings about the one that turned", loc="left")
     points = of(made, "exponent")
     for k, one in enumerate(points):
         values = [value for value in one.values if value is not None]
@@ -51,9 +50,13 @@ def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
         exponents.plot(k + aside, values, ".", color=colour, markersize=4, alpha=0.6)
     for level in (0.5, 1.0):
         exponents.axhline(level, color=LINE, linewidth=0.9, linestyle=":")
-    labels = [one.case.label.replace(" ", "\n", 1) for one in points]
+    labels = [fill(one.case.label, 10) for one in points]
     exponents.set_xticks(range(len(points)), labels, fontsize=8)
     exponents.set_ylim(0.0, 1.4)
     exponents.set_ylabel("exponent a of distance ~ delay$^a$")
     exponents.set_title("all runs", loc="left")
-    explain(figure, ways.get_legend_handles_labels()[0], "1: a wave; 1/2: what diffuses")
+    explain(
+        figure,
+        ways.get_legend_handles_labels()[0],
+        "dashed, a = 1: a wave; dotted, a = 1/2: what diffuses",
+    )

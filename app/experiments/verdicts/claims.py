@@ -42,8 +42,8 @@ from app.experiments.verdicts.phase_map import found_claim, lag_claim
 from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, paired, sweeps_of
 from worlds.counting import counted
 
-SMALL = 2.0
-"""Means below which three digits are told."""
+DIGITS = ((2.0, 3), (10.0, 2), (math.inf, 1))
+"""Means below which so many digits behind the point are told."""
 FLAT = 0.05
 """Change of a mean, as a share of it, that is hardly any."""
 
@@ -94,7 +94,8 @@ def order_claim(one: Order, agents: int | None, made: list[Verdict]) -> list[tup
         return []
     rows = [by_label[label] for label in one.labels]
     steps = [paired(a, b) for a, b in pairwise(rows)]
-    digits = 1 if max(abs(row.summary.mean) for row in rows) >= SMALL else 3
+    largest = max(abs(row.summary.mean) for row in rows)
+    digits = next(number for below, number in DIGITS if largest < below)
     means = " < ".join(f"{row.case.label} {row.summary.mean:.{digits}f}" for row in rows)
     smallest = min(steps, key=lambda step: step.mean() if step.size else math.inf)
     size = "" if agents is None else f"N = {agents}, "
