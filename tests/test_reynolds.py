@@ -32,7 +32,7 @@ def room(dim, goal=False):
     """A room with solid edges and obstacles; and the same for the oracle."""
     found = solids.box(np.zeros(dim), np.full(dim, SIDE))
     if dim == 2:
-        found += [solids.outline(one.footprint()) for one in FLAT]
+        found += [solids.flat(one) for one in FLAT]
     else:
         found += [solids.sphere(s.centre, s.radius) for s in ROUND]
     mission = Mission(goal=Goal(route=(GOAL[:dim],))) if goal else None

@@ -43,7 +43,7 @@ def room(dim, scale=1.0, shapes=True):
         a = Polygon(points=tuple((scale * x, scale * y) for x, y in a.points))
         b = Disc(centre=tuple(scale * c for c in b.centre), radius=scale * b.radius)
         given = (a, b)
-        found += [solids.outline(one.footprint()) for one in given]
+        found += [solids.flat(one) for one in given]
     elif shapes:
         given = tuple(
             Sphere(centre=tuple(scale * c for c in s.centre), radius=scale * s.radius)

@@ -53,8 +53,33 @@ def corners(outline):
     return np.vstack(found)
 
 
-def nearest(outline, x):
+@dataclass(frozen=True)
+class Area:
+    """What is solid: a shapely area of straight edges, and discs that touch nothing else."""
+
+    outline: shapely.Geometry
+    discs: tuple  # of (centre, radius)
+
+    def meets(self, a, b):
+        """Whether the way from a to b goes through it."""
+        way = shapely.LineString([a, b])
+        return way.intersects(self.outline) or any(
+            way.distance(shapely.Point(c)) <= r for c, r in self.discs
+        )
+
+
+def nearest(area, x):
     """The Surface nearest to a place (2,)."""
+    found = [nearest_edge(area.outline, x)]
+    for centre, radius in area.discs:
+        out = x - np.array(centre)
+        away = out / math.hypot(*out)
+        found.append(Surface(math.hypot(*out) - radius, centre + radius * away, away, False))
+    return min(found, key=lambda one: one.distance)
+
+
+def nearest_edge(outline, x):
+    """The Surface of a shapely area that is nearest to a place."""
     point = np.array(shapely.shortest_line(outline.boundary, shapely.Point(x)).coords[0])
     inside = bool(shapely.contains_xy(outline, *x))
     gap = x - point
@@ -125,7 +150,7 @@ def held_back(outline, surface, x, v, p):
 def step(model, state, heard, outline, p, turn):
     """All agents at once: (position, heading, heard, layer) at k + 1; the informed go straight.
 
-    `outline` is the shapely area of all obstacles, `turn` (N,) the noise in rad.
+    `outline` is the Area of all obstacles, `turn` (N,) the noise in rad.
     """
     f = p.family
     touch = contact(state.position, f.r, (1.0, 1.0), "open")

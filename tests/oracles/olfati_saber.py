@@ -81,8 +81,8 @@ def shadows(obstacles, q):
 
 
 def shadow(obstacle, q):
-    """The nearest point of a sphere or, in the plane, of an outline without holes."""
-    if obstacle.shape == "sphere":
+    """The nearest point of a sphere or a disc or, in the plane, of an outline without holes."""
+    if obstacle.shape in ("sphere", "disc"):
         centre = np.array(obstacle.centre)
         return centre + obstacle.radius * (q - centre) / np.linalg.norm(q - centre)
     ring = obstacle.footprint().exterior

@@ -21,6 +21,13 @@ def outline(geometry):
     return at
 
 
+def flat(obstacle):
+    """A flat obstacle of `worlds.obstacles` that touches no other."""
+    if obstacle.shape == "disc":
+        return sphere(obstacle.centre, obstacle.radius)
+    return outline(obstacle.footprint())
+
+
 def sphere(centre, radius):
     """A ball, or a disc that is truly round."""
 
