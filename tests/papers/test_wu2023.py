@@ -48,3 +48,17 @@ def test_theorem_1_the_bound_holds_and_energy_only_falls_without_obstacles(tmp_p
     assert min(values(made, "peak")["obstacles", 30]) > 1.0, "what the theorem leaves out"
     assert all(0.1 < one < 0.25 for row in values(made, "ratio").values() for one in row)
     assert min(values(made, "rises")["obstacles", 30]) > 0.0
+
+
+def test_figure_6_both_keep_clear_of_everything(tmp_path):
+    experiment, made = flown("wu2023-fig6", tmp_path, 2)
+    assert borne_out(experiment, made)
+    least = values(made, "d_least")
+    assert min(least[OLFATI]) > max(least[POINTS]) > 1.6
+
+
+def test_figures_3_and_4_split_points_and_aims_are_those_defined(tmp_path):
+    for name in ("wu2023-fig3", "wu2023-fig4"):
+        experiment, made = flown(name, tmp_path / name, 2, limit=30.0)
+        assert borne_out(experiment, made)
+    assert min(min(row) for row in values(made, "splits").values()) > 0
