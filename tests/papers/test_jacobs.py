@@ -8,7 +8,10 @@ from dataclasses import replace
 
 import pytest
 
+from app.experiments.conduct import conduct
+from app.experiments.experiment import read_experiment
 from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.verdict import verdicts
 from papers.flying import borne_out, flown, values
 
 RUNS = 8
@@ -48,3 +51,19 @@ def test_a_predator_that_repels_less_disturbs_nobody(tmp_path):
     assert borne_out(replace(experiment, said=experiment.said[1:]), made)
     assert values(made, "collision")["beta_p = 2", 5] == [0] * 4
     assert values(made, "outside")["beta_p = 2", 5] == [100] * 4
+
+
+def test_gallery_one_car_is_held_and_two_and_three_follow(tmp_path):
+    experiment, made = flown("jacobs-gallery1", tmp_path / "1", 4)
+    assert borne_out(experiment, made)
+    assert max(values(made, "furthest")["one car", 1]) < 1.3
+    experiment, made = flown("jacobs-gallery2", tmp_path / "2", 4)
+    assert borne_out(experiment, made)
+
+
+def test_future_work_an_integral_term_makes_cars_lag_and_touch(tmp_path):
+    whole = read_experiment("jacobs-future").narrowed(["aligned", "aligned, integral"], [])
+    done = conduct(whole, tmp_path, runs=4, seed=1, workers=2, tell=None, at=lambda *_: None)
+    made = verdicts(whole, done.measured)
+    assert values(made, "ok")["aligned", 4] == [100] * 4
+    assert sum(values(made, "collision")["aligned, integral", 4]) >= 200

@@ -60,3 +60,17 @@ def test_a_turned_scene_is_the_same_scene_wherever_its_outlines_begin(tmp_path):
                 assert found == [None] * 4 or found == pytest.approx([found[0]] * 4, abs=1e-6), (
                     label
                 )
+
+
+def test_figure_6_both_keep_clear_of_everything(tmp_path):
+    experiment, made = flown("wu2023-fig6", tmp_path, 2)
+    assert borne_out(experiment, made)
+    least = values(made, "d_least")
+    assert min(least[OLFATI]) > max(least[POINTS]) > 1.6
+
+
+def test_figures_3_and_4_split_points_and_aims_are_those_defined(tmp_path):
+    for name in ("wu2023-fig3", "wu2023-fig4"):
+        experiment, made = flown(name, tmp_path / name, 2, limit=30.0)
+        assert borne_out(experiment, made)
+    assert min(min(row) for row in values(made, "splits").values()) > 0

@@ -22,6 +22,9 @@ def draw_centres(figure: Any, experiment: Experiment, seed: int) -> None:
     panels = figure.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=[1.9, 1.0])
     flights = draw_flights(panels, experiment, seed)
     end = shown(experiment, flights)
+    for letter in "ab":
+        said = panels[letter].get_title(loc="left")
+        panels[letter].set_title(f"({letter}) {said}", loc="left")
     for axis, (letter, name) in enumerate((("c", "x"), ("d", "y"))):
         axes = panels[letter]
         for flight, label, colour in zip(flights, labels, COLOURS, strict=False):
