@@ -31,6 +31,8 @@ Picture = Literal[
     "consensus",
     "gallery",
     "growth",
+    "diffusion",
+    "crowding",
 ]
 
 

@@ -2,6 +2,8 @@
 
 from app.experiments.kinds.consensus import Consensus
 from app.experiments.kinds.convergence import Convergence
+from app.experiments.kinds.crowding import Crowding
+from app.experiments.kinds.diffusion import Diffusion
 from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
 from app.experiments.kinds.formation import Formation
@@ -25,5 +27,7 @@ KINDS: dict[str, type[Settings]] = {
         Squash,
         Consensus,
         Swarming,
+        Diffusion,
+        Crowding,
     )
 }

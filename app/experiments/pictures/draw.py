@@ -11,6 +11,8 @@ from app.experiments.pictures.consensus import draw_consensus
 from app.experiments.pictures.convergence.models import draw_models
 from app.experiments.pictures.convergence.pairs import draw_pairs
 from app.experiments.pictures.convergence.sweeps import draw_sweeps
+from app.experiments.pictures.crowding import draw_crowding
+from app.experiments.pictures.diffusion import draw_diffusion
 from app.experiments.pictures.driving import draw_driving
 from app.experiments.pictures.energy import draw_energy
 from app.experiments.pictures.formation import draw_formation
@@ -38,6 +40,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "phases": draw_phases,
     "crashes": draw_crashes,
     "growth": draw_growth,
+    "crowding": draw_crowding,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {
@@ -48,6 +51,7 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "energy": draw_energy,
     "squash": draw_squash,
     "consensus": draw_consensus,
+    "diffusion": draw_diffusion,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {
