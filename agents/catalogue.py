@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from agents.bodies import (
+    brownian,
     car,
     constant_speed,
     double_integrator,
@@ -28,6 +29,7 @@ from agents.models.declare import Body, Rule, declared
 from agents.models.model import Model
 from agents.models.rule_file import thing_in
 from agents.rules import (
+    active_brownian,
     boundary_points,
     couzin,
     cucker_smale,
@@ -113,6 +115,14 @@ BUILT_IN = [
         dim=2,
         defaults={"dt": 0.02, "v_start": 1.0},
         tells=("angular-momentum", "polarisation", "gyration-radius", "velocity-spread"),
+    ),
+    Model(
+        active_brownian.RULE,
+        brownian.BODY,
+        world="meadow",
+        dim=2,
+        agents=1000,
+        tells=("largest-group", "mean-neighbours", "polarisation"),
     ),
     Model(couzin.COUZIN, turning.BODY, world="meadow", dim=3),
     Model(inertial_spin.RULE, swerving.BODY, agents=400),

@@ -151,6 +151,33 @@ PAPERS = (
 }""",
     ),
     Paper(
+        r"Fily and Marchetti 2012",
+        r"""@article{fily2012,
+  author  = {Fily, Yaouen and Marchetti, M. Cristina},
+  title   = {Athermal Phase Separation of Self-Propelled Particles with No Alignment},
+  journal = {Physical Review Letters},
+  volume  = {108},
+  number  = {23},
+  pages   = {235702},
+  year    = {2012},
+  doi     = {10.1103/PhysRevLett.108.235702},
+}""",
+    ),
+    Paper(
+        r"Bechinger et al\. 2016",
+        r"""@article{bechinger2016,
+  author  = {Bechinger, Clemens and Di Leonardo, Roberto and L{\"o}wen, Hartmut and
+             Reichhardt, Charles and Volpe, Giorgio and Volpe, Giovanni},
+  title   = {Active Particles in Complex and Crowded Environments},
+  journal = {Reviews of Modern Physics},
+  volume  = {88},
+  number  = {4},
+  pages   = {045006},
+  year    = {2016},
+  doi     = {10.1103/RevModPhys.88.045006},
+}""",
+    ),
+    Paper(
         r"Vasarhelyi et al\. 2018",
         r"""@article{vasarhelyi2018,
   author  = {V{\'a}s{\'a}rhelyi, G{\'a}bor and Vir{\'a}gh, Csaba and Somorjai, Gerg{\H{o}} and

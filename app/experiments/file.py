@@ -46,6 +46,8 @@ Picture = Literal[
     "expected",
     "gallery",
     "growth",
+    "diffusion",
+    "crowding",
 ]
 
 

@@ -3,7 +3,9 @@
 from app.experiments.kinds.beginning import Beginning
 from app.experiments.kinds.consensus import Consensus
 from app.experiments.kinds.convergence import Convergence
+from app.experiments.kinds.crowding import Crowding
 from app.experiments.kinds.detours import Detours
+from app.experiments.kinds.diffusion import Diffusion
 from app.experiments.kinds.driving import Driving
 from app.experiments.kinds.energy import Energy
 from app.experiments.kinds.evolution import Evolution
@@ -26,6 +28,6 @@ KINDS: dict[str, type[Settings]] = {
     for one in (
         *(Convergence, Evolution, Mission, Energy, Phases, Gathering, Beginning, Formation),
         *(Driving, Holding, Squash, Layering, Tangents, Detours),
-        *(Consensus, Lanes, Ordering, Swarming, Turns),
+        *(Consensus, Crowding, Diffusion, Lanes, Ordering, Swarming, Turns),
     )
 }

@@ -12,6 +12,8 @@ from app.experiments.pictures.convergence.evolution import draw_evolution
 from app.experiments.pictures.convergence.models import draw_models
 from app.experiments.pictures.convergence.pairs import draw_pairs
 from app.experiments.pictures.convergence.sweeps import draw_sweeps
+from app.experiments.pictures.crowding import draw_crowding
+from app.experiments.pictures.diffusion import draw_diffusion
 from app.experiments.pictures.driving import draw_driving
 from app.experiments.pictures.endurance import draw_endurance
 from app.experiments.pictures.energy import draw_energy
@@ -56,6 +58,7 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "ordering": draw_ordering,
     "turned": draw_turned,
     "growth": draw_growth,
+    "crowding": draw_crowding,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {
@@ -72,6 +75,7 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "tangents": draw_tangents,
     "detour": draw_detour,
     "expected": draw_expected,
+    "diffusion": draw_diffusion,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {
