@@ -30,6 +30,7 @@ from agents.rules import (
     boundary_points,
     couzin,
     echelon,
+    gregoire_chate,
     guarded_zones,
     hwvem,
     ivem,
@@ -37,6 +38,7 @@ from agents.rules import (
     reynolds,
     safe_zones,
     squashing,
+    topological,
     vasarhelyi,
     vicsek,
     vicsek1995,
@@ -52,6 +54,8 @@ NEUTRAL = {"heading": CONSTANT, "acceleration": point_mass.BODY}
 
 BUILT_IN = [
     Model(vicsek1995.RULE, old_heading.BODY, agents=400, density=4.0),
+    Model(gregoire_chate.RULE, CONSTANT, agents=512, density=2.0, defaults={"v0": 0.5}),
+    Model(topological.RULE, CONSTANT, agents=400, defaults={"neighbours": "nearest"}),
     Model(vicsek.VEM, CONSTANT),
     Model(vicsek.VEM_A, CONSTANT),
     Model(ivem.IVEM, CONSTANT),

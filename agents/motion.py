@@ -66,12 +66,13 @@ class Motion(State):
         """Whether agents act eight at once: see `agents.engine.pairs`."""
         interpreted = self.interpret or DISABLED
         together = self.options.activation == "synchronous"
-        return self.model.is_of_pairs and together and not interpreted
+        return self.model.is_of_pairs and together and not interpreted and not self.nearest
 
     @property
     def loop(self) -> ModuleType:
         """The module of the compiled loop."""
-        return loop_of(self.model, self.world.dim, self.world.is_solid, self.of_pairs)
+        solid, nearest = self.world.is_solid, self.nearest > 0
+        return loop_of(self.model, self.world.dim, solid, self.of_pairs, nearest)
 
     @property
     def engine(self) -> Synchronous | OfPairs | InTurn:
@@ -107,7 +108,10 @@ class Motion(State):
         if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
             made = {name: np.float64(value) for name, value in made.items()}
         numbers = self.loop.P(**made)
-        return Context(numbers, noise, self.reach, self.dt)
+        unbounded = numbers
+        if self.nearest:
+            unbounded = numbers._replace(**{self.model.bound: np.float64(np.inf)})
+        return Context(numbers, noise, self.reach, self.dt, unbounded, self.nearest)
 
     def stray(self) -> Stray | None:
         """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is.
@@ -169,8 +173,12 @@ class Motion(State):
 
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
+        before = self.loop
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
         self.context = self._make_context()
+        if self.loop is not before:
+            self._end_tick()
+            self._engine = None
         if self._engine is not None and self.sight > self._engine.surroundings.reach:
             self._engine = None
 
@@ -285,8 +293,13 @@ def in_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
 
 
 @cache
-def loop_of(model: Model, dim: int, solid: bool, of_pairs: bool) -> ModuleType:
-    """The module of the compiled loop of a model, in a world where something is solid or not."""
+def loop_of(
+    model: Model, dim: int, solid: bool, of_pairs: bool, nearest: bool = False
+) -> ModuleType:
+    """The module of the compiled loop of a model, in a world where something is solid or not.
+
+    `nearest`: whether the nearest are neighbours, whatever their distance.
+    """
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
-    parts = model.parts(dim, solid) | {"holds": is_consistent}
+    parts = model.parts(dim, solid) | {"holds": is_consistent, "NEAREST": nearest}
     return loop_module("pairs" if of_pairs else "sweep", parts, tuple(fields))

@@ -57,6 +57,11 @@ class Context(NamedTuple):
     """The largest distance at which agents notice each other, length."""
     lasts: float
     """How much time a tick stands for."""
+    unbounded: Any
+    """The parameters as they are for a rule that is shown the nearest agents only: without the
+    radius beyond which it hears nobody; the loop's `P`."""
+    nearest: int
+    """How many nearest agents a rule is shown; 0 where it is shown all within reach."""
 
 
 class Workspace(NamedTuple):

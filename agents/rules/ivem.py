@@ -10,14 +10,14 @@ import math
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import search_layers
 from agents.models.declare import Rule, parameter
-from agents.rules.vicsek import Vicsek
+from agents.rules.vicsek import VicsekAmong
 from worlds.compiled import compiled
 
 ANGLE, LAYER = 0, 1
 FULL = 2.0 * math.pi
 
 
-class ImprovedVicsekInformed(Vicsek):
+class ImprovedVicsekInformed(VicsekAmong):
     """Parameters of IVEM-A."""
 
     k_iu: float = parameter(
@@ -122,7 +122,7 @@ IVEM = Rule(
     "different ones; an agent between them keeps its heading.",
     equation=EQUATION,
     source="Liu et al. 2021, (30), (31)",
-    parameters=Vicsek,
+    parameters=VicsekAmong,
     decide=decide,
     sifts=True,
     dimensions=(2,),

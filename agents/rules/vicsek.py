@@ -12,6 +12,7 @@ import math
 from agents.engine.block import Wish, is_neighbour
 from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.sums import of_pairs
 from worlds.compiled import compiled
 
@@ -41,6 +42,10 @@ class Vicsek(Parameters):
         source="Liu et al. 2021, (6); vectorial: Grégoire and Chaté 2004",
         noise=True,
     )
+
+
+class VicsekAmong(Nearest, Vicsek):
+    """Parameters of the rules of the family that leave open who the neighbours are."""
 
 
 @compiled
@@ -73,7 +78,7 @@ VEM = Rule(
     summary="Each agent takes the mean heading of all agents within r, itself among them.",
     equation=EQUATION,
     source="Vicsek et al. 1995; Liu et al. 2021, (6)",
-    parameters=Vicsek,
+    parameters=VicsekAmong,
     **OF_PAIRS,
 )
 
@@ -84,7 +89,7 @@ VEM_A = Rule(
     "turns; nobody weighs it more than any other.",
     equation=EQUATION,
     source="Liu et al. 2021, (6) and section 3.1.2",
-    parameters=Vicsek,
+    parameters=VicsekAmong,
     **OF_PAIRS,
     informed=1,
     converges=True,

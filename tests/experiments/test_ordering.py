@@ -10,7 +10,7 @@ from rich.console import Console
 from agents import Flock
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import read_experiment, read_file
-from app.experiments.file import Reaches, Sizes
+from app.experiments.file import Alike, Reaches, Sizes
 from app.experiments.kinds.ordering import Ordering, binder
 from app.experiments.pictures.draw import draw
 from app.experiments.reports.report import show
@@ -178,6 +178,25 @@ def test_what_comes_up_somewhere_or_nowhere(tmp_path):
     unclear = made_up(tmp_path, means | {(60, 6.0): 0.001}, "binder")
     assert words(unclear, dips) == words(unclear, never) == ["undecided"]
     assert words(high, Reaches(above=0.5, **claim)) == ["holds"]
+
+
+def test_two_rows_are_alike_within_a_distance(tmp_path):
+    experiment = small(tmp_path)
+    rng = np.random.default_rng(3)
+    for apart, word in ((0.0, "holds"), (0.2, "does not hold"), (0.05, "undecided")):
+        shift = {"thin": 0.0, "dense": apart}
+        measured = [
+            Measured(
+                case,
+                dict.fromkeys(
+                    ("order", "binder", "chi"),
+                    list(0.5 + shift.get(case.label, 0.0) + 0.02 * rng.normal(size=20)),
+                ),
+            )
+            for case in experiment.cases
+        ]
+        claim = Alike(says="alike", measure="order", labels=("thin", "dense"), within=0.05)
+        assert words(verdicts(experiment, measured), claim) == [word]
 
 
 def test_a_claim_needs_one_bound(tmp_path):

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from app.experiments.file import Reaches, Sizes
-from app.experiments.verdicts.answer import Answer, all_of, any_of, interval, mean_above
+from app.experiments.verdicts.answer import Answer, all_of, any_of, interval, mean_above, runs_for
 from app.experiments.verdicts.verdict import Verdict, name, paired
 
 
@@ -54,7 +54,11 @@ def reaches_claim(one: Reaches, made: list[Verdict]) -> list[tuple[str, Answer]]
     )
     if one.nowhere:
         return [(text, all_of([mean_above(-margin, len(rows)) for margin in margins]))]
-    return [(text, any_of([mean_above(margin, len(rows)) for margin in margins]))]
+    answer = any_of([mean_above(margin, len(rows)) for margin in margins])
+    if answer.word == "undecided":  # one point is enough: that which is nearest to being decided
+        needed = [runs_for(m, len(rows)) for m in margins if m.size and m.mean() > 0.0]
+        answer = Answer("undecided", min((n for n in needed if n is not None), default=None))
+    return [(text, answer)]
 
 
 def counted(row: Verdict) -> np.ndarray:

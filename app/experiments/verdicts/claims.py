@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from app.experiments.file import (
+    Alike,
     Every,
     Faster,
     Found,
@@ -68,6 +69,8 @@ def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
         return found_claim(one, points)
     if isinstance(one, Lags):
         return lag_claim(one, points)
+    if isinstance(one, Alike):
+        return alike_claim(one, points)
     if isinstance(one, Sizes):
         return sizes_claim(one, points)
     if isinstance(one, Reaches):
@@ -206,13 +209,33 @@ def flat_claim(label: str, first: Verdict, last: Verdict) -> Claim:
     """Whether the mean of the last is, within `FLAT`, that of the first, seed by seed."""
     change = paired(first, last) / first.summary.mean
     text = f"{label}: the mean changes by {spread(100.0 * change, 1, ' %')}; published: hardly"
-    low, high = interval(change)
-    if low > FLAT or high < -FLAT:
-        return Claim(text, DOES_NOT)
-    if low > -FLAT and high < FLAT:
-        return Claim(text, HOLDS)
-    within = change + math.copysign(FLAT, -change.mean()) if change.size else change
-    return Claim(text, Answer("undecided", runs_for(within)))
+    return Claim(text, mean_within(change, FLAT))
+
+
+def mean_within(margins: np.ndarray, bound: float) -> Answer:
+    """Whether the mean of margins (R,) is less than a bound away from 0."""
+    low, high = interval(margins)
+    if low > bound or high < -bound:
+        return DOES_NOT
+    if low > -bound and high < bound:
+        return HOLDS
+    within = margins + math.copysign(bound, -margins.mean()) if margins.size else margins
+    return Answer("undecided", runs_for(within))
+
+
+def alike_claim(one: Alike, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether the means of two rows are less than a distance apart, seed by seed."""
+    by_label = {row.case.label: row for row in made}
+    if not set(one.labels) <= set(by_label):
+        return []
+    first, second = (by_label[label] for label in one.labels)
+    step = paired(first, second)
+    means = f"{first.summary.mean:.3f} and {second.summary.mean:.3f}"
+    text = (
+        f"{first.measure.symbol} of {one.labels[0]} and {one.labels[1]}: {means}, less than "
+        f"{one.within:g} apart ({spread(step, 3)})"
+    )
+    return [(text, mean_within(step, one.within))]
 
 
 def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:
