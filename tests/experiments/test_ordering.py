@@ -18,6 +18,7 @@ from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
 
+MEASURES = ("order", "binder", "chi")
 TEXT = """
 kind = "ordering"
 title = "Small order"
@@ -142,7 +143,7 @@ def made_up(tmp_path, values, measure="order"):
                     (values[case.agents, case.value] if case.sweep and name == measure else 0.5)
                     + 0.01 * rng.normal(size=20)
                 )
-                for name in ("order", "binder", "chi")
+                for name in MEASURES
             },
         )
         for case in experiment.cases
@@ -185,16 +186,10 @@ def test_two_rows_are_alike_within_a_distance(tmp_path):
     rng = np.random.default_rng(3)
     for apart, word in ((0.0, "holds"), (0.2, "does not hold"), (0.05, "undecided")):
         shift = {"thin": 0.0, "dense": apart}
-        measured = [
-            Measured(
-                case,
-                dict.fromkeys(
-                    ("order", "binder", "chi"),
-                    list(0.5 + shift.get(case.label, 0.0) + 0.02 * rng.normal(size=20)),
-                ),
-            )
-            for case in experiment.cases
-        ]
+        measured = []
+        for case in experiment.cases:
+            values = 0.5 + shift.get(case.label, 0.0) + 0.02 * rng.normal(size=20)
+            measured.append(Measured(case, {name: list(values) for name in MEASURES}))
         claim = Alike(says="alike", measure="order", labels=("thin", "dense"), within=0.05)
         assert words(verdicts(experiment, measured), claim) == [word]
 
@@ -210,8 +205,7 @@ def test_a_claim_needs_one_bound(tmp_path):
 def test_rows_of_one_density_are_drawn_as_boxes(tmp_path):
     experiment = read_experiment("vicsek1995-headings")
     made = [
-        Measured(case, {name: [0.2, 0.3, 0.25] for name in ("order", "binder", "chi")})
-        for case in experiment.cases
+        Measured(case, {name: [0.2, 0.3, 0.25] for name in MEASURES}) for case in experiment.cases
     ]
     experiment = replace(experiment, runs=3)
     files = draw(experiment, verdicts(experiment, made), tmp_path)
