@@ -35,6 +35,7 @@ from agents.rules import (
     cucker_smale,
     dorsogna,
     echelon,
+    gregoire_chate,
     guarded_zones,
     hwvem,
     inertial_spin,
@@ -44,6 +45,7 @@ from agents.rules import (
     reynolds,
     safe_zones,
     squashing,
+    topological,
     vasarhelyi,
     vicsek,
     vicsek1995,
@@ -69,6 +71,8 @@ ROUND = ("nearest-neighbour", "angular-momentum")
 
 BUILT_IN = [
     Model(vicsek1995.RULE, old_heading.BODY, agents=400, density=4.0),
+    Model(gregoire_chate.RULE, CONSTANT, agents=512, density=2.0, defaults={"v0": 0.5}),
+    Model(topological.RULE, CONSTANT, agents=400, defaults={"neighbours": "nearest"}),
     Model(vicsek.VEM, CONSTANT),
     Model(vicsek.VEM_A, CONSTANT),
     Model(ivem.IVEM, CONSTANT),

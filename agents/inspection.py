@@ -11,7 +11,7 @@ from agents.engine.arrays import Context
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.models.calling import call
-from agents.observables.neighbours import separation
+from agents.observables.neighbours import nearest_of, separation
 from agents.snapshot import Snapshot, State
 from worlds.compiled import plain_python
 from worlds.queries.surroundings import Surroundings, points_within, set_goal
@@ -210,6 +210,11 @@ def inspected(
     d2 = (apart**2).sum(axis=1)
     active = flock.active
     rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & active & active[row])
+    parameters = context.parameters
+    if flock.nearest:
+        others = np.flatnonzero(active & active[row])
+        rows = np.sort(others[nearest_of(apart[others], flock.nearest)])
+        parameters = context.unbounded
     apart = apart[rows]
     signals = flock.arrays.memory
     own = signals[:, row].copy()
@@ -226,7 +231,7 @@ def inspected(
         me = as_me(flock, row, own.copy())
         near = as_near(flock, row, rows, apart, signals, seen)
         if rule.weigh is not None and len(rows):
-            call(flock.model, interpret, rule.weigh, me, near, context.parameters, weights)
+            call(flock.model, interpret, rule.weigh, me, near, parameters, weights)
         forces = forces_on(flock, surroundings, context, me, near, interpret)
     return Inspection(
         int(flock.ids[row]),

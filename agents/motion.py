@@ -83,13 +83,14 @@ class Motion(State):
         """Whether agents act eight at once: see `agents.engine.pairs`."""
         interpreted = self.interpret or DISABLED
         together = self.options.activation == "synchronous" and not self.options.is_late
-        return self.model.is_of_pairs and together and not interpreted
+        return self.model.is_of_pairs and together and not interpreted and not self.nearest
 
     @property
     def loop(self) -> ModuleType:
         """The module of the compiled loop."""
         where = self.world.dim, self.world.is_solid
-        return loop_of(self.model, *where, self.of_pairs, self.options.is_windy)
+        how = self.of_pairs, self.options.is_windy, self.nearest > 0
+        return loop_of(self.model, *where, *how)
 
     @property
     def engine(self) -> Synchronous | OfPairs | InTurn:
@@ -130,7 +131,10 @@ class Motion(State):
             made = {name: np.float64(value) for name, value in made.items()}
         self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
         numbers = self.loop.P(**made)
-        return Context(numbers, noise, self.reach, self.dt, NO_WIND, 0)
+        unbounded = numbers
+        if self.nearest:
+            unbounded = numbers._replace(**{self.model.bound: np.float64(np.inf)})
+        return Context(numbers, noise, self.reach, self.dt, NO_WIND, 0, unbounded, self.nearest)
 
     def _during(self, ticks: int) -> Context:
         """What agents go by in the next ticks, the wind with it."""
@@ -197,8 +201,12 @@ class Motion(State):
 
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
+        before = self.loop
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
         self.context = self._make_context()
+        if self.loop is not before:
+            self._end_tick()
+            self._engine = None
         self._make_past()
         if self._engine is not None and self.sight > self._engine.surroundings.reach:
             self._engine = None
@@ -322,8 +330,17 @@ def in_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
 
 
 @cache
-def loop_of(model: Model, dim: int, solid: bool, of_pairs: bool, windy: bool) -> ModuleType:
-    """The module of the compiled loop of a model, in a world with something solid, wind, or not."""
+def loop_of(
+    model: Model, dim: int, solid: bool, of_pairs: bool, windy: bool, nearest: bool
+) -> ModuleType:
+    """The module of the compiled loop of a model, in a world with something solid, wind, or not.
+
+    `nearest`: whether the nearest are neighbours, whatever their distance.
+    """
     fields = dict.fromkeys([*model.parameters.model_fields, NOISE])
-    parts = model.parts(dim, solid) | {"holds": is_consistent, "WINDY": windy}
+    parts = model.parts(dim, solid) | {
+        "holds": is_consistent,
+        "WINDY": windy,
+        "NEAREST": nearest,
+    }
     return loop_module("pairs" if of_pairs else "sweep", parts, tuple(fields))

@@ -13,7 +13,7 @@ from agents.models.model import Model
 from agents.observables.checks import is_finite, leave_out, whole_rows
 from agents.observables.components import groups_within
 from agents.observables.layers import layers
-from agents.observables.neighbours import links
+from agents.observables.neighbours import links, nearest_links
 from agents.state.crashes import Crashes, active, crashes
 from agents.state.rows import chosen
 from worlds.mission import along_route
@@ -81,6 +81,11 @@ class State:
         return float(getattr(self.parameters, self.model.rule.reach))
 
     @property
+    def nearest(self) -> int:
+        """How many nearest agents are an agent's neighbours; 0 where all within reach are."""
+        return self.model.nearest(self.parameters)
+
+    @property
     def together(self) -> float:
         """The distance within which agents are of one group, length."""
         return float(getattr(self.parameters, self.model.rule.together or self.model.rule.reach))
@@ -146,7 +151,10 @@ class Snapshot(State):
         return crashes((self.whole or self).arrays)
 
     def links(self) -> np.ndarray:
-        """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
+        """Pairs of rows (i < j) within reach of each other, int (M, 2).
+
+        Where the nearest are neighbours, pairs of which one at least is the other's neighbour.
+        """
         return self._links
 
     def group_labels(self) -> np.ndarray:
@@ -159,6 +167,8 @@ class Snapshot(State):
 
     @cached_property
     def _links(self) -> np.ndarray:
+        if self.nearest:
+            return nearest_links(self.position, self.nearest, self.world.size, self.world.images)
         return links(self.position, self.reach, self.world.size, self.world.images)
 
     @cached_property

@@ -63,6 +63,11 @@ class Context(NamedTuple):
     wind: np.ndarray
     """How far the wind carries agents in each tick from `since` on, length, (ticks, 3)."""
     since: int
+    unbounded: Any
+    """The parameters as they are for a rule that is shown the nearest agents only: without the
+    radius beyond which it hears nobody; the loop's `P`."""
+    nearest: int
+    """How many nearest agents a rule is shown; 0 where it is shown all within reach."""
 
 
 class Workspace(NamedTuple):

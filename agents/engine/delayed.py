@@ -22,6 +22,7 @@ from agents.engine.cells import (
     share_slots,
 )
 from agents.engine.fall import fall
+from agents.engine.nearest import all_images
 from agents.engine.noise import tick_key
 from agents.engine.past import age_of, note_present
 from worlds.compiled import compiled, entry
@@ -32,10 +33,13 @@ if TYPE_CHECKING:
         ASKS_SPEED,
         CRASHES,
         DIM,
+        NEAREST,
         SEES_POINTS,
         SIGNALS,
         act,
+        lay,
         nearby,
+        pick_nearest,
         ready,
         see_points,
         show,
@@ -81,7 +85,7 @@ def open_tick(
     """Do what needs the whole flock, tell the present, and link the lists; a bad row or -1."""
     n = flock.ids.shape[0]
     set_goal(surroundings, tick * context.lasts)
-    plan(grid, space, context.reach, flock.position)
+    lay(grid, space, context, flock.position)
     bad = count_rows(grid, space, slots, flock, 0, 0, n)
     if bad >= 0:
         return bad
@@ -128,38 +132,50 @@ def copy_self(block, signals, workspace, me, m):
 
 
 @compiled
+def add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shifts):
+    """Put what row i knows of row j into place m of the block; the next place."""
+    ages = flock.past.shape[1]
+    age = age_of(messages, seed, me.tick, flock.ids[i], flock.ids[j], ages)
+    if age == ages:
+        return m
+    block, signals = workspace.block, workspace.signals
+    copy_known(flock, space, block, signals, j, age, m, known, me.tick, shifts)
+    return m + 1
+
+
+@compiled
 def gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, known):
     """Copy what row i knows of those around it, and itself, into the block; how many, or -1.
 
     -1: the block has no room.
     """
-    ages = flock.past.shape[1]
-    block = workspace.block
-    copy_self(block, workspace.signals, workspace, me, 0)
+    copy_self(workspace.block, workspace.signals, workspace, me, 0)
     m = 1
     for c in range(27):
         near, sx, sy, sz = around(grid, space, cell, c)
         j = grid.start[near] if near >= 0 else -1
         while j >= 0:
             if j != i:
-                if m == block.shape[1]:
+                if m == workspace.block.shape[1]:
                     return -1
-                age = age_of(messages, seed, me.tick, flock.ids[i], flock.ids[j], ages)
-                if age < ages:
-                    copy_known(
-                        flock,
-                        space,
-                        block,
-                        workspace.signals,
-                        j,
-                        age,
-                        m,
-                        known,
-                        me.tick,
-                        (sx, sy, sz),
-                    )
-                    m += 1
+                shifts = (sx, sy, sz)
+                m = add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shifts)
             j = slots.row[j]
+    return m
+
+
+@compiled
+def gather_all(flock, space, workspace, messages, seed, me, i, known):
+    """Copy what row i knows of all that have not crashed, and itself; how many, or -1."""
+    n = flock.ids.shape[0]
+    if n > workspace.block.shape[1]:
+        return -1
+    copy_self(workspace.block, workspace.signals, workspace, me, 0)
+    m = 1
+    for j in range(n):
+        if j != i and not (CRASHES and flock.crash_record[j, 0] >= 0.0):
+            shifts = (0.0, 0.0, 0.0)
+            m = add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shifts)
     return m
 
 
@@ -207,10 +223,21 @@ def advance(
             show(me, context.parameters, workspace.out)
             for k in range(SIGNALS):
                 workspace.mine[k] = workspace.out[k]
-        m = gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, known)
+        if NEAREST:
+            m = gather_all(flock, space, workspace, messages, seed, me, i, known)
+        else:
+            m = gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, known)
         if m < 0:
             return at, -1
-        nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
+        if NEAREST:
+            all_images(space, workspace.block, m, me.x, me.y, me.z, DIM)
+        else:
+            nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
         points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
-        act(flock, space, surroundings, i, me, nearby(m, workspace, 6, points), context, workspace)
+        near = nearby(m, workspace, 6, points)
+        noticed = near
+        if NEAREST:
+            close, _ = pick_nearest(workspace, m, 6, me, context.nearest)
+            noticed = nearby(close, workspace, -1, points)
+        act(flock, space, surroundings, i, me, near, noticed, context, workspace)
     return order.shape[0], -1

@@ -49,14 +49,17 @@ def turns_module(sweep: types.ModuleType):
         "DEAFENS",
         "DIM",
         "MEASURES",
+        "NEAREST",
         "PRIVATE",
         "SEES_POINTS",
         "SIGNALS",
         "act",
         "holds",
         "judge",
+        "lay",
         "myself",
         "nearby",
+        "pick_nearest",
         "ready",
         "see_points",
         "show",
@@ -66,10 +69,10 @@ def turns_module(sweep: types.ModuleType):
 
 def delayed_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule know of each other by messages."""
-    shared = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "PRIVATE", "SEES_POINTS", "SIGNALS"
-    called = "act", "holds", "nearby", "ready", "see_points", "show"
+    shared = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SEES_POINTS"
+    called = "act", "holds", "lay", "nearby", "pick_nearest", "ready", "see_points", "show"
     turns = turns_module(sweep)
-    parts = {part: vars(sweep)[part] for part in (*shared, *called)}
+    parts = {part: vars(sweep)[part] for part in (*shared, "SIGNALS", *called)}
     parts |= {part: vars(turns)[part] for part in ("judge_all", "link", "row_of")}
     return load("delayed", parts, sweep.P._fields)
 

@@ -11,6 +11,7 @@ same blocks, and so give the same bits.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,7 @@ from agents.engine.fall import crash, fall
 from agents.engine.flat import ones, zeros
 from agents.engine.guide import guided
 from agents.engine.hold import PASSES, held
+from agents.engine.nearest import all_images, covered, fill_all, rank, width_for
 from agents.engine.noise import tick_key
 from agents.engine.phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.engine.wind import carried
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
         HEADS,
         MEASURES,
         MEETS,
+        NEAREST,
         PRIVATE,
         SEES_POINTS,
         SIFTS,
@@ -87,12 +90,14 @@ def settle(flock, space, surroundings, i, me, moved, context):
 
 
 @compiled
-def act(flock, space, surroundings, i, me, near, context, workspace):
+def act(flock, space, surroundings, i, me, near, noticed, context, workspace):
     """One agent's tick: perceive, decide, add noise, move, remember; or fall, if it has crashed.
 
-    An information agent listens to nobody: it follows the mission's path, or keeps its heading.
+    The rule goes by those `noticed`, the body by all that are `near`. An information agent listens
+    to nobody: it follows the mission's path, or keeps its heading.
     """
     p = context.parameters
+    q = context.unbounded if NEAREST else p
     if CRASHES and flock.crash_record[i, 0] >= 0.0:
         fall(flock, space, surroundings, i, context.lasts)
         return
@@ -103,14 +108,14 @@ def act(flock, space, surroundings, i, me, near, context, workspace):
         want = guided(flock, surroundings, i, me)
     else:
         if PRIVATE > 0:
-            perceive(me, near, surroundings, p)
-        want = decide(me, near, surroundings, p)
+            perceive(me, noticed, surroundings, q)
+        want = decide(me, noticed, surroundings, q)
         if HEADS:
             want = headed(me, want, context.noise, p.eta, DIM)
     moved = move(me, near, surroundings, want, p, out)
     settle(flock, space, surroundings, i, me, moved, context)
     if SIGNALS > 0:
-        remember(me, near, p, out)
+        remember(me, noticed, q, out)
     for k in range(SIGNALS):
         flock.memory[k, i] = out[k]
     for k in range(PRIVATE):
@@ -186,7 +191,7 @@ def see_points(surroundings, reach, me, workspace):
 @compiled
 def within_reach(workspace, m, at, me, reach):
     """Copy those of the m agents of the block that are within reach to `close`; how many."""
-    block, close = workspace.block, workspace.close
+    block = workspace.block
     r2 = reach * reach * FAR
     for j in range(np.uintp(m)):
         dx, dy = block[at, j] - me.x, block[at + 1, j] - me.y
@@ -199,6 +204,14 @@ def within_reach(workspace, m, at, me, reach):
     for j in range(np.uintp(m)):
         workspace.chosen[n] = j
         n += np.uintp(1) if workspace.apart[j] <= r2 else np.uintp(0)
+    pick(workspace, at, n)
+    return np.intp(n)
+
+
+@compiled
+def pick(workspace, at, n):
+    """Copy the n agents of the block that are `chosen` to `close`; positions start at row `at`."""
+    block, close = workspace.block, workspace.close
     for axis in range(DIM):
         for k in range(n):
             close[axis, k] = block[at + axis, np.uintp(workspace.chosen[k])]
@@ -210,7 +223,44 @@ def within_reach(workspace, m, at, me, reach):
     for q in range(SIGNALS):
         for k in range(n):
             workspace.close_signals[q, k] = workspace.signals[q, np.uintp(workspace.chosen[k])]
-    return np.intp(n)
+
+
+@compiled
+def pick_nearest(workspace, m, at, me, k):
+    """Copy the k nearest of the m agents of the block to `close`; how many, and how far they go.
+
+    That is the square of the distance of the k-th, inf where there are fewer.
+    """
+    n = rank(workspace.block, at, m, DIM, me, k, workspace.apart, workspace.chosen)
+    pick(workspace, at, np.uintp(n))
+    return n, workspace.apart[n - 1] if n == k else math.inf
+
+
+@compiled
+def nearest_to(space, grid, slots, workspace, cell, m, at, me, context):
+    """Copy the nearest agents to `close`; how many. The block of the cell stays as it was.
+
+    They are among the m agents of the block, or else everybody is looked at.
+    """
+    sure = covered(grid, DIM)
+    n, d2 = pick_nearest(workspace, m, at, me, context.nearest)
+    if d2 > sure * sure:
+        block = workspace.block
+        every = fill_all(grid, slots, block, workspace.signals)
+        all_images(space, block, every, me.x, me.y, me.z, DIM)
+        n, _ = pick_nearest(workspace, every, 6, me, context.nearest)
+        fill_block(grid, space, slots, cell, block, workspace.signals)
+        nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
+    return n
+
+
+@compiled
+def lay(grid, space, context, position):
+    """Lay the cells of a tick: as wide as the reach, or as it takes to hold the nearest agents."""
+    wide = context.reach
+    if NEAREST:
+        wide = max(wide, width_for(space, position, context.nearest))
+    plan(grid, space, wide, position)
 
 
 @compiled
@@ -271,12 +321,16 @@ def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key
                 )
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
-            if SIFTS and m > MANY:
+            noticed = near
+            if NEAREST:
+                close = nearest_to(space, grid, slots, workspace, cell, m, at, me, context)
+                noticed = nearby(close, workspace, -1, near.points)
+            elif SIFTS and m > MANY:
                 close = within_reach(workspace, m, at, me, context.reach)
-                near = nearby(close, workspace, -1, near.points)
+                near = noticed = nearby(close, workspace, -1, near.points)
             if CRASHES:
                 judge(flock, surroundings, slots.row[slot], me, near, context.parameters)
-            act(flock, space, surroundings, slots.row[slot], me, near, context, workspace)
+            act(flock, space, surroundings, slots.row[slot], me, near, noticed, context, workspace)
             slot += 1
 
 
@@ -325,13 +379,15 @@ def advance(
         key = tick_key(seed, now)
         if phases & PLAN:
             set_goal(surroundings, now * context.lasts)
-            plan(grid, space, context.reach, flock.position)
+            lay(grid, space, context, flock.position)
         if phases & COUNT:
             bad = count_rows(grid, space, slots, flock, part, first, last)
             if bad >= 0:
                 return done, last_off, bad, 0
         if phases & SHARE:
             need = min(3**DIM * share_slots(grid, parts), flock.ids.shape[0])
+            if NEAREST:
+                need = flock.ids.shape[0]
             if need > workspace.block.shape[1]:
                 return done, last_off, -1, need
         if phases & PLACE:

@@ -21,6 +21,8 @@ SEES_POINTS = False
 """Whether the rule is given the boundary points of obstacles."""
 SIFTS = False
 """Whether those within reach are picked out of a block before an agent decides."""
+NEAREST = False
+"""Whether a rule is shown the nearest agents only, whatever their distance."""
 MEASURES = 0
 """What is measured of each agent in the pass."""
 CRASHES = False

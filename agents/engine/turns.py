@@ -18,10 +18,10 @@ from agents.engine.cells import (
     fill_slots,
     number_of,
     place_rows,
-    plan,
     share_slots,
 )
 from agents.engine.fall import fall
+from agents.engine.nearest import all_images
 from agents.engine.noise import tick_key
 from worlds.compiled import compiled, entry
 from worlds.queries.surroundings import set_goal
@@ -32,13 +32,16 @@ if TYPE_CHECKING:
         CRASHES,
         DEAFENS,
         DIM,
+        NEAREST,
         PRIVATE,
         SEES_POINTS,
         SIGNALS,
         act,
         judge,
+        lay,
         myself,
         nearby,
+        pick_nearest,
         ready,
         see_points,
         show,
@@ -89,7 +92,7 @@ def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick,
     """Sort the flock, do what needs all of it, and link the lists; returns a bad row or -1."""
     n = flock.ids.shape[0]
     set_goal(surroundings, tick * context.lasts)
-    plan(grid, space, context.reach, flock.position)
+    lay(grid, space, context, flock.position)
     bad = count_rows(grid, space, slots, flock, 0, 0, n)
     if bad >= 0:
         return bad
@@ -134,6 +137,41 @@ def row_of(flock, i, workspace, tick, key):
 
 
 @compiled
+def put(flock, workspace, p, m, j, sx, sy, sz, tick, key):
+    """Copy row j, shifted, into column m of the block."""
+    block = workspace.block
+    other = row_of(flock, j, workspace, tick, key)
+    block[0, m] = other.x + sx
+    block[1, m] = other.y + sy
+    block[2, m] = other.z + sz
+    block[3, m] = other.ux
+    block[4, m] = other.uy
+    block[5, m] = other.uz
+    if ASKS_SPEED:
+        block[9, m] = other.speed
+    if SIGNALS > 0:
+        for k in range(SIGNALS):
+            workspace.out[k] = workspace.mine[k]
+        show(other, p, workspace.out)
+        for k in range(SIGNALS):
+            workspace.signals[k, m] = workspace.out[k]
+
+
+@compiled
+def gather_all(flock, workspace, p, tick, key):
+    """Copy all agents that have not crashed into the block; how many, or -1 without room."""
+    n = flock.ids.shape[0]
+    if n > workspace.block.shape[1]:
+        return -1
+    m = 0
+    for j in range(n):
+        if not CRASHES or flock.crash_record[j, 0] < 0.0:
+            put(flock, workspace, p, m, j, 0.0, 0.0, 0.0, tick, key)
+            m += 1
+    return m
+
+
+@compiled
 def gather(flock, space, grid, slots, workspace, p, i, tick, key):
     """Copy the agents around row i into the block; returns how many, or -1 if it has no room."""
     block = workspace.block
@@ -144,21 +182,7 @@ def gather(flock, space, grid, slots, workspace, p, i, tick, key):
         while j >= 0:
             if m == block.shape[1]:
                 return -1
-            other = row_of(flock, j, workspace, tick, key)
-            block[0, m] = other.x + sx
-            block[1, m] = other.y + sy
-            block[2, m] = other.z + sz
-            block[3, m] = other.ux
-            block[4, m] = other.uy
-            block[5, m] = other.uz
-            if ASKS_SPEED:
-                block[9, m] = other.speed
-            if SIGNALS > 0:
-                for k in range(SIGNALS):
-                    workspace.out[k] = workspace.mine[k]
-                show(other, p, workspace.out)
-                for k in range(SIGNALS):
-                    workspace.signals[k, m] = workspace.out[k]
+            put(flock, workspace, p, m, j, sx, sy, sz, tick, key)
             m += 1
             j = slots.row[j]
     return m
@@ -184,7 +208,10 @@ def advance(
         if CRASHES and flock.crash_record[i, 0] >= 0.0:
             fall(flock, space, surroundings, i, context.lasts)
             continue
-        m = gather(flock, space, grid, slots, workspace, p, i, tick, key)
+        if NEAREST:
+            m = gather_all(flock, workspace, p, tick, key)
+        else:
+            m = gather(flock, space, grid, slots, workspace, p, i, tick, key)
         if m < 0:
             return at, -1
         me = row_of(flock, i, workspace, tick, key)
@@ -194,9 +221,17 @@ def advance(
             show(me, p, workspace.out)
             for k in range(SIGNALS):
                 workspace.mine[k] = workspace.out[k]
-        nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
+        if NEAREST:
+            all_images(space, workspace.block, m, me.x, me.y, me.z, DIM)
+        else:
+            nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
         points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
-        act(flock, space, surroundings, i, me, nearby(m, workspace, 6, points), context, workspace)
+        near = nearby(m, workspace, 6, points)
+        noticed = near
+        if NEAREST:
+            close, _ = pick_nearest(workspace, m, 6, me, context.nearest)
+            noticed = nearby(close, workspace, -1, points)
+        act(flock, space, surroundings, i, me, near, noticed, context, workspace)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:

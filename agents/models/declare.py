@@ -220,6 +220,9 @@ class Rule:
     """What `decide` answers; a body takes one kind of wish."""
     reach: str = "r"
     """Name of the parameter that is the largest distance at which agents notice each other."""
+    bound: str = ""
+    """Name of the parameter that does not count where the nearest are neighbours, whatever their
+    distance; by default `reach`."""
     together: str = ""
     """Name of the parameter within which agents are of one group; by default `reach`."""
     dimensions: tuple[int, ...] = (2, 3)

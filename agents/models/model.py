@@ -20,6 +20,10 @@ from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats
 
+NEIGHBOURS, NUMBER = "neighbours", "k"
+"""The parameters that say who the neighbours are, and how many of the nearest, of rules that leave
+it open."""
+
 
 def python_of(function: Callable) -> FunctionType:
     """The Python of a compiled function."""
@@ -195,6 +199,17 @@ class Model:
         rule, body = self.rule, self.body
         read = rule.perceive, rule.decide, rule.remember, body.move, body.measure, body.touches
         return any(reads("speed", one) for one in read)
+
+    def nearest(self, parameters: Parameters) -> int:
+        """How many nearest agents are neighbours; 0 where all within reach are."""
+        if getattr(parameters, NEIGHBOURS, "") != "nearest":
+            return 0
+        return int(float(getattr(parameters, NUMBER)) + 0.5)
+
+    @property
+    def bound(self) -> str:
+        """The parameter that does not count where the nearest are neighbours."""
+        return self.rule.bound or self.rule.reach
 
     def parts(self, dim: int, solid: bool) -> dict[str, Any]:
         """What makes its loop in `dim` dimensions, in a world where something is solid or not."""

@@ -37,6 +37,35 @@ PAPERS = (
 }""",
     ),
     Paper(
+        r"Grégoire and Chaté 2004",
+        r"""@article{gregoirechate2004,
+  author  = {Gr{\'e}goire, Guillaume and Chat{\'e}, Hugues},
+  title   = {Onset of Collective and Cohesive Motion},
+  journal = {Physical Review Letters},
+  volume  = {92},
+  number  = {2},
+  pages   = {025702},
+  year    = {2004},
+  doi     = {10.1103/PhysRevLett.92.025702},
+}""",
+    ),
+    Paper(
+        r"Ballerini et al\. 2008",
+        r"""@article{ballerini2008,
+  author  = {Ballerini, M. and Cabibbo, N. and Candelier, R. and Cavagna, A. and Cisbani, E. and
+             Giardina, I. and Lecomte, V. and Orlandi, A. and Parisi, G. and Procaccini, A. and
+             Viale, M. and Zdravkovic, V.},
+  title   = {Interaction Ruling Animal Collective Behavior Depends on Topological Rather than
+             Metric Distance: Evidence from a Field Study},
+  journal = {Proceedings of the National Academy of Sciences},
+  volume  = {105},
+  number  = {4},
+  pages   = {1232--1237},
+  year    = {2008},
+  doi     = {10.1073/pnas.0711437105},
+}""",
+    ),
+    Paper(
         r"Liu et al\. 2021",
         r"""@article{liu2021,
   author  = {Liu, Xingyu and Yan, Chao and Zhou, Han and Chang, Yuan and Xiang, Xiaojia and

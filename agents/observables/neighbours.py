@@ -56,6 +56,38 @@ def links(position: np.ndarray, r: float, size, images) -> np.ndarray:
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
+def nearest_of(apart: np.ndarray, k: int) -> np.ndarray:
+    """Rows of the k nearest places, nearest first: apart (M, dim) -> int (k or fewer,).
+
+    A place at distance 0 is nobody's neighbour, and nor is one that is no number.
+    """
+    d2 = (apart**2).sum(axis=1)
+    there = np.flatnonzero(d2 > 0.0)
+    return there[np.argsort(d2[there], kind="stable")[:k]]
+
+
+def nearest_links(position: np.ndarray, k: int, size, images) -> np.ndarray:
+    """Pairs (i < j) of which one is among the k nearest of the other: rows, int (M, 2), sorted.
+
+    The rest as `links`. Raises Refusal.
+    """
+    stay, position = together(position=vectors("position", position))
+    size, images = box(size, images, position.shape[1])
+    if len(position) < 2:
+        return np.empty((0, 2), np.int64)
+    found = tree(position, size, images)
+    many = min(len(position), k + 1)
+    while True:
+        distance, near = found.query(found.data, many)
+        counted = (distance > 0.0) & ((distance > 0.0).cumsum(axis=1) <= k)
+        if many == len(position) or counted.sum(axis=1).min() == k:
+            break
+        many = min(len(position), 2 * many)  # several are in one spot
+    one = np.repeat(np.arange(len(position)), counted.sum(axis=1))
+    pairs = np.unique(np.sort(np.column_stack([one, near[counted]]), axis=1), axis=0)
+    return pairs if stay is None else np.flatnonzero(stay)[pairs]
+
+
 def separation(a: np.ndarray, b: np.ndarray, size, images) -> np.ndarray:
     """Vectors from a to the nearest image of b, (..., dim), length; nan where one is. Or Refusal.
 

@@ -13,6 +13,7 @@ from agents.engine.block import Wish
 from agents.engine.lanes import where
 from agents.engine.noise import cos_sin, normal, uniform
 from agents.models.declare import Parameters, Rule, Zone, parameter
+from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.sums import of_pairs
 from agents.rules.terms.zone_sums import ALL_ROUND, ZONE_SUMS, edge_of, weigh_zones, zone_terms
 from worlds.compiled import compiled
@@ -82,6 +83,10 @@ class Couzin(Parameters):
         return self.r_r + self.dr_o + self.dr_a
 
 
+class CouzinAmong(Nearest, Couzin):
+    """The same, and who the neighbours are."""
+
+
 @compiled
 def term(me, other, p):
     """The terms of (1), (2) and (3): away from those too near, headings, towards those far off."""
@@ -144,10 +149,11 @@ COUZIN = Rule(
     r"\text{else} \end{cases}",
     source="Couzin et al. 2002, (1) to (3)",
     checked="{couzin2002-phases#2}; {couzin2002-phases#5} (`flockscope paper couzin2002-phases`)",
-    parameters=Couzin,
+    parameters=CouzinAmong,
     **of_pairs(ZONE_SUMS, term, answer, by_lanes=True),
     sifts=True,
     reach="range",
+    bound="dr_a",
     weigh=weigh,
     zones=(
         Zone("repulsion", lambda p: p.r_r, all_round=True),

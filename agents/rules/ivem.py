@@ -10,14 +10,14 @@ import math
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import search_layers
 from agents.models.declare import Rule, parameter
-from agents.rules.vicsek import Vicsek
+from agents.rules.vicsek import VicsekAmong
 from worlds.compiled import compiled
 
 ANGLE, LAYER = 0, 1
 FULL = 2.0 * math.pi
 
 
-class ImprovedVicsekInformed(Vicsek):
+class ImprovedVicsekInformed(VicsekAmong):
     """Parameters of IVEM-A."""
 
     k_iu: float = parameter(
@@ -124,7 +124,7 @@ IVEM = Rule(
     source="Liu et al. 2021, (30), (31)",
     checked="time to align at N = 100 {liu2021-table1/ivem/100/k_con}, at 200 "
     "{liu2021-table1/ivem/200/k_con}: `flockscope paper liu2021-table1`",
-    parameters=Vicsek,
+    parameters=VicsekAmong,
     decide=decide,
     sifts=True,
     dimensions=(2,),

@@ -13,6 +13,7 @@ import math
 from agents.engine.block import Wish
 from agents.models.declare import Rule, parameter
 from agents.rules.couzin import missed
+from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.potential_field import push
 from agents.rules.terms.zone_sums import edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
@@ -22,7 +23,7 @@ MOST = 10.0
 """Largest weight of a neighbour: one in the same place, or due there within 0.1 s."""
 
 
-class SafeZones(Zones):
+class SafeZones(Nearest, Zones):
     """Parameters of the safe zones: the thesis's, and those of anticipation."""
 
     d_s: float = parameter(
@@ -147,6 +148,7 @@ SAFE = Rule(
     decide=decide,
     wish="velocity",
     reach="range",
+    bound="d_a",
     together="d_a",
     weigh=weigh,
     zones=REPELLED_ALL_ROUND,

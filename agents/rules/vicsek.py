@@ -12,6 +12,7 @@ import math
 from agents.engine.block import Wish, is_neighbour
 from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.sums import of_pairs
 from worlds.compiled import compiled
 
@@ -41,6 +42,10 @@ class Vicsek(Parameters):
         source="Liu et al. 2021, (6); vectorial: Grégoire and Chaté 2004",
         noise=True,
     )
+
+
+class VicsekAmong(Nearest, Vicsek):
+    """Parameters of the rules of the family that leave open who the neighbours are."""
 
 
 @compiled
@@ -75,7 +80,7 @@ VEM = Rule(
     source="Vicsek et al. 1995; Liu et al. 2021, (6)",
     checked="time to align at N = 100 {liu2021-table1/vem/100/k_con}, at 200 "
     "{liu2021-table1/vem/200/k_con}: `flockscope paper liu2021-table1`",
-    parameters=Vicsek,
+    parameters=VicsekAmong,
     **OF_PAIRS,
 )
 
@@ -89,7 +94,7 @@ VEM_A = Rule(
     checked="time to align at N = 100 {liu2021-table1/vem-a/100/k_con}, at 200 "
     "{liu2021-table1/vem-a/200/k_con}: `flockscope paper liu2021-table1`; success on a mission "
     "of 50 UAVs {liu2021-table2/VEM-A/50/success}: `flockscope paper liu2021-table2`",
-    parameters=Vicsek,
+    parameters=VicsekAmong,
     **OF_PAIRS,
     informed=1,
     converges=True,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.nearest import Nearest
 from agents.rules.vicsek import OF_PAIRS
 
 
@@ -40,6 +41,10 @@ class Vicsek1995(Parameters):
     )
 
 
+class Vicsek1995Among(Nearest, Vicsek1995):
+    """The same, and who the neighbours are."""
+
+
 RULE = Rule(
     name="vicsek1995",
     title="Vicsek model of 1995",
@@ -49,7 +54,7 @@ RULE = Rule(
     r"\theta_i(t+1) = \langle\theta(t)\rangle_r + \Delta\theta, \quad "
     r"\Delta\theta \in [-\tfrac{\eta}{2}, \tfrac{\eta}{2}]",
     source="Vicsek et al. 1995, (1), (2)",
-    parameters=Vicsek1995,
+    parameters=Vicsek1995Among,
     checked="figure 2: order falls with noise and, at much noise, with size (eta = 4.5: 0.30, "
     "0.22, 0.13, 0.04 for N = 40, 100, 400, 4000), and rises with density: `flockscope paper "
     "vicsek1995-fig2`. At N = 400, eta = 4, density 4 it is 0.27, and 0.21 for `vem`, which moves "

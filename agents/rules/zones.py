@@ -9,6 +9,7 @@ from __future__ import annotations
 from agents.engine.block import Wish
 from agents.models.declare import Parameters, Rule, Zone, parameter
 from agents.rules.couzin import missed
+from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.potential_field import bent
 from agents.rules.terms.zone_sums import edge_of, weigh_zones, zone_sums
 from worlds.compiled import compiled
@@ -109,6 +110,10 @@ class Zones(Parameters):
         return self.Q + 0.5 * getattr(self, "body", 0.0)
 
 
+class ZonesAmong(Nearest, Zones):
+    """The same, and who the neighbours are."""
+
+
 @compiled
 def decide(me, near, surroundings, p):
     """Repulsion first (3.9); else orientation (3.10), attraction (3.11) or their mean (3.12)."""
@@ -149,10 +154,11 @@ ZONES = Rule(
     r"-\nabla \tfrac{\eta}{2} \Big(\frac1{D_k} - \frac1{Q^*}\Big)^2",
     source="thesis, (3.6) to (3.12), (4.1), (4.2)",
     checked="figure 5.4, {thesis-fig5.4#1}; {thesis-fig5.4#4} (`flockscope paper thesis-fig5.4`)",
-    parameters=Zones,
+    parameters=ZonesAmong,
     decide=decide,
     wish="velocity",
     reach="range",
+    bound="d_a",
     together="d_a",
     weigh=weigh,
     zones=(

@@ -225,6 +225,14 @@ class Lags(Claimed):
     by: float = Field(gt=0.0)
 
 
+class Alike(Claimed):
+    """The means of a measure in two rows are less than a distance apart."""
+
+    says: Literal["alike"]
+    labels: tuple[str, str]
+    within: float = Field(gt=0.0)
+
+
 class Sizes(Claimed):
     """At one value of a sweep, the mean of a measure rises or falls from size to size."""
 
@@ -254,7 +262,7 @@ class Reaches(Claimed):
 
 
 Said = Annotated[
-    Order | Every | Near | Scales | Faster | Endures | Found | Lags | Sizes | Reaches,
+    Order | Every | Near | Scales | Faster | Endures | Found | Lags | Alike | Sizes | Reaches,
     Field(discriminator="says"),
 ]
 

@@ -75,7 +75,7 @@ def test_another_model_brings_its_own_sliders(window, laboratory):
     window.press("Setup")
     until(lambda: laboratory.simulation.state.spec.model == "vem", 20)
     until(lambda: is_compiled(laboratory.simulation), COMPILED)
-    until(lambda: set(laboratory.parameters.controls) == {"r", "eta", "v0"})
+    until(lambda: set(laboratory.parameters.controls) == {"r", "eta", "neighbours", "k", "v0"})
     window.tab("Rule")
     window.page.get_by_text("η (rad)").wait_for()
     assert window.page.get_by_text("p₁").count() == 0

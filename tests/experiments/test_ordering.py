@@ -10,7 +10,7 @@ from rich.console import Console
 from agents import Flock
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import read_experiment, read_file
-from app.experiments.file import Reaches, Sizes
+from app.experiments.file import Alike, Reaches, Sizes
 from app.experiments.kinds.ordering import Ordering, binder
 from app.experiments.pictures.draw import draw
 from app.experiments.reports.report import show
@@ -18,6 +18,7 @@ from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
 
+MEASURES = ("order", "binder", "chi")
 TEXT = """
 kind = "ordering"
 title = "Small order"
@@ -142,7 +143,7 @@ def made_up(tmp_path, values, measure="order"):
                     (values[case.agents, case.value] if case.sweep and name == measure else 0.5)
                     + 0.01 * rng.normal(size=20)
                 )
-                for name in ("order", "binder", "chi")
+                for name in MEASURES
             },
         )
         for case in experiment.cases
@@ -180,6 +181,19 @@ def test_what_comes_up_somewhere_or_nowhere(tmp_path):
     assert words(high, Reaches(above=0.5, **claim)) == ["holds"]
 
 
+def test_two_rows_are_alike_within_a_distance(tmp_path):
+    experiment = small(tmp_path)
+    rng = np.random.default_rng(3)
+    for apart, word in ((0.0, "holds"), (0.2, "does not hold"), (0.05, "undecided")):
+        shift = {"thin": 0.0, "dense": apart}
+        measured = []
+        for case in experiment.cases:
+            values = 0.5 + shift.get(case.label, 0.0) + 0.02 * rng.normal(size=20)
+            measured.append(Measured(case, {name: list(values) for name in MEASURES}))
+        claim = Alike(says="alike", measure="order", labels=("thin", "dense"), within=0.05)
+        assert words(verdicts(experiment, measured), claim) == [word]
+
+
 def test_a_claim_needs_one_bound(tmp_path):
     bare = '[[claims]]\nsays = "reaches"\nmeasure = "order"\nlabel = "vicsek1995"\nagents = [20]\n'
     text = TEXT.replace("[[sweeps]]", f"{bare}\n[[sweeps]]")
@@ -191,8 +205,7 @@ def test_a_claim_needs_one_bound(tmp_path):
 def test_rows_of_one_density_are_drawn_as_boxes(tmp_path):
     experiment = read_experiment("vicsek1995-headings")
     made = [
-        Measured(case, {name: [0.2, 0.3, 0.25] for name in ("order", "binder", "chi")})
-        for case in experiment.cases
+        Measured(case, {name: [0.2, 0.3, 0.25] for name in MEASURES}) for case in experiment.cases
     ]
     experiment = replace(experiment, runs=3)
     files = draw(experiment, verdicts(experiment, made), tmp_path)

@@ -50,8 +50,14 @@ def draw_sweeps(axes: Any, made: list[Verdict]) -> None:
 
 
 def draw_densities(axes: Any, rows: list[Verdict]) -> None:
-    """The rows over their density."""
-    draw_line(axes, 0, [density(row) for row in rows], rows, "")
+    """The rows over their density, a line for each model."""
+    models = list(dict.fromkeys(row.case.spec.model for row in rows))
+    for k, model in enumerate(models):
+        points = sorted((row for row in rows if row.case.spec.model == model), key=density)
+        draw_line(axes, k, [density(row) for row in points], points, model)
+    if len(models) > 1:
+        axes.legend()
+        axes.set_xscale("log")
     axes.set_xlabel("density")
     axes.set_ylabel("order")
 

@@ -13,6 +13,7 @@ from app.experiments.verdicts.answer import (
     any_of,
     interval,
     mean_above,
+    runs_for,
     share_of_runs,
 )
 from app.experiments.verdicts.bounds import bounds_in_words, is_within
@@ -62,7 +63,11 @@ def reaches_claim(one: Reaches, made: list[Verdict]) -> list[tuple[str, Answer]]
     )
     if one.nowhere:
         return [(text, all_of([mean_above(-margin, len(rows)) for margin in margins]))]
-    return [(text, any_of([mean_above(margin, len(rows)) for margin in margins]))]
+    answer = any_of([mean_above(margin, len(rows)) for margin in margins])
+    if answer.word == "undecided":  # one point is enough: that which is nearest to being decided
+        needed = [runs_for(m, len(rows)) for m in margins if m.size and m.mean() > 0.0]
+        answer = Answer("undecided", min((n for n in needed if n is not None), default=None))
+    return [(text, answer)]
 
 
 def endures_claim(one: Endures, label: str, made: list[Verdict]) -> list[tuple[str, Answer]]:

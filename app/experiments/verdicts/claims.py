@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from app.experiments.file import (
+    Alike,
     Endures,
     Every,
     Faster,
@@ -33,7 +34,6 @@ from app.experiments.verdicts.answer import (
     interval,
     mean_above,
     mean_within,
-    runs_for,
     share_of_runs,
 )
 from app.experiments.verdicts.bounds import bounds_in_words, is_within
@@ -79,6 +79,8 @@ def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
         return found_claim(one, points)
     if isinstance(one, Lags):
         return lag_claim(one, points)
+    if isinstance(one, Alike):
+        return alike_claim(one, points)
     if isinstance(one, Sizes):
         return sizes_claim(one, points)
     if isinstance(one, Reaches):
@@ -257,13 +259,22 @@ def flat_claim(label: str, first: Verdict, last: Verdict) -> Claim:
     """Whether the mean of the last is, within `FLAT`, that of the first, seed by seed."""
     change = paired(first, last) / first.summary.mean
     text = f"{label}: the mean changes by {spread(100.0 * change, 1, ' %')}; published: hardly"
-    low, high = interval(change)
-    if low > FLAT or high < -FLAT:
-        return Claim(text, DOES_NOT)
-    if low > -FLAT and high < FLAT:
-        return Claim(text, HOLDS)
-    within = change + math.copysign(FLAT, -change.mean()) if change.size else change
-    return Claim(text, Answer("undecided", runs_for(within)))
+    return Claim(text, mean_within(change, 0.0, FLAT))
+
+
+def alike_claim(one: Alike, made: list[Verdict]) -> list[tuple[str, Answer]]:
+    """Whether the means of two rows are less than a distance apart, seed by seed."""
+    by_label = {row.case.label: row for row in made}
+    if not set(one.labels) <= set(by_label):
+        return []
+    first, second = (by_label[label] for label in one.labels)
+    step = paired(first, second)
+    means = f"{first.summary.mean:.3f} and {second.summary.mean:.3f}"
+    text = (
+        f"{first.measure.symbol} of {one.labels[0]} and {one.labels[1]}: {means}, less than "
+        f"{one.within:g} apart ({spread(step, 3)})"
+    )
+    return [(text, mean_within(step, 0.0, one.within))]
 
 
 def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:

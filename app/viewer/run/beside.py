@@ -69,7 +69,7 @@ def shared_by(first: str, second: str) -> frozenset[str]:
     """The same for models by name.
 
     >>> sorted(shared_by("vem", "ivem-a"))
-    ['eta', 'r', 'v0']
+    ['eta', 'k', 'neighbours', 'r', 'v0']
     """
     return shared(by_name(MODELS[first].parameters), by_name(MODELS[second].parameters))
 

@@ -1,0 +1,59 @@
+"""The model of Grégoire and Chaté 2004: a Vicsek model with vectorial noise.
+
+Noise is an error in what an agent hears of each neighbour, not in how it carries out its turn: to
+the sum of n headings a vector of length eta n is added, in a direction by chance. The mean of the
+headings and a vector of length eta have the same direction, and that is how the engine adds it.
+The rule is that of `agents.rules.vicsek`; agents move along the new heading.
+"""
+
+from __future__ import annotations
+
+from agents.models.declare import Parameters, Rule, parameter
+from agents.rules.terms.nearest import Nearest
+from agents.rules.vicsek import OF_PAIRS
+
+
+class GregoireChate(Parameters):
+    """Parameters of Grégoire and Chaté 2004, without cohesion."""
+
+    r: float = parameter(
+        1.0,
+        "Interaction radius: agents within it are neighbours; the paper's unit of length",
+        symbol="r_0",
+        unit="length",
+        low=0.05,
+        high=5.0,
+        step=0.05,
+        source="Grégoire and Chaté 2004",
+    )
+    eta: float = parameter(
+        0.5,
+        "Noise: length of the random vector, for each heading of the sum to which it is added",
+        symbol="\\eta",
+        low=0.0,
+        high=1.0,
+        step=0.01,
+        source="Grégoire and Chaté 2004",
+        noise=True,
+    )
+
+
+class GregoireChateAmong(Nearest, GregoireChate):
+    """The same, and who the neighbours are."""
+
+
+RULE = Rule(
+    name="gregoire-chate",
+    title="Vicsek model with vectorial noise",
+    summary="Each agent takes the mean heading of all agents within r, itself among them, and "
+    "mishears each by a vector of length eta: large flocks fall into order all at once.",
+    equation=r"\theta_i(t+1) = \arg\Big[\sum_{j \in \mathcal{N}_i \cup \{i\}} e^{i\theta_j(t)} + "
+    r"\eta\, n_i\, e^{i\xi_i(t)}\Big], \qquad x_i(t+1) = x_i(t) + v_0\, u(\theta_i(t+1))",
+    source="Grégoire and Chaté 2004",
+    parameters=GregoireChateAmong,
+    noise="vectorial",
+    checked="the transition is discontinuous: of 800 agents at density 2, order falls from 0.76 at "
+    "eta = 0.6 to 0.10 at 0.63, and Binder's cumulant falls below 1/3 between, which it nowhere "
+    "does with angular noise: `flockscope paper gregoire-chate2004`",
+    **OF_PAIRS,
+)
