@@ -221,7 +221,7 @@ def test_one_by_one_it_is_the_same_tick(activation):
     )
     for _ in range(20):
         whole.run(1)
-        for member in single.members:
+        for member in single.agents:
             member.step()
         assert np.array_equal(whole.position, single.position)
         assert np.array_equal(whole.heading, single.heading)

@@ -105,7 +105,7 @@ def test_keys_step_and_open_the_guide(window):
 def test_an_agent_is_inspected_until_its_window_is_closed(window, laboratory):
     laboratory.select(5)
     window.page.get_by_text("Listens to").wait_for()
-    assert "Agent 6" in window.text()
+    assert f"Agent {laboratory.simulation.frame.ids[5]}" in window.text()
     window.press("Close")
     until(lambda: "Listens to" not in window.text())
     assert laboratory.selected is None

@@ -44,8 +44,9 @@ def test_a_run_tells_who_where_and_when_and_exits_with_4(yard):
     assert made.exit_code == 4
     [line] = [line for line in made.stderr.splitlines() if "where it cannot be" in line]
     words = "where it cannot be: 0.5 inside what is solid at (5, 5.5), tick 1"
-    assert line == f"flockscope: agent 4 {words}"
-    assert json.loads(made.stdout)["astray"] == f"agent 4 {words}"
+    number = Flock("vem", agents=9, world=YARD, rng=1).ids[3]
+    assert line == f"flockscope: agent {number} {words}"
+    assert json.loads(made.stdout)["astray"] == f"agent {number} {words}"
 
 
 def test_a_run_without_one_exits_with_0(yard):
