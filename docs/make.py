@@ -122,8 +122,8 @@ def facts(model: Model) -> list[tuple[str, str]]:
         made.append(("At the start", f"at least {model.spacing:g} from each other and all else"))
     made.append(("At home in", home(model)))
     made.append(("Unit of time", clock(model)))
-    if rule.fact:
-        made.append(("Checked against", rule.fact))
+    if rule.checked:
+        made.append(("Checked against", rule.checked))
     return made
 
 

@@ -264,8 +264,8 @@ class Rule:
     """Whether there may be information agents."""
     bibtex: str = ""
     """Entries of its own, for a source that `agents.models.sources` does not have."""
-    fact: str = ""
-    """What was published of it that it was checked against, with the number and the command."""
+    checked: str = ""
+    """The published fact that it is checked against, with the number and the command."""
     converges: bool = False
     """Whether the flock is meant to converge to the information agent's heading."""
     symmetries: tuple[Symmetry, ...] = ALL_ALIKE

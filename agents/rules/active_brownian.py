@@ -121,7 +121,7 @@ RULE = Rule(
     forces=FORCES,
     explain=explain,
     led=False,
-    fact="the closed form of the mean square displacement of a free one, and its diffusion "
+    checked="the closed form of the mean square displacement of a free one, and its diffusion "
     "D_t + v0^2 / (2 D_r) within 5 % (`flockscope paper bechinger2016-msd`); crowded, the speed "
     "falls on a straight line, by 0.9 times the packing (`flockscope paper fily2012-speed`)",
 )
