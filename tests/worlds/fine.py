@@ -8,7 +8,10 @@ from worlds.obstacles import Disc, Ring, Union
 from worlds.queries.curves import sources
 from worlds.queries.outlines import circles, solids
 
-CORNERS = 2**12
+CORNERS = 2**13
+SHALLOW = 1.0 / 32.0
+"""Sine of the least angle at which circles are taken to meet: there their corner is off by what
+the circles are, divided by the sine."""
 
 
 def disc(centre, radius, corners):
@@ -32,9 +35,10 @@ def footprint(one, corners):
 
 
 def united(obstacles, corners=CORNERS):
-    """The union of obstacles on the plan, and how far it may be from round, length."""
+    """The union of obstacles on the plan, and how far it may be from exact, length."""
     radii = [r for one in obstacles for _, r in one.circles()]
     slack = max(radii, default=0.0) * (1.0 - np.cos(np.pi / corners))
+    slack /= SHALLOW
     return shapely.union_all([footprint(one, corners) for one in obstacles]), slack
 
 

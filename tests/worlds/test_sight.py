@@ -24,7 +24,7 @@ def test_a_line_is_blocked_where_it_meets_an_outline(obstacles, seed, reach):
     ends[::4, 1] = ends[::4, 0] + 0.02 * (ends[::4, 1] - ends[::4, 0])
     ends[::7, 1, 0] = ends[::7, 0, 0]
     demand_round(flat(*obstacles), reach)
-    outline, slack = united(obstacles)
+    outline, slack = united(obstacles, 2**11)
     lines = shapely.linestrings(ends)
     found = sights(survey(flat(*obstacles), reach), ends[:, 0], ends[:, 1])
     assert not found[shapely.intersects(outline, lines)].any()
