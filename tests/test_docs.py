@@ -84,6 +84,13 @@ def test_every_model_is_listed_once_and_has_a_page():
     assert set(pages()) == PAGES
 
 
+@pytest.mark.parametrize("name", sorted(n for n in PAGES if n != "README.md"))
+def test_a_page_says_what_its_model_was_checked_against(name):
+    assert re.search(
+        r"^\| Checked against \| .*`flockscope paper ", text(f"docs/rules/{name}"), re.M
+    )
+
+
 def test_a_page_names_every_force_and_everything_remembered():
     for name, model in MODELS.items():
         for word in (*model.rule.forces, *model.body.forces, *model.rule.memory):
