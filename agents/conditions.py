@@ -53,8 +53,8 @@ class Conditions(BaseModel):
         most=10.0,
         step=0.1,
     )
-    loss: Annotated[float, between(0.0, 0.99)] = option(
-        "Loss",
+    lost: Annotated[float, between(0.0, 0.99)] = option(
+        "Lost",
         "Share of the messages that get lost; the last one that came stands",
         0.0,
         kind=float,
@@ -122,7 +122,7 @@ class Conditions(BaseModel):
     @property
     def is_late(self) -> bool:
         """Whether what agents know of others may be old."""
-        return self.delay > 0.0 or self.jitter > 0.0 or self.loss > 0.0
+        return self.delay > 0.0 or self.jitter > 0.0 or self.lost > 0.0
 
     @property
     def is_windy(self) -> bool:
@@ -132,7 +132,7 @@ class Conditions(BaseModel):
 
 def messages(conditions: Conditions, dt: float) -> Messages:
     """Delay and loss of messages in ticks of `dt`."""
-    return Messages(round(conditions.delay / dt), conditions.jitter / dt, conditions.loss)
+    return Messages(round(conditions.delay / dt), conditions.jitter / dt, conditions.lost)
 
 
 def ticks_back(conditions: Conditions, dt: float) -> int:
@@ -148,7 +148,7 @@ def ticks_back(conditions: Conditions, dt: float) -> int:
     if ages > MOST_TICKS:
         raise Refusal(
             f"delay = {conditions.delay:g}, jitter = {conditions.jitter:g}, "
-            f"loss = {conditions.loss:g}: messages would be up to {ages} ticks of {dt:g} old; "
+            f"lost = {conditions.lost:g}: messages would be up to {ages} ticks of {dt:g} old; "
             f"the most is {MOST_TICKS}"
         )
     return ages

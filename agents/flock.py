@@ -54,7 +54,7 @@ class Flock(Motion, mesa.Model):
         dim: 2 or 3; by default as many as `size` has sides, the layout's own, or the model's;
         activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
         noise: `angular` or `vectorial`: what `eta` means; one that is part of a rule stays;
-        delay, jitter, loss: how old what agents know of each other is, time >= 0, and the share of
+        delay, jitter, lost: how old what agents know of each other is, time >= 0, and the share of
         messages that get lost, in [0, 0.99];
         wind, wind_heading, wind_up, gusts, gust_time, pulse, pulse_at, pulse_lasts: what carries
         them along, see `agents.conditions.Conditions`;

@@ -158,7 +158,7 @@ class Spec(Options):
         if self.is_late and self.activation != "synchronous":
             raise Refusal(
                 f"activation = {self.activation!r} is not allowed where messages take time (delay, "
-                "jitter, loss): agents then decide all at once"
+                "jitter, lost): agents then decide all at once"
             )
 
     @property

@@ -42,7 +42,7 @@ def test_it_goes_by_the_newest_message_of_each(model, n, dim, edges, box, v0, la
     where = scene(np.random.default_rng(seed), n, dim, edges, box=box, v0=v0, informed=1)
     eta = 0.3 if dim == 2 else 0.0
     p = parameters(where, eta=eta)
-    told = dict(zip(("delay", "jitter", "loss"), late, strict=True))
+    told = dict(zip(("delay", "jitter", "lost"), late, strict=True))
     flock = build(model, where, eta=eta, **told)
     states = [state_of(flock, model)]
     for _ in range(6):
@@ -69,7 +69,7 @@ def test_messages_that_take_no_time_change_nothing_but_last_bits():
 
 @pytest.mark.parametrize("model", ["couzin", "safe"])
 def test_members_one_by_one_are_the_ticks_of_the_flock(model):
-    whole, single = (Flock(model, agents=9, rng=6, delay=0.4, loss=0.2) for _ in range(2))
+    whole, single = (Flock(model, agents=9, rng=6, delay=0.4, lost=0.2) for _ in range(2))
     whole.run(3)
     for _ in range(3):
         for row in np.random.default_rng(1).permutation(len(single.ids)):
@@ -79,7 +79,7 @@ def test_members_one_by_one_are_the_ticks_of_the_flock(model):
 
 
 def test_a_saved_state_remembers_what_was_on_the_way(tmp_path):
-    whole, first = (Flock("hwvem", agents=40, rng=2, delay=4, jitter=2, loss=0.3) for _ in range(2))
+    whole, first = (Flock("hwvem", agents=40, rng=2, delay=4, jitter=2, lost=0.3) for _ in range(2))
     first.run(9)
     first.save(tmp_path / "state.parquet")
     again = Flock.load(tmp_path / "state.parquet")
@@ -192,7 +192,7 @@ def test_a_shorter_tick_keeps_what_is_known():
     assert np.isfinite(flock.position).all()
 
 
-@pytest.mark.parametrize(("wind", "message"), [({"delay": -1.0}, "delay"), ({"loss": 1.0}, "loss")])
+@pytest.mark.parametrize(("wind", "message"), [({"delay": -1.0}, "delay"), ({"lost": 1.0}, "lost")])
 def test_what_cannot_be_is_one_line(wind, message):
     with pytest.raises(Refusal, match=f"{message} = .* is not allowed"):
         Spec("vem", **wind)

@@ -87,7 +87,7 @@ def test_every_model_is_listed_once_and_has_a_page():
 @pytest.mark.parametrize("name", sorted(n for n in PAGES if n != "README.md"))
 def test_a_page_says_what_its_model_was_checked_against(name):
     assert re.search(
-        r"^\| Checked against \| .*`flockscope paper ", text(f"docs/rules/{name}"), re.M
+        r"^\| Checked against \| .*`uv run flockscope paper ", text(f"docs/rules/{name}"), re.M
     )
 
 

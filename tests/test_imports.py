@@ -16,6 +16,7 @@ import worlds
 PACKAGES = ("app", "agents", "worlds")
 LAZY = {
     ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
+    ("agents/conditions.py", "scipy"),  # 0.2 s, for runs with gusts
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
     ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
     ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined

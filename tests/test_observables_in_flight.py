@@ -56,6 +56,8 @@ def test_a_flock_of_which_nobody_flies_any_more_can_be_observed(name):
         "polarisation": 0.0,
         "consistency": 1.0,
         "angular-momentum": 0.0,
+        "velocity-spread": 0.0,
+        "gyration-radius": 0.0,
         "groups": 0,
         "largest-group": 0,
         "group-sizes": {},

@@ -39,6 +39,6 @@ def test_a_flock_has_them_by_name():
         "heading": [[1.0, 0.0], [0.0, 1.0]],
         "speed": [2.0, 2.0],
     }
-    flock = Flock("vem", start=start, world="open", size=10.0, interpret=True)
+    flock = Flock("cucker-smale", start=start, world="open", size=10.0, interpret=True)
     assert flock.observe("gyration-radius") == pytest.approx(5.0, abs=1e-14)
     assert flock.observe("velocity-spread") == pytest.approx(np.sqrt(2.0), abs=1e-14)

@@ -122,6 +122,7 @@ RULE = Rule(
     explain=explain,
     led=False,
     checked="the closed form of the mean square displacement of a free one, and its diffusion "
-    "D_t + v0^2 / (2 D_r) within 5 % (`flockscope paper bechinger2016-msd`); crowded, the speed "
-    "falls on a straight line, by 0.9 times the packing (`flockscope paper fily2012-speed`)",
+    "D_t + v0^2 / (2 D_r) within 5 % (`uv run flockscope paper bechinger2016-msd`); crowded, "
+    "the speed falls on a straight line, by 0.9 times the packing (`uv run flockscope paper "
+    "fily2012-speed`)",
 )

@@ -124,7 +124,7 @@ RULE = Rule(
     explain=explain,
     led=False,
     checked="of two agents that fly apart what is lost of their speed is the integral of the "
-    "weight, within 2 %, so that for beta > 1/2 they agree at 0.8 of the critical speed and part "
-    "at 1.2; for beta < 1/2 flocks of 20 at 5 m/s agree, and no later than the bound says "
-    "(`flockscope paper cucker-smale2007`)",
+    "weight, within 2 %, so that for beta > 1/2 they agree at 0.8 of the critical speed and "
+    "part at 1.2; for beta < 1/2 flocks of 20 at 5 m/s agree, and no later than the bound says "
+    "(`uv run flockscope paper cucker-smale2007`)",
 )

@@ -180,8 +180,8 @@ RULE = Rule(
     forces=FORCES,
     explain=explain,
     led=False,
-    checked="in a catastrophic potential 30 to 240 particles keep one radius (N to the power 0.01, "
-    "asked 0), in an H-stable one their spacing (N to the power -0.05, asked 0; "
-    "`flockscope paper dorsogna2006-size`); mills and rings on the catastrophic side of C l^2 = 1 "
-    "(`flockscope paper dorsogna2006`)",
+    checked="in a catastrophic potential 30 to 240 particles keep one radius (N to the power "
+    "0.01, asked 0), in an H-stable one their spacing (N to the power -0.05, asked 0; `uv run "
+    "flockscope paper dorsogna2006-size`); mills and rings on the catastrophic side of C l^2 = "
+    "1 (`uv run flockscope paper dorsogna2006`)",
 )

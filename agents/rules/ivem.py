@@ -123,7 +123,7 @@ IVEM = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, (30), (31)",
     checked="time to align at N = 100 {liu2021-table1/ivem/100/k_con}, at 200 "
-    "{liu2021-table1/ivem/200/k_con}: `flockscope paper liu2021-table1`",
+    "{liu2021-table1/ivem/200/k_con}: `uv run flockscope paper liu2021-table1`",
     parameters=VicsekAmong,
     decide=decide,
     sifts=True,
@@ -141,8 +141,9 @@ IVEM_A = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, section 3.1.2",
     checked="time to align at N = 100 {liu2021-table1/ivem-a/100/k_con}, at 200 "
-    "{liu2021-table1/ivem-a/200/k_con}: `flockscope paper liu2021-table1`; success on a mission "
-    "of 50 UAVs {liu2021-table2/IVEM-A/50/success}: `flockscope paper liu2021-table2`",
+    "{liu2021-table1/ivem-a/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
+    "mission of 50 UAVs {liu2021-table2/IVEM-A/50/success}: `uv run flockscope paper "
+    "liu2021-table2`",
     parameters=ImprovedVicsekInformed,
     decide=decide_informed,
     dimensions=(2,),

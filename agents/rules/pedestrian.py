@@ -323,8 +323,8 @@ RULE = Rule(
     sees_obstacles=True,
     led=False,
     symmetries=("shift", "mirror"),
-    checked="people who walk both ways along a walkway form lanes (Helbing and Molnar 1995, figure "
-    "2): 60 of them have lane order 0.39 after 100 s, against 0.11 where nobody minds the others "
-    "and 0.15 where the same places are dealt out by chance (50 runs; `flockscope paper "
-    "helbing1995-lanes`)",
+    checked="people who walk both ways along a walkway form lanes (Helbing and Molnar 1995, "
+    "figure 2): 60 of them have lane order 0.39 after 100 s, against 0.11 where nobody minds "
+    "the others and 0.15 where the same places are dealt out by chance (50 runs; `uv run "
+    "flockscope paper helbing1995-lanes`)",
 )

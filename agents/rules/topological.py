@@ -20,7 +20,7 @@ RULE = Rule(
     source="Ballerini et al. 2008; Vicsek et al. 1995",
     parameters=VicsekAmong,
     checked="density makes no difference: at a tenth of the mean spacing per tick and eta = 2, "
-    "order of 400 agents is 0.37 at densities 0.25 and 16; of neighbours within r = 1 it is 0.10 "
-    "and 0.84: `flockscope paper ballerini2008`",
+    "order of 400 agents is 0.37 at densities 0.25 and 16; of neighbours within r = 1 it is "
+    "0.10 and 0.84: `uv run flockscope paper ballerini2008`",
     **OF_PAIRS,
 )

@@ -79,7 +79,7 @@ VEM = Rule(
     equation=EQUATION,
     source="Vicsek et al. 1995; Liu et al. 2021, (6)",
     checked="time to align at N = 100 {liu2021-table1/vem/100/k_con}, at 200 "
-    "{liu2021-table1/vem/200/k_con}: `flockscope paper liu2021-table1`",
+    "{liu2021-table1/vem/200/k_con}: `uv run flockscope paper liu2021-table1`",
     parameters=VicsekAmong,
     **OF_PAIRS,
 )
@@ -92,8 +92,9 @@ VEM_A = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, (6) and section 3.1.2",
     checked="time to align at N = 100 {liu2021-table1/vem-a/100/k_con}, at 200 "
-    "{liu2021-table1/vem-a/200/k_con}: `flockscope paper liu2021-table1`; success on a mission "
-    "of 50 UAVs {liu2021-table2/VEM-A/50/success}: `flockscope paper liu2021-table2`",
+    "{liu2021-table1/vem-a/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
+    "mission of 50 UAVs {liu2021-table2/VEM-A/50/success}: `uv run flockscope paper "
+    "liu2021-table2`",
     parameters=VicsekAmong,
     **OF_PAIRS,
     informed=1,

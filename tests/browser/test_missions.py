@@ -50,7 +50,7 @@ def test_a_model_proposes_its_world_and_the_mission_is_drawn_and_measured(window
     window.press("Step")
     until(lambda: window.card("tick") == "1", 90, "the first tick")
     laboratory.select(12)
-    page.get_by_text("Forces").wait_for(timeout=60_000)
+    page.get_by_text("Forces", exact=True).wait_for(timeout=60_000)
     assert "repulsion" in window.text()
     window.press("Close")
     window.tab("Setup")

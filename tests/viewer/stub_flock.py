@@ -73,6 +73,7 @@ class StubFlock:
         self.model = SimpleNamespace(
             rule=SimpleNamespace(converges=False, zones=(), view="", hunters=""),
             body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
+            nearest=lambda _: 0,
             columns=(),
             tells=(),
             signals=(),

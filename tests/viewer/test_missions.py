@@ -51,7 +51,7 @@ def test_extremes_are_those_of_every_tick():
     assert np.array_equal(flock.position, twin.position)
     assert extremes.values()["least-gap"] == pytest.approx(gap)
     least = extremes.values()["least-clearance"]
-    assert least == (pytest.approx(far) if far <= flock.reach else np.inf)
+    assert least == (pytest.approx(far) if far <= flock.sight else np.inf)
 
 
 def test_an_agent_inside_an_obstacle_is_a_collision():
