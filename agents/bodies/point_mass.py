@@ -1,7 +1,9 @@
 """A point mass: Newton's second law and nothing else, but for a largest speed if one is set.
 
 The velocity changes first and the position follows it (semi-implicit Euler), so that a flock under
-forces that come from a potential keeps its energy over long runs.
+forces that come from a potential keeps its energy over long runs. A step that is too long for its
+forces makes it swing up: it then stays at FASTEST, a number that can be seen to be wrong, instead
+of running off to no number.
 """
 
 from __future__ import annotations
@@ -13,6 +15,9 @@ import numpy as np
 from agents.engine.block import Moved
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compiled import compiled
+
+FASTEST = 1e4
+"""Speed of a point mass without a largest speed whose step is too long for its forces, m/s."""
 
 
 class PointMass(Parameters):
@@ -40,7 +45,7 @@ class PointMass(Parameters):
     )
     v_max: float = parameter(
         0.0,
-        "Largest speed; 0: none",
+        f"Largest speed; 0: none, and {FASTEST:g} m/s shows that dt is too long for the forces",
         symbol="v_{max}",
         unit="m/s",
         low=0.0,
@@ -78,8 +83,7 @@ def move(me, near, surroundings, want, p, out):
     if speed == 0.0:
         return Moved(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
     ux, uy, uz = vx / speed, vy / speed, vz / speed
-    if p.v_max > 0.0:
-        speed = min(speed, p.v_max)
+    speed = min(speed, p.v_max if p.v_max > 0.0 else FASTEST)
     way = p.dt * speed
     return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
 
