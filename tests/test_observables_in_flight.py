@@ -67,6 +67,7 @@ def test_a_flock_of_which_nobody_flies_any_more_can_be_observed(name):
         "layers": {},
         "inside-obstacles": 0,
         "crashes": 2,
+        "lane-order": 0.0,
         "nearest-neighbour": math.inf,
         "obstacle-distance": math.inf,
     }

@@ -124,7 +124,7 @@ def test_a_small_one_is_carried_out_judged_and_drawn(tmp_path):
     paper = io.StringIO()
     show(Console(file=paper, width=80), experiment, made, said)
     text = paper.getvalue()
-    assert " eta          order              G " in text
+    assert " eta        order            G " in text
     assert "…" not in text
     files = draw(experiment, made, tmp_path)
     assert all(path.stat().st_size > 5000 for path in files.values())
