@@ -121,8 +121,8 @@ RULE = Rule(
     forces=FORCES,
     explain=explain,
     led=False,
-    checked="the closed form of the mean square displacement of a free one, and its diffusion "
-    "D_t + v0^2 / (2 D_r) within 5 % (`uv run flockscope paper bechinger2016-msd`); crowded, "
-    "the speed falls on a straight line, by 0.9 times the packing (`uv run flockscope paper "
-    "fily2012-speed`)",
+    checked="the closed form of the mean square displacement of free particles, over which D is "
+    "measured: {bechinger2016-msd#10} (`uv run flockscope paper bechinger2016-msd`); crowded ones "
+    "lose speed in proportion to the packing, by the slope times it; at packing "
+    "{fily2012-speed#5} (`uv run flockscope paper fily2012-speed`)",
 )

@@ -123,8 +123,8 @@ RULE = Rule(
     forces=FORCES,
     explain=explain,
     led=False,
-    checked="of two agents that fly apart what is lost of their speed is the integral of the "
-    "weight, within 2 %, so that for beta > 1/2 they agree at 0.8 of the critical speed and "
-    "part at 1.2; for beta < 1/2 flocks of 20 at 5 m/s agree, and no later than the bound says "
-    "(`uv run flockscope paper cucker-smale2007`)",
+    checked="what two agents that fly apart lose of their speed is the integral of the weight: "
+    "beta = {cucker-smale2007#6}; beyond beta = 1/2 it depends on the start, beta = "
+    "{cucker-smale2007#4}; up to 1/2 and below the critical speed flocks of 20 agree as fast as "
+    "the bound says, beta = {cucker-smale2007#11} (`uv run flockscope paper cucker-smale2007`)",
 )

@@ -180,8 +180,7 @@ RULE = Rule(
     forces=FORCES,
     explain=explain,
     led=False,
-    checked="in a catastrophic potential 30 to 240 particles keep one radius (N to the power "
-    "0.01, asked 0), in an H-stable one their spacing (N to the power -0.05, asked 0; `uv run "
-    "flockscope paper dorsogna2006-size`); mills and rings on the catastrophic side of C l^2 = "
-    "1 (`uv run flockscope paper dorsogna2006`)",
+    checked="a catastrophic swarm keeps its radius R, an H-stable one its spacing d: "
+    "{dorsogna2006-size#1}; {dorsogna2006-size#4} (`uv run flockscope paper dorsogna2006-size`); "
+    "mills where C l^2 < 1: {dorsogna2006#1} (`uv run flockscope paper dorsogna2006`)",
 )

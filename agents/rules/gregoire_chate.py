@@ -52,8 +52,8 @@ RULE = Rule(
     source="Grégoire and Chaté 2004",
     parameters=GregoireChateAmong,
     noise="vectorial",
-    checked="the transition is discontinuous: of 800 agents at density 2, order falls from 0.76 "
-    "at eta = 0.6 to 0.10 at 0.63, and Binder's cumulant falls below 1/3 between, which it "
-    "nowhere does with angular noise: `uv run flockscope paper gregoire-chate2004`",
+    checked="the transition is discontinuous, and with angular noise it is not: "
+    "{gregoire-chate2004#3}; {gregoire-chate2004#4} (G: Binder's cumulant; `uv run flockscope "
+    "paper gregoire-chate2004`)",
     **OF_PAIRS,
 )

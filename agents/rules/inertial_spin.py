@@ -153,7 +153,7 @@ RULE = Rule(
     memory=("spin_x", "spin_y", "spin_z"),
     perceive=perceive,
     checked="a turn runs through the flock as a wave, the faster the stronger it is ordered "
-    "(Attanasi et al. 2014, figures 2 and 4): distance ~ delay^0.88, at 0.92 of the speed of "
-    "sound of the linear theory, which order 0.92 brings down to 0.85, and ~ delay^0.43 without "
-    "inertia (1 600 agents, 50 runs; `uv run flockscope paper attanasi2014`)",
+    "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "
+    "wave): {attanasi2014#1}; {attanasi2014#3}; {attanasi2014#7} (`uv run flockscope paper "
+    "attanasi2014`)",
 )

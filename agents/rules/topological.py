@@ -19,8 +19,8 @@ RULE = Rule(
     r"\Delta\theta_i, \qquad \mathcal{N}_i = \text{the } n_c \text{ nearest of } i",
     source="Ballerini et al. 2008; Vicsek et al. 1995",
     parameters=VicsekAmong,
-    checked="density makes no difference: at a tenth of the mean spacing per tick and eta = 2, "
-    "order of 400 agents is 0.37 at densities 0.25 and 16; of neighbours within r = 1 it is "
-    "0.10 and 0.84: `uv run flockscope paper ballerini2008`",
+    checked="density makes no difference to those who heed the nearest, and much to others: "
+    "{ballerini2008#1}; {ballerini2008#2} (eta = 2, densities 0.25 and 16; `uv run flockscope "
+    "paper ballerini2008`)",
     **OF_PAIRS,
 )

@@ -55,9 +55,9 @@ RULE = Rule(
     r"\Delta\theta \in [-\tfrac{\eta}{2}, \tfrac{\eta}{2}]",
     source="Vicsek et al. 1995, (1), (2)",
     parameters=Vicsek1995Among,
-    checked="figure 2: order falls with noise and, at much noise, with size (eta = 4.5: 0.30, "
-    "0.22, 0.13, 0.04 for N = 40, 100, 400, 4000), and rises with density: `uv run flockscope "
-    "paper vicsek1995-fig2`. At N = 400, eta = 4, density 4 it is 0.27, and 0.21 for `vem`, "
-    "which moves along the new heading: `uv run flockscope paper vicsek1995-headings`",
+    checked="figure 2: order falls with noise and with size, and rises with density: "
+    "{vicsek1995-fig2#5}; {vicsek1995-fig2#6} (`uv run flockscope paper vicsek1995-fig2`); "
+    "`vem`, which moves along the new heading, is less ordered near the transition, at eta = 4 "
+    "and density 4: {vicsek1995-headings#1} (`uv run flockscope paper vicsek1995-headings`)",
     **OF_PAIRS,
 )
