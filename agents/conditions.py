@@ -70,7 +70,7 @@ class Conditions(BaseModel):
         step=0.1,
     )
     wind_heading: Annotated[float, between(-360.0, 360.0, "degrees")] = option(
-        "Wind towards",
+        "Wind to (deg)",
         "Where wind and pulse blow to, degrees anticlockwise from the x axis",
         0.0,
         kind=float,

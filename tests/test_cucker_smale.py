@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import cucker_smale as oracle
 from oracles.close_up import close_up
+from oracles.flocks import in_open_space, velocity_of
 from oracles.scenes import unit_vectors
 from scipy.integrate import quad
 
@@ -15,7 +16,6 @@ from agents import Flock
 from agents.observables.spread import velocity_spread
 from agents.rules import cucker_smale as rule
 from worlds.compiled import entry
-from worlds.world import World
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
@@ -30,21 +30,8 @@ def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 
 
-def space(dim):
-    return World("space", (9.0,) * dim, ("open",) * dim)
-
-
 def flock_of(position, velocity, **given):
-    """A flock in open space, with these velocities."""
-    velocity = np.array(velocity, float)
-    speed = np.linalg.norm(velocity, axis=1)
-    heading = np.where(speed[:, None] > 0.0, velocity, np.eye(velocity.shape[1])[0])
-    start = {"position": position, "heading": heading, "speed": speed}
-    return Flock("cucker-smale", start=start, world=space(velocity.shape[1]), **given)
-
-
-def velocity_of(flock):
-    return flock.heading * flock.speed[:, None]
+    return in_open_space("cucker-smale", position, velocity, **given)
 
 
 @SETTINGS

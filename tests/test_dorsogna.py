@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import dorsogna as oracle
 from oracles.close_up import close_up
+from oracles.flocks import in_open_space, velocity_of
 
 from agents import Flock
 from agents.rules import dorsogna as rule
 from worlds.compiled import entry
-from worlds.world import World
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
@@ -27,21 +27,8 @@ def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 
 
-def space(dim):
-    return World("space", (9.0,) * dim, ("open",) * dim)
-
-
 def flock_of(position, velocity, **given):
-    """A flock in open space, with these velocities."""
-    velocity = np.array(velocity, float)
-    speed = np.linalg.norm(velocity, axis=1)
-    heading = np.where(speed[:, None] > 0.0, velocity, np.eye(velocity.shape[1])[0])
-    start = {"position": position, "heading": heading, "speed": speed}
-    return Flock("dorsogna", start=start, world=space(velocity.shape[1]), **given)
-
-
-def velocity_of(flock):
-    return flock.heading * flock.speed[:, None]
+    return in_open_space("dorsogna", position, velocity, **given)
 
 
 @SETTINGS

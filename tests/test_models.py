@@ -100,7 +100,7 @@ def test_a_model_that_declares_what_cannot_be_measured_is_refused():
         foremost(odd)
 
 
-@pytest.mark.parametrize("name", ["vem", "hwvem", "couzin", "hwvem-nav"])
+@pytest.mark.parametrize("name", ["vem", "vicsek1995", "hwvem", "couzin", "hwvem-nav"])
 def test_a_body_of_one_speed_has_it_from_tick_0_on(name):
     flock = Flock(name, agents=20, rng=1)
     before = flock.speed.copy()

@@ -47,5 +47,6 @@ BODY = Body(
     source="Vicsek et al. 1995, (1)",
     parameters=OldHeading,
     move=move,
+    speed=lambda p: p.v0,
     by_lanes=True,
 )

@@ -3,6 +3,7 @@
 import numpy as np
 
 from agents import Flock
+from worlds.world import World
 
 from . import vicsek_family as family
 from .scenes import SEED
@@ -41,6 +42,22 @@ def at_rest(model, position, angles, informed=(), world="open", v0=1e-9, **given
         "informed": np.isin(np.arange(len(position)), informed),
     }
     return Flock(model, start=start, size=(10.0, 10.0), world=world, r=1.0, v0=v0, **given)
+
+
+def in_open_space(model, position, velocity, **given):
+    """A flock with these velocities, where nothing is in the way."""
+    velocity = np.array(velocity, float)
+    dim = velocity.shape[1]
+    speed = np.linalg.norm(velocity, axis=1)
+    heading = np.where(speed[:, None] > 0.0, velocity, np.eye(dim)[0])
+    start = {"position": position, "heading": heading, "speed": speed}
+    space = World("space", (9.0,) * dim, ("open",) * dim)
+    return Flock(model, start=start, world=space, **given)
+
+
+def velocity_of(flock):
+    """Velocities (N, dim)."""
+    return flock.heading * flock.speed[:, None]
 
 
 def angles_of(flock):
