@@ -132,7 +132,7 @@ def draw(
             OF_BOTH[experiment.picture](figure, experiment, made, seed)
         else:
             OF_RUNS[experiment.picture](figure, experiment, seed)
-        figure.suptitle(f"{experiment.title}\n{experiment.source}", x=0.01, ha="left")
+        figure.suptitle(f"{experiment.title}\n{experiment.source}", x=0.01, ha="left", wrap=True)
         files = {kind: folder / f"{experiment.name}.{kind}" for kind in PICTURES}
         for path in files.values():
             write_figure(figure, path)
