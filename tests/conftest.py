@@ -71,7 +71,7 @@ USED = "_hypothesis_internal_use_settings"
 """Where hypothesis keeps the settings of a test."""
 
 settings.register_profile("dev", deadline=None, max_examples=25)
-settings.register_profile("ci", deadline=None, print_blob=True)
+settings.register_profile("ci", deadline=None, max_examples=50, print_blob=True)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
