@@ -18,7 +18,7 @@ from agents.engine.block import seen
 from agents.engine.cache import reached
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
-from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats
+from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
 
 NEIGHBOURS, NUMBER = "neighbours", "k"
 """The parameters that say who the neighbours are, and how many of the nearest, of rules that leave
@@ -114,6 +114,16 @@ class Model:
     def dimensions(self) -> tuple[int, ...]:
         """Dimensions in which it is defined."""
         return self.rule.dimensions
+
+    def in_units(self, unit: str) -> str:
+        """A unit of an observable in the model's own: m and s where its paper has them.
+
+        A length stays a length where the paper names no unit of it.
+        """
+        own = {one.unit for one in declared(self.parameters)}
+        length = "m" if "m" in own else "length"
+        time = "tick" if self.body.unit == "ticks" else self.body.unit
+        return unit.replace("length", length).replace("/time", f"/{time}")
 
     @property
     def informed(self) -> int:

@@ -119,7 +119,7 @@ def show(made: dict[str, Any], flock: Flock) -> None:
     wide = max((len(name) for name in made["observables"]), default=0)
     for name, value in made["observables"].items():
         one = OBSERVABLES[name]
-        unit = "" if one.unit == "1" or one.is_table else f" {one.unit}"
+        unit = "" if one.unit == "1" or one.is_table else f" {flock.model.in_units(one.unit)}"
         typer.echo(f"  {name:<{wide}} {shown(value)}{unit}   in {one.range}")
     for name, mean in made.get("over", {}).get("mean", {}).items():
         off = shown(made["over"]["deviation"][name])

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from agents.catalogue import model
-from agents.models.declare import declared
 from app.experiments.conduct import Measured
 from app.experiments.experiment import Case, Experiment
 from app.experiments.file import Expected, Published, Sweep
@@ -44,10 +43,7 @@ class Verdict:
     @property
     def unit(self) -> str:
         """The measure's unit; of a length that of the model's lengths."""
-        if self.measure.unit != "length":
-            return self.measure.unit
-        units = {one.unit for one in declared(model(self.case.spec.model).parameters)}
-        return "m" if "m" in units else "length"
+        return model(self.case.spec.model).in_units(self.measure.unit)
 
     @property
     def commonest(self) -> tuple[str, float]:
