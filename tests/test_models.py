@@ -85,6 +85,12 @@ def test_what_is_told_unasked_is_what_the_model_declares_and_its_world_gives_occ
     assert "energy-saved" in told("echelon")
 
 
+def test_units_are_the_model_s_own():
+    for name, own in (("dorsogna", "m/s"), ("couzin", "length/s"), ("vem", "length/tick")):
+        assert MODELS[name].in_units("length/time") == own
+    assert MODELS["dorsogna"].in_units("times") == "times"
+
+
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_tells_numbers_that_its_flocks_have(name):
     flock = Flock(name, agents=5, rng=1)
