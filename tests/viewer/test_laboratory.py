@@ -156,6 +156,20 @@ def test_what_no_flock_here_can_do_has_no_panel(laboratory):
     assert laboratory.more.switches["correlation-length"].visible
 
 
+def test_late_messages_and_wind_are_set_up_from_the_panel(laboratory, browser):
+    simulation, fields = laboratory.simulation, laboratory.setup.plain
+    given = {"delay": 2.0, "lost": 0.5, "wind": 0.01, "wind_heading": 90.0}
+    for name, value in given.items():
+        uuid = fields[name]._impl.uuid
+        say(browser, type="GuiUpdateMessage", uuid=uuid, updates={"value": value})
+        until(lambda name=name, value=value: fields[name].value == value)
+    simulation.setup(*laboratory.setup.next(simulation.state))
+    until(lambda: simulation.run.flock.options.delay == 2.0, 60)
+    assert {name: getattr(simulation.run.flock.spec, name) for name in given} == given
+    simulation.setup(at_home("vem-a", agents=30, seed=2))
+    until(lambda: simulation.run.flock.options.delay == 0.0, 60)
+
+
 def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
     gui = laboratory.server.gui
     chance = random.Random(1)
