@@ -27,6 +27,8 @@ TICKS, OF_CARS = 500, 200
 AGENTS = 6
 HOLDS = {"guard": True, "contact": "always"}
 """Settings without which agents go through what is solid, by the literal text of their papers."""
+NO_MATTER = {"neighbours"}
+"""Settings that make no difference to walls, but other kernels, each of which is to be compiled."""
 IN_SPACE = {"couzin", "thesis", "safe", "guarded", "echelon"}
 NAMES = [*MODELS, "vem-cars"]
 
@@ -40,6 +42,8 @@ def drawn_parameters(name, draw):
             found[one.name] = value if one.kind == "switch" or value in one.choices else "stops"
         elif one.kind == "switch":
             found[one.name] = draw(st.booleans())
+        elif one.name in NO_MATTER:
+            continue
         elif one.kind == "choice":
             found[one.name] = draw(st.sampled_from(one.choices))
         elif draw(st.booleans()):
