@@ -51,6 +51,7 @@ def test_crowds_make_the_desks_grow_on_every_thread():
 def test_models_whose_parameters_have_the_same_names_are_each_called_at_once(monkeypatch):
     """numba looks up how to call by names; where it is misled, every call takes its slow way."""
     flocks = [Flock("vem", agents=20, dim=dim, rng=1) for dim in (2, 3)]
+    flocks.append(Flock("vem", agents=20, rng=1, activation="random"))
     for flock in flocks:
         flock.run(1)
     slow = Mock()

@@ -99,10 +99,10 @@ def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleTyp
 def parameter_tuple(module_name: str, fields) -> type:
     """A NamedTuple class of floats that pickles by its module, as numba's cache needs.
 
-    It bears the module's name: numba's calls tell tuples apart by the names of their class and
-    fields alone, and take a slow way each time where two are alike.
+    It bears the module's name, the kind of loop with it: numba's calls tell tuples apart by the
+    names of their class and fields alone, and take a slow way each time where two are alike.
     """
-    return namedtuple(f"P_{module_name.rpartition('_')[2]}", fields, module=module_name)
+    return namedtuple(f"P_{module_name.rpartition('.')[2]}", fields, module=module_name)
 
 
 def is_compiled(module: types.ModuleType) -> bool:
