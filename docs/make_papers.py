@@ -40,13 +40,13 @@ def main() -> None:
 
 
 def store(outcome: dict[str, Any]) -> None:
-    """Keep an outcome and its picture."""
+    """Keep an outcome, and its picture where the text shows it."""
     kept = {key: outcome[key] for key in KEPT}
     kept["rows"] = [{key: row[key] for key in ROW if key in row} for row in outcome["rows"]]
     path = HERE / f"{outcome['name']}.json"
     path.write_text(json.dumps(kept, separators=(",", ":")) + "\n", encoding="utf-8")
     picture = outcome["files"].get("png")
-    if picture and (HERE / Path(picture).name).exists():
+    if picture and f"papers/{Path(picture).name})" in TEXT.read_text(encoding="utf-8"):
         shutil.copyfile(picture, HERE / Path(picture).name)
 
 

@@ -50,7 +50,10 @@ def paper(
     ] = 1,
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder for runs and pictures, with --all of all. \\[default: results]"),
+        typer.Option(
+            help="Folder for runs and pictures; with --all for a folder of each. "
+            "\\[default: results/NAME, with --all results]"
+        ),
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Runs at a time. \\[default: cores]")] = None,
     pictures: Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")] = True,

@@ -8,15 +8,16 @@ from typing import Any
 
 from app.experiments.experiment import Experiment
 from app.experiments.reports.tables import empty_table
-from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.claim import Claim, is_news
 from app.experiments.verdicts.verdict import Verdict
 
-Outcome = tuple[Experiment, list[Verdict], list[Claim]]
+Judged = tuple[Experiment, list[Verdict], list[Claim]]
+"""An experiment with the verdicts on its rows and the answers to its claims."""
 WORDS = ("agrees", "differs", "undecided")
 ANSWERS = ("holds", "does not hold", "undecided", "by construction")
 
 
-def overview(outcomes: Sequence[Outcome]) -> Any:
+def overview(outcomes: Sequence[Judged]) -> Any:
     """A line for each experiment: its rows beside published ones, its claims, what has changed."""
     heads = ("agree", "differ", "open", "hold", "not", "open", "built", "news")
     table = empty_table("paper", "runs", *heads)
@@ -45,9 +46,5 @@ def counts(found: Counter[tuple[str, str]]) -> list[str]:
 
 def changes(made: Sequence[Verdict], said: Sequence[Claim]) -> int:
     """How many verdicts are other than what was found before."""
-    known = [(one.word, one.expected) for one in made if one.word]
-    known += [(one.word, one.expected) for one in said]
-    return sum(
-        expected is not None and word not in ("undecided", expected.verdict)
-        for word, expected in known
-    )
+    found = [one for one in made if one.word] + [*said]
+    return sum(is_news(one.word, one.expected) for one in found)

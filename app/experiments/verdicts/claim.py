@@ -29,5 +29,10 @@ def beside(word: str, expected: Expected | None) -> str:
     """What was found before beside the word that the runs give; nothing where nothing is known."""
     if expected is None:
         return ""
-    changed = word not in ("undecided", expected.verdict)
-    return f"expected: {expected.verdict}{f'; now: {word}' if changed else ''}; {expected.why}"
+    now = f"; now: {word}" if is_news(word, expected) else ""
+    return f"expected: {expected.verdict}{now}; {expected.why}"
+
+
+def is_news(word: str, expected: Expected | None) -> bool:
+    """Whether the runs say something else than what was found before."""
+    return expected is not None and word not in ("undecided", expected.verdict)

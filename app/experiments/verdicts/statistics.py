@@ -10,7 +10,6 @@ import numpy as np
 
 RESAMPLES = 2000
 """Resamples of a bootstrap."""
-INTERVAL_NOTE = f"95 % interval of the mean: bootstrap, percentiles of {RESAMPLES} resampled means"
 
 
 @dataclass(frozen=True)
