@@ -62,6 +62,17 @@ def test_the_speed_is_limited_only_where_that_is_asked_for(pulled):
     assert free.speed[0] == pytest.approx(3.0)
 
 
+def test_a_step_that_is_too_long_for_the_force_shows_in_the_speed(pulled):
+    # Semi-implicit Euler swings up where dt sqrt(k / m) > 2.
+    stable, unstable = (pulled((1.0, 0.0), k=4.0, m=1.0, dt=dt) for dt in (0.99, 1.0))
+    unstable.set(k=9.0)
+    stable.run(2000)
+    unstable.run(2000)
+    assert stable.speed[0] < 100.0
+    assert unstable.speed[0] == point_mass.FASTEST
+    assert np.isfinite(unstable.position).all()
+
+
 def test_a_spring_swings_with_its_period_and_keeps_its_energy(pulled):
     flock = pulled((1.0, 0.0), k=4.0, m=1.0, dt=0.01)
     along = flock.trace(3142)[:, 0, 0]  # ten periods of 2 pi / sqrt(k / m)
