@@ -50,7 +50,7 @@ class Heard(NamedTuple):
     """A frame as the cars took it."""
 
     time: float
-    """`time.monotonic()`, s."""
+    """When it came, by which the firmware's watchdog counts, `time.monotonic()`, s."""
     seq: int
     mode: int
     commands: dict[int, tuple[float, float]]
@@ -64,15 +64,19 @@ class LoggedFirmware(Firmware):
         self.heard: list[Heard] = []
         self.changes: dict[int, list[tuple[float, str]]] = {one: [] for one in addresses}
         """Time and state, by address."""
+        self.now = 0.0
         decode = self.decoder.feed
 
         def feed(data):
             found = decode(data)
-            now = time.monotonic()
-            self.heard += [Heard(now, one.seq, one.mode, dict(one.commands)) for one in found]
+            self.heard += [Heard(self.now, one.seq, one.mode, dict(one.commands)) for one in found]
             return found
 
         self.decoder.feed = feed
+
+    def feed(self, data, now):
+        self.now = now
+        super().feed(data, now)
 
     def drive(self, now):
         for address, state in self.states(now).items():
