@@ -120,7 +120,9 @@ def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_ho
         simulation.step().result(5)
     simulation.go().result(5)
     simulation.set("eta", 1.0).result(5)
+    until(lambda: simulation.frame is not None and not simulation.stale)
     assert simulation.run.flock.tick == 0
+    assert simulation.readings.values == {}, "what measures is compiled with the flock"
     assert "Waiting</b> until compiled" in status(simulation.state)
     simulation.compiling.ready.set_result(None)
     until(lambda: simulation.frame.tick > 3)

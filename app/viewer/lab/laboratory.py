@@ -27,7 +27,7 @@ from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
-from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.panels.shell import dock, dress
 from app.viewer.run.home import at_home, lively_speed
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
@@ -136,7 +136,6 @@ class Laboratory:
 
     def listen(self) -> None:
         """Connect clicks, drags and keys."""
-        self.server.on_client_connect(self.settle)
         self.scene.on_clicked(self.clicked)
         self.scene.handles.on_dragged(self.world.dragged)
         self.scene.on_leader_dragged(self.steer)
@@ -207,17 +206,6 @@ class Laboratory:
             self.scene.follow(client, self.selected, int(self.selected_beside))
         else:
             self.scene.camera(client, camera)
-
-    async def settle(self, client: viser.ClientHandle) -> None:
-        """Point a new browser's camera again when its panels have taken their places."""
-
-        def point() -> bool:
-            frame = self.simulation.frame
-            if frame is not None:
-                self.point(client, "top-down" if frame.dim == 2 else "perspective")
-            return frame is not None
-
-        settle(client, point)
 
     def steer(self, position: np.ndarray, heading: np.ndarray) -> None:
         """Put the information agent where it was dragged, within the world."""

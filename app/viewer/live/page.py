@@ -21,7 +21,7 @@ from app.viewer.live.panels.view import CONTROLS, LOOK
 from app.viewer.live.session import Session
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
-from app.viewer.panels.shell import dock, dress, settle
+from app.viewer.panels.shell import dock, dress
 from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
 from app.viewer.scene.scene import Scene
@@ -126,7 +126,6 @@ class LivePage:
 
     def listen(self) -> None:
         """Connect clicks and keys."""
-        self.server.on_client_connect(self.settle)
         self.scene.on_clicked(self.clicked)
         add_hotkeys(
             self.server.gui,
@@ -160,16 +159,6 @@ class LivePage:
             self.scene.follow(client, self.selected)
         else:
             self.scene.camera(client, camera)
-
-    async def settle(self, client: viser.ClientHandle) -> None:
-        """Point a new browser's camera again once its panels are laid out."""
-
-        def point() -> bool:
-            if self.session.frame is not None:
-                self.point(client, "top-down")
-            return self.session.frame is not None
-
-        settle(client, point)
 
     # What the drawing thread does.
 

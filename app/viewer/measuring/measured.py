@@ -12,6 +12,8 @@ from agents.observables.observable import Range, everywhere
 from worlds.world import World
 
 UNKNOWN = "–"
+NOTHING, LITTLE, MUCH = 1e-9, 1e-4, 1e7
+"""Below the first a number is rounding, beyond the others it is written with its power of ten."""
 QUICK = tuple(name for name, one in OBSERVABLES.items() if one.quick)
 """Measured many times a second, whether shown or not."""
 COUNTED = tuple(name for name, one in OBSERVABLES.items() if one.events is not None)
@@ -56,15 +58,33 @@ def told(name: str, value: float | None) -> str:
     >>> told("polarisation", 0.98765), told("groups", 12.0), told("drag-saved", -3.456)
     ('0.988', '12', '-3.5 %')
     """
-    if value is None or math.isnan(value):
+    if value is None or not math.isfinite(value):
+        return few(math.nan if value is None else value)
+    if scale(name).is_share:
+        return f"{value:.3f}"
+    return f"{value:.1f} %" if unit(name) == "%" else few(value)
+
+
+def few(value: float) -> str:
+    """A number in three figures or so; what only rounding has left of nothing is nothing.
+
+    >>> few(6.52e-14), few(0.01234), few(1234.5), few(216035.0), few(3.2e9), few(math.inf)
+    ('0', '0.0123', '1\u202f234', '216\u202f035', '3.2e+09', 'far')
+    """
+    if math.isnan(value):
         return UNKNOWN
     if math.isinf(value):
         return "far"
-    if scale(name).is_share:
-        return f"{value:.3f}"
-    if unit(name) == "%":
-        return f"{value:.1f} %"
-    return f"{value:.0f}" if float(value).is_integer() else f"{value:.3g}"
+    if abs(value) < NOTHING:
+        return "0"
+    if not LITTLE <= abs(value) < MUCH:
+        return f"{value:.2g}"
+    return spaced(round(value)) if abs(value) >= 100.0 else f"{value:.3g}"
+
+
+def spaced(number: int) -> str:
+    """A number with its thousands apart."""
+    return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
 def cards(

@@ -1,16 +1,11 @@
-"""What every page has in common: its look, and cameras that find their place."""
+"""What every page has in common: its look, and where its panels are."""
 
 from __future__ import annotations
-
-import time
-from collections.abc import Callable
 
 import viser
 
 from app.viewer.panels.style import CSS
 
-SETTLING = 5.0
-"""Time in which a new browser's canvas finds its shape, s."""
 LEFT, RIGHT = 310, 330
 """Widths of the panels, pixels."""
 
@@ -33,20 +28,3 @@ def dock(gui: viser.GuiApi, left: viser.PanelHandle) -> None:
     left.set_width(LEFT)
     gui.main_panel.dock_right()
     gui.main_panel.set_width(RIGHT)
-
-
-def settle(client: viser.ClientHandle, point: Callable[[], bool]) -> None:
-    """Call `point` while a new browser's panels take their places and change its canvas.
-
-    It says whether there was something to point at; if not, it is called again.
-    """
-    connected, shape = time.monotonic(), client.camera.aspect
-
-    async def reshaped(camera: viser.CameraHandle) -> None:
-        nonlocal shape
-        new = camera.image_width / max(1, camera.image_height)
-        is_new = time.monotonic() <= connected + SETTLING and abs(new - shape) >= 0.02
-        if is_new and point():
-            shape = new
-
-    client.camera.on_update(reshaped)

@@ -7,6 +7,9 @@ from app.beside import STATIC
 BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#f08c00", "#2b8a3e", "#e03131", "#868e96"
 VIOLET = "#7c3aed"
 
+ROOM = 8
+"""Letters that fit a card in its usual type."""
+
 CSS = f"<style>{(STATIC / 'panels.css').read_text()}</style>"
 
 
@@ -23,7 +26,8 @@ def cards(values: dict[str, str]) -> str:
 def grid(values: dict[str, str], across: int = 3) -> str:
     """A grid of cards, name -> value, so many in a row."""
     made = "".join(
-        f'<div class="fs-card"><span>{name}</span><b>{value}</b></div>'
+        f'<div class="fs-card{" fs-long" if len(value) > ROOM else ""}">'
+        f"<span>{name}</span><b>{value}</b></div>"
         for name, value in values.items()
     )
     columns = f' style="grid-template-columns:repeat({across},1fr)"' if across != 3 else ""

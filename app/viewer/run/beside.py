@@ -149,13 +149,13 @@ class Pair(Run):
         with named(self.second.flock):
             self.second.advance(whole)
 
-    def look(self, closely: bool) -> Frame:
+    def look(self, closely: bool, measured: bool = True) -> Frame:
         """A frame of the first flock that holds one of the second; raises as `Run.look`."""
         with named(self.flock):
-            frame = super().look(closely)
+            frame = super().look(closely, measured)
         known = len(self.second.troubles)
         with named(self.second.flock):
-            beside = self.second.look(closely)
+            beside = self.second.look(closely, measured)
         for trouble in self.second.troubles[known:]:
             self.attempt(partial(self.tell, trouble))
         scale, other = frame.speed_scale, beside.speed_scale

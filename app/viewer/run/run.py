@@ -108,8 +108,8 @@ class Run:
             self.flock.advance(ticks)
         self.compiled = True
 
-    def look(self, closely: bool) -> Frame:
-        """Read what is due (everything, if `closely`) and take a frame.
+    def look(self, closely: bool, measured: bool = True) -> Frame:
+        """Read what is due (everything, if `closely`; nothing, if not `measured`) and take a frame.
 
         Raises ArithmeticError, naming the agent, if a position is no finite number.
         """
@@ -121,7 +121,7 @@ class Run:
                 f"agent {flock.ids[row]} has position {flock.position[row].tolist()} at tick "
                 f"{flock.tick}: every position must be a finite number"
             )
-        if not self.measures:
+        if not (measured and self.measures):
             return self.camera.take()
         if self.astray is None:
             self.astray = flock.stray()

@@ -267,7 +267,8 @@ class Simulation:
         self.next_frame = now + FRAMES
         self.warn(self.run)
         known = len(self.run.troubles)
-        self.frame = self.run.look(closely=not self.state.running)
+        # What measures is compiled with the flock: until then an obstacle is only shown.
+        self.frame = self.run.look(closely=not self.state.running, measured=not self.stands)
         for trouble in self.run.troubles[known:]:
             if not isinstance(trouble, Refusal | Astray):
                 traceback.print_exception(trouble)

@@ -10,6 +10,7 @@ import viser
 
 from agents.inspection import UNSEEN, Inspection
 from agents.state.crashes import CAUSES, Crashes
+from app.viewer.measuring import measured
 from app.viewer.panels.style import block, table
 from app.viewer.run.picture import SAVED
 from app.viewer.scene.draw import palette
@@ -108,7 +109,7 @@ def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
     }
     if frame.dim == 3:
         listed["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
-    listed["speed"] = f"{frame.speed[seen.row]:.3g} {frame.pace_unit}"
+    listed["speed"] = f"{measured.few(frame.speed[seen.row])} {frame.pace_unit}"
     return listed | signal_facts(seen)
 
 
@@ -141,19 +142,10 @@ def pushed(seen: Inspection) -> str:
         f"{html.escape(name)}</td>"
         f'<td style="width:35%"><div class="fs-weight" '
         f'style="width:{100 * value / most:.1f}%;background:{colour}"></div></td>'
-        f"<td>{strength(value)}</td></tr>"
+        f"<td>{measured.few(value)}</td></tr>"
         for (name, value), colour in zip(length.items(), colours, strict=True)
     )
     return f'<div class="fs-head">Forces</div><table class="fs-table">{rows}</table>'
-
-
-def strength(value: float) -> str:
-    """The length of a force in few figures.
-
-    >>> strength(1234.5), strength(0.01234)
-    ('1234', '0.0123')
-    """
-    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
 def listened(frame: Frame, seen: Inspection) -> str:

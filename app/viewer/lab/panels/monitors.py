@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import math
 
 from agents.catalogue import MODELS
 from app.viewer.lab.panels.bars import layer_bars, size_bars
@@ -55,7 +54,7 @@ def contents(
     tasks = (mission_numbers(one, read.values) for one, read in sides)
     named = list(zip(models, sides, strict=True))
     return {
-        CARDS: grid(in_common, across=min(4, len(in_common))),
+        CARDS: grid(in_common, across=2 if len(in_common) == 4 else 3),
         "titles": titled_columns(*models) + keeping_up(frame, second),
         "compared": table("Flock", without(told, common), without(others, common)),
         "mission": table(mission_title(frame), *tasks),
@@ -102,9 +101,9 @@ def all_bars(frame: Frame, readings: Readings, sizes: bool, model: str = "") -> 
 def numbers(state: State, frame: Frame, values: dict[str, float], browsers: int) -> dict[str, str]:
     """The cards, name -> text."""
     return {
-        "tick": spaced(frame.tick),
+        "tick": measured.spaced(frame.tick),
         **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),
-        "agents": spaced(len(frame.ids)),
+        "agents": measured.spaced(len(frame.ids)),
         "ticks / s": rate_text(state.rate),
         **measured.cards("flock", frame.world, values, MODELS[state.spec.model]),
         **({"browsers": str(browsers)} if browsers > 1 else {}),
@@ -154,23 +153,13 @@ def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
         told["arrived"] = f"{100 * values['through']:.0f} %"
     told |= measured.cards("team", frame.world, values)
     if "least-gap" in values:
-        told["closest pair"] = length_text(values["least-gap"])
+        told["closest pair"] = measured.few(values["least-gap"])
     if "least-clearance" in values:
-        told["to obstacle"] = length_text(values["least-clearance"])
+        told["to obstacle"] = measured.few(values["least-clearance"])
         told["collisions"] = f"{values['inside']:.0f}"
     return told
 
 
-def length_text(length: float) -> str:
-    """A length in few figures; infinite ones are beyond what is looked at."""
-    return f"{length:.3g}" if abs(length) < math.inf else "far"
-
-
 def rate_text(rate: float) -> str:
     """Ticks per second in few figures."""
-    return f"{rate:.1f}" if rate < 100 else spaced(round(rate))
-
-
-def spaced(number: int) -> str:
-    """A number with its thousands apart."""
-    return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    return f"{rate:.1f}" if rate < 100 else measured.few(rate)

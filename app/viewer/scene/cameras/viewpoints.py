@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from viser import ClientHandle, ViserServer
+from viser import CameraHandle, ClientHandle, ViserServer
 
 from app.viewer.scene.cameras.camera import View, view
 from app.viewer.scene.cameras.ride import Ride
@@ -22,6 +23,12 @@ TITLE = {2: 0.08, 3: 0.17}
 """Room for the title over a flock, as a multiple of the longest side, by dimension."""
 CLOSE_UP = 1.2
 """Half side of what a following camera shows at first, display units."""
+RESHAPED = 0.02
+"""Change in the shape of a canvas, width over height, from which on the picture does not fit."""
+ARRIVES = 1.0
+"""Seconds within which a browser may still tell of where its camera was before."""
+MOVED = 0.01
+"""How far a camera that nobody moved is from where it was put at most, of its distance."""
 
 
 class Sight(NamedTuple):
@@ -30,6 +37,24 @@ class Sight(NamedTuple):
     picture: Picture
     aside: np.ndarray
     """Where the room's centre is on the display, (3,)."""
+
+
+@dataclass
+class Stand:
+    """Where a camera was put, to be put there again when its canvas changes its shape."""
+
+    preset: str
+    view: View
+    aspect: float
+    since: float
+
+    def is_left(self, camera: CameraHandle) -> bool:
+        """Whether a person has moved the camera since."""
+        if time.monotonic() < self.since + ARRIVES:
+            return False
+        put = np.stack([self.view.position, self.view.target])
+        gap = np.abs(put - np.stack([camera.position, camera.look_at])).max()
+        return bool(gap > MOVED * np.linalg.norm(put[0] - put[1]))
 
 
 class Viewpoints:
@@ -42,6 +67,8 @@ class Viewpoints:
         """Client -> which of the flocks, and identity of the agent its camera follows."""
         self._riders: dict[int, Ride] = {}
         """Client -> the ride that it is on."""
+        self._stands: dict[int, Stand] = {}
+        """Client -> where its camera was put, unless a person moved it or it follows somebody."""
         self._sights: tuple[Sight, ...] = ()
         self._entered: tuple[Stage, int] | None = None
         """The stage, and the number of flocks, that the cameras were last pointed at."""
@@ -68,7 +95,11 @@ class Viewpoints:
         low, high = whole(self._sights)
         if name != "top-down":
             high[2] = max(high[2], risen(self._sights[0].picture))
-        _set(client, view(name, self._sights[0].picture.stage.dim, low, high, _aspect(client)))
+        aspect = _aspect(client)
+        wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
+        with self._lock:
+            self._stands[client.client_id] = Stand(name, wanted, aspect, time.monotonic())
+        _set(client, wanted)
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Keep the agent now in `row` of the flock `side` in view, or let go of it with None."""
@@ -140,6 +171,22 @@ class Viewpoints:
         if self._sights:
             self.place(client, _first(self._sights[0].picture))
 
+        async def told(camera: CameraHandle) -> None:
+            self._fit(client, camera)
+
+        client.camera.on_update(told)
+
+    def _fit(self, client: ClientHandle, camera: CameraHandle) -> None:
+        """Show the whole again when a canvas has another shape, unless its camera was moved."""
+        stand = self._stands.get(client.client_id)
+        if stand is None:
+            return
+        if stand.is_left(camera):
+            with self._lock:
+                self._stands.pop(client.client_id, None)
+        elif abs(_aspect(client) - stand.aspect) >= RESHAPED:
+            self.place(client, stand.preset)
+
     async def _farewell(self, client: ClientHandle) -> None:
         """On the event loop: viser's thread pool may be gone when the server stops."""
         self._forget(client)
@@ -147,8 +194,8 @@ class Viewpoints:
     def _forget(self, client: ClientHandle) -> None:
         """Neither follow nor ride on anybody any more."""
         with self._lock:
-            self._followed.pop(client.client_id, None)
-            self._riders.pop(client.client_id, None)
+            for kept in (self._followed, self._riders, self._stands):
+                kept.pop(client.client_id, None)
 
     def _worth_following(self) -> tuple[int | None, int]:
         """The inspected agent, else the leader, else the first; and which flock it is in."""

@@ -27,8 +27,10 @@ ALPHABET = (
 """The digits of base 88, the least first."""
 DIGITS, BYTES = 5, 4
 """So many digits stand for so many bytes."""
-OWN_ADDRESS = "own-address.js"
-"""The script that runs before viser's, in every page."""
+SCRIPTS = ("own-address.js", "connection.js", "keys.js")
+"""The scripts that run before viser's, in every page."""
+STYLE = "page.css"
+"""How every page looks from its first moment on."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ def client_page(scripts: tuple[str, ...]) -> ClientPage:
     They stand in the page itself: it can neither be had without them nor take them from elsewhere.
     Raises Refusal if viser's page is not built as it was.
     """
-    own = [(STATIC / name).read_text() for name in (OWN_ADDRESS, *scripts)]
+    own = [(STATIC / name).read_text() for name in (*SCRIPTS, *scripts)]
     html = viser_page()
     head, found, rest = html.partition("<head>")
     loaders = Scripts.of(html)
@@ -58,7 +60,8 @@ def client_page(scripts: tuple[str, ...]) -> ClientPage:
     attributes, loader = loaders[0]
     client = unpacked(attributes)
     texts = [*(text.encode() for text in own), loader.encode(), client]
-    added = "".join(f"<script>{text}</script>" for text in own)
+    style = (STATIC / STYLE).read_text()
+    added = "".join((*(f"<script>{text}</script>" for text in own), f"<style>{style}</style>"))
     page = (head + found + added + rest).encode()
     return ClientPage(page, gzip.compress(page, mtime=0), tuple(hashed(text) for text in texts))
 

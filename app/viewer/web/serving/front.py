@@ -6,6 +6,7 @@ request is refused first and answered then, and every answer is given its header
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Callable
 from http import HTTPStatus
 
@@ -18,6 +19,8 @@ from app.viewer.web.serving.headers import POLICY, policy, secure
 from app.viewer.web.serving.query import leads_elsewhere
 
 PAGES = ("/", "/index.html")
+ALIVE = "/alive"
+"""Where a page asks whether its server is there, and whether it is the one it was served by."""
 OWN_SITE = ("same-origin", "none")
 """What `Sec-Fetch-Site` says of a request that our own page or a person makes."""
 FOLLOWED = ("navigate", "document")
@@ -37,7 +40,8 @@ class Front:
     def __init__(self, scripts: tuple[str, ...] = (), allow: tuple[Allowed, ...] = ()):
         self.page = client_page(scripts)
         self.allow = allow
-        self.routes: dict[str, Answering] = {}
+        name = secrets.token_hex(8)
+        self.routes: dict[str, Answering] = {ALIVE: lambda _: words(HTTPStatus.OK, name)}
 
     def route(self, path: str, answering: Answering) -> None:
         """Have GET of this path, which begins with a slash, answered by a function of the request.
