@@ -1,5 +1,5 @@
 /* The emergency stop in the browser. Its keys work wherever the focus is: viser leaves keys alone
-   that are typed into a field, and those that are pressed with Shift, Ctrl or Alt. Keys and button
+   that are typed into a field, and those that are pressed with Shift, Ctrl or Alt. Keys and buttons
    send the stop by a request of its own as well, which waits for none of viser's messages; until
    one has arrived it is sent again. */
 if (!window.flockscopeStopKey) {
@@ -41,8 +41,15 @@ if (!window.flockscopeStopKey) {
   const up = (event) => { if (event.isTrusted && event.code === "Space") event.preventDefault(); };
   const pressed = (event) => {
     const button = event.target.closest && event.target.closest("button");
-    if (event.isTrusted && button && button.textContent.trim() === label) stop();
+    const stops = button && (button === large || button.textContent.trim() === label);
+    if (event.isTrusted && stops) stop();
   };
+  /* It stands on the picture whatever the panels show, and when they are folded away. */
+  const large = document.createElement("button");
+  large.className = "fs-stop";
+  large.textContent = "STOP";
+  large.title = "Emergency stop of all cars: Space and Esc do the same";
+  document.addEventListener("DOMContentLoaded", () => document.body.append(large));
   window.addEventListener("keydown", down, true);
   window.addEventListener("keyup", up, true);
   window.addEventListener("pointerdown", pressed, true);
