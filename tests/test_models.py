@@ -85,6 +85,13 @@ def test_what_is_told_unasked_is_what_the_model_declares_and_its_world_gives_occ
     assert "energy-saved" in told("echelon")
 
 
+@pytest.mark.parametrize("name", MODELS)
+def test_every_parameter_is_called_by_words_and_no_two_by_the_same(name):
+    words = [(one.words, one.symbol) for one in declared(MODELS[name].parameters)]
+    assert all(one[:1].isupper() and len(one) <= 32 for one, _ in words)
+    assert len(set(words)) == len(words)
+
+
 def test_units_are_the_model_s_own():
     for name, own in (("dorsogna", "m/s"), ("couzin", "length/s"), ("vem", "length/tick")):
         assert MODELS[name].in_units("length/time") == own

@@ -25,6 +25,7 @@ class Brownian(Parameters):
         0.01,
         "Rotational diffusion: the heading is forgotten in 1 / D_r in the plane, 1 / (2 D_r) in "
         "space",
+        words="Rotational diffusion",
         symbol="D_r",
         unit="rad^2/s",
         low=0.0,
@@ -36,6 +37,7 @@ class Brownian(Parameters):
     D_t: float = parameter(
         0.0,
         "Translational diffusion: kicks of the fluid",
+        words="Translational diffusion",
         symbol="D_t",
         unit="length^2/s",
         low=0.0,
@@ -47,6 +49,7 @@ class Brownian(Parameters):
     dt: float = parameter(
         0.01,
         "Time of a tick",
+        words="Time of a tick",
         symbol="\\Delta t",
         unit="s",
         low=0.0001,

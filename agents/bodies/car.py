@@ -31,6 +31,7 @@ class Car(Tracking):
     v_max: float = parameter(
         1.0,
         "Speed at full throttle",
+        words="Speed at full throttle",
         symbol="v_{max}",
         unit="m/s",
         low=0.05,
@@ -41,6 +42,7 @@ class Car(Tracking):
     alpha_turn: float = parameter(
         0.4,
         "Share of the throttle that is taken off for each rad that the wheels are turned",
+        words="Throttle off in turns",
         symbol="\\alpha",
         unit="1/rad",
         low=0.0,
@@ -51,6 +53,7 @@ class Car(Tracking):
     wheel_max: float = parameter(
         45.0,
         "Largest angle of the front wheels",
+        words="Largest wheel angle",
         symbol="\\delta_{max}",
         unit="deg",
         low=5.0,
@@ -61,6 +64,7 @@ class Car(Tracking):
     circle: float = parameter(
         0.95,
         "Turning circle: its diameter, with the wheels turned as far as they go",
+        words="Turning circle",
         symbol="d_{turn}",
         unit="m",
         low=0.05,
@@ -71,6 +75,7 @@ class Car(Tracking):
     lag: float = parameter(
         0.15,
         "Time in which the motor closes 63 % of the gap to the wanted speed",
+        words="Lag of the motor",
         symbol="\\tau_m",
         unit="s",
         low=0.0,
@@ -81,6 +86,7 @@ class Car(Tracking):
     servo: float = parameter(
         7.0,
         "How fast the servo turns the wheels",
+        words="Rate of the servo",
         symbol="\\omega_s",
         unit="rad/s",
         low=0.1,
@@ -91,6 +97,7 @@ class Car(Tracking):
     latency: float = parameter(
         0.006,
         "Time from a frame to the command's leaving the computer",
+        words="Latency",
         symbol="t_0",
         unit="s",
         low=0.0,
@@ -102,6 +109,7 @@ class Car(Tracking):
         0.007,
         "Time of a hop of the radio chain: car n hears its command after n of them; 0 for a "
         "broadcast. All in all no more than 23 ticks count",
+        words="Time of a radio hop",
         symbol="t_{hop}",
         unit="s",
         low=0.0,
@@ -112,6 +120,7 @@ class Car(Tracking):
     loss: float = parameter(
         0.0,
         "Share of the commands that are lost: the car goes on with the last that came",
+        words="Commands lost",
         symbol="p_{loss}",
         low=0.0,
         high=1.0,
@@ -122,6 +131,7 @@ class Car(Tracking):
     length: float = parameter(
         0.22,
         "Length of the body",
+        words="Length",
         symbol="a",
         unit="m",
         low=0.01,
@@ -132,6 +142,7 @@ class Car(Tracking):
     width: float = parameter(
         0.12,
         "Width of the body",
+        words="Width",
         symbol="b",
         unit="m",
         low=0.01,
@@ -143,24 +154,28 @@ class Car(Tracking):
         "stops",
         "What happens where bodies touch: they stop each other as real ones do, or both are out "
         "of the run",
+        words="Contact",
         symbol="contact",
         source="Jacobs and Koessler V: after a head-on collision cars are stuck",
     )
     reverse: bool = parameter(
         False,
         "Whether a car that has not moved for half a second backs out for a second",
+        words="Backs out",
         symbol="rev",
         source="Jacobs and Koessler V: the throttle never becomes negative",
     )
     yields: bool = parameter(
         False,
         "Whether a car looks ahead and brakes, swerves or backs out rather than touch another",
+        words="Yields",
         symbol="yield",
         source="added to Jacobs and Koessler; see docs/cars.md",
     )
     ahead: float = parameter(
         1.0,
         "How far it looks ahead",
+        words="Looks ahead",
         symbol="t_a",
         unit="s",
         low=0.1,
@@ -171,6 +186,7 @@ class Car(Tracking):
     margin: float = parameter(
         0.06,
         "Distance between bodies that it then keeps",
+        words="Margin",
         symbol="d_y",
         unit="m",
         low=0.0,

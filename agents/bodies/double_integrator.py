@@ -19,6 +19,7 @@ class DoubleIntegrator(Parameters):
     p_max: float = parameter(
         5.0,
         "Largest speed",
+        words="Largest speed",
         symbol="p^{max}",
         unit="m/s",
         low=0.1,
@@ -29,6 +30,7 @@ class DoubleIntegrator(Parameters):
     dt: float = parameter(
         0.1,
         "The paper's step: within it, an agent counts on moving on unhindered",
+        words="Step",
         symbol="\\Delta t",
         unit="s",
         low=0.001,
@@ -39,6 +41,7 @@ class DoubleIntegrator(Parameters):
     n_sub: float = parameter(
         5.0,
         "Ticks per step: each tick, agents look, decide and move on by dt / n_sub seconds",
+        words="Ticks per step",
         symbol="n_{sub}",
         low=1.0,
         high=100.0,

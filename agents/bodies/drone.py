@@ -25,6 +25,7 @@ class Drone(Parameters):
     dt: float = parameter(
         0.1,
         "Time of a tick: the drone looks, decides and moves on",
+        words="Time of a tick",
         symbol="\\Delta t",
         unit="s",
         low=0.001,
@@ -35,6 +36,7 @@ class Drone(Parameters):
     tau: float = parameter(
         1.0,
         "Relaxation time of the velocity",
+        words="Relaxation time",
         symbol="\\tau^{pid}",
         unit="s",
         low=0.5,
@@ -45,6 +47,7 @@ class Drone(Parameters):
     a_max: float = parameter(
         6.0,
         "Largest acceleration",
+        words="Largest acceleration",
         symbol="a^{max}",
         unit="m/s^2",
         low=0.01,
@@ -55,6 +58,7 @@ class Drone(Parameters):
     v_max: float = parameter(
         6.0,
         "Speed at which the wanted velocity is cut",
+        words="Largest speed",
         symbol="v^{max}",
         unit="m/s",
         low=0.01,
@@ -66,6 +70,7 @@ class Drone(Parameters):
         1.0,
         "Distance to a surface at which the guard takes out the velocity towards it, at half of it "
         "all",
+        words="Margin of the guard",
         symbol="d^{guard}",
         unit="m",
         low=0.001,
@@ -76,6 +81,7 @@ class Drone(Parameters):
     guard: bool = parameter(
         True,
         "Whether velocity towards a surface is taken out close to it, so that no drone enters it",
+        words="Guard",
         symbol="g",
         source="added to Vasarhelyi et al. 2018",
     )

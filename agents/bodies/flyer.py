@@ -28,6 +28,7 @@ class Flyer(Parameters):
     v0: float = parameter(
         3.0,
         "Cruise speed, which an agent takes where its rule asks for no other",
+        words="Cruise speed",
         symbol="v_0",
         unit="length/s",
         low=0.0,
@@ -38,6 +39,7 @@ class Flyer(Parameters):
     v_min: float = parameter(
         0.0,
         "Least speed",
+        words="Least speed",
         symbol="v_{min}",
         unit="length/s",
         low=0.0,
@@ -48,6 +50,7 @@ class Flyer(Parameters):
     v_max: float = parameter(
         3.0,
         "Largest speed",
+        words="Largest speed",
         symbol="V_{max}",
         unit="length/s",
         low=0.0,
@@ -58,6 +61,7 @@ class Flyer(Parameters):
     a_max: float = parameter(
         1.0,
         "Largest gain or loss of speed",
+        words="Largest acceleration",
         symbol="a_{max}",
         unit="length/s^2",
         low=0.0,
@@ -68,6 +72,7 @@ class Flyer(Parameters):
     theta_max: float = parameter(
         120.0,
         "Turning rate: how far an agent can turn in a second",
+        words="Turning rate",
         symbol="\\theta_{max}",
         unit="deg/s",
         low=1.0,
@@ -78,6 +83,7 @@ class Flyer(Parameters):
     tau: float = parameter(
         0.1,
         "Time that a tick lasts",
+        words="Time of a tick",
         symbol="\\tau",
         unit="s",
         low=0.01,
@@ -88,6 +94,7 @@ class Flyer(Parameters):
     body: float = parameter(
         0.75,
         "Diameter of the body, a ball; bodies that touch crash",
+        words="Diameter of the body",
         symbol="d_b",
         unit="length",
         low=0.0,
@@ -98,6 +105,7 @@ class Flyer(Parameters):
     contact: Literal["always", "start"] = parameter(
         "always",
         "Whether bodies are solid all the time, or only looked at as the run starts",
+        words="Contact",
         symbol="contact",
         source="thesis, section 5.3: it counts crashes at tick 0 only",
     )
@@ -105,6 +113,7 @@ class Flyer(Parameters):
         0.0,
         "At the start, distance below which two agents cannot get out of each other's way: they "
         "crash at once",
+        words="Distance that crashes at the start",
         symbol="d_0",
         unit="length",
         low=0.0,
@@ -115,6 +124,7 @@ class Flyer(Parameters):
     b: float = parameter(
         0.75,
         "Wing span, which sets the vortices behind an agent",
+        words="Wing span",
         symbol="b",
         unit="length",
         low=0.05,

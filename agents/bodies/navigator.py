@@ -26,6 +26,7 @@ class Navigator(Parameters):
     v0: float = parameter(
         0.1,
         "Speed at which agents follow their heading, and the largest speed",
+        words="Speed",
         symbol="v_0",
         unit="length/tick",
         low=0.0,
@@ -36,6 +37,7 @@ class Navigator(Parameters):
     c_align: float = parameter(
         1.0,
         "Weight of the wanted heading in the velocity",
+        words="Weight of the heading",
         symbol="c^{align}",
         low=0.0,
         high=5.0,
@@ -45,6 +47,7 @@ class Navigator(Parameters):
     c_rep: float = parameter(
         0.1,
         "Weight of the repulsion from neighbours within r_rep",
+        words="Weight of the repulsion",
         symbol="c^{rep}",
         unit="length/tick",
         low=0.0,
@@ -55,6 +58,7 @@ class Navigator(Parameters):
     r_rep: float = parameter(
         0.7,
         "Distance within which neighbours repel each other",
+        words="Radius of the repulsion",
         symbol="r_{rep}",
         unit="length",
         low=0.01,
@@ -65,6 +69,7 @@ class Navigator(Parameters):
     c_att: float = parameter(
         0.003,
         "Weight of the attraction to neighbours between r_rep and r_att",
+        words="Weight of the attraction",
         symbol="c^{att}",
         unit="length/tick",
         low=0.0,
@@ -75,6 +80,7 @@ class Navigator(Parameters):
     r_att: float = parameter(
         1.0,
         "Distance within which neighbours attract each other; r is the most that counts",
+        words="Radius of the attraction",
         symbol="r_{att}",
         unit="length",
         low=0.02,
@@ -85,6 +91,7 @@ class Navigator(Parameters):
     r_avoid: float = parameter(
         0.5,
         "Distance at which an obstacle is noticed",
+        words="Sight of obstacles",
         symbol="r_{avoid}",
         unit="length",
         low=0.05,
@@ -95,6 +102,7 @@ class Navigator(Parameters):
     theta_obstruct: float = parameter(
         round(11.0 * math.pi / 20.0, 4),
         "An obstacle is in the way if it lies within this angle of the wanted heading",
+        words="Angle that counts as ahead",
         symbol="\\theta_{obstruct}",
         unit="rad",
         low=0.0,
@@ -106,6 +114,7 @@ class Navigator(Parameters):
         True,
         "Whether the velocity towards an obstacle is taken out or capped close to it, so that no "
         "agent enters it; off is the paper's literal text",
+        words="Guard",
         symbol="g",
         source="added to Liu et al. 2021, (25)",
     )

@@ -17,6 +17,7 @@ class OldHeading(Parameters):
     v0: float = parameter(
         0.03,
         "Distance that each agent moves per tick",
+        words="Speed",
         symbol="v_0",
         unit="length/tick",
         low=0.0,

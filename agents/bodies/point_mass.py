@@ -26,6 +26,7 @@ class PointMass(Parameters):
     m: float = parameter(
         1.0,
         "Mass: what the wished force is divided by",
+        words="Mass",
         symbol="m",
         unit="kg",
         low=0.001,
@@ -36,6 +37,7 @@ class PointMass(Parameters):
     dt: float = parameter(
         0.01,
         "Time of a tick",
+        words="Time of a tick",
         symbol="\\Delta t",
         unit="s",
         low=0.0001,
@@ -46,6 +48,7 @@ class PointMass(Parameters):
     v_max: float = parameter(
         0.0,
         f"Largest speed; 0: none, and {FASTEST:g} m/s shows that dt is too long for the forces",
+        words="Largest speed",
         symbol="v_{max}",
         unit="m/s",
         low=0.0,
@@ -56,6 +59,7 @@ class PointMass(Parameters):
     v_start: float = parameter(
         0.0,
         "Largest speed at the start, in any direction; 0: at rest",
+        words="Speed at the start",
         symbol="v_{start}",
         unit="m/s",
         low=0.0,

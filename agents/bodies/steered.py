@@ -21,6 +21,7 @@ class Steered(Parameters):
     dt: float = parameter(
         0.05,
         "Time of a tick",
+        words="Time of a tick",
         symbol="\\Delta t",
         unit="s",
         low=0.001,
@@ -31,6 +32,7 @@ class Steered(Parameters):
     max_force: float = parameter(
         8.0,
         "Largest steering force, per mass",
+        words="Largest force",
         symbol="F",
         unit="length/s^2",
         low=0.01,
@@ -41,6 +43,7 @@ class Steered(Parameters):
     max_speed: float = parameter(
         4.0,
         "Largest speed",
+        words="Largest speed",
         symbol="v_{max}",
         unit="length/s",
         low=0.01,
@@ -51,6 +54,7 @@ class Steered(Parameters):
     min_speed: float = parameter(
         2.0,
         "Least speed, except where the guard holds a boid back; max_speed if that is less",
+        words="Least speed",
         symbol="v_{min}",
         unit="length/s",
         low=0.0,
@@ -62,6 +66,7 @@ class Steered(Parameters):
         0.4,
         "Distance to a surface at which the guard takes out the velocity towards it, at half of it "
         "all",
+        words="Margin of the guard",
         symbol="d^{guard}",
         unit="length",
         low=0.001,
@@ -72,6 +77,7 @@ class Steered(Parameters):
     guard: bool = parameter(
         True,
         "Whether velocity towards a surface is taken out close to it, so that no boid enters it",
+        words="Guard",
         symbol="g",
         source="added to Reynolds 1999",
     )

@@ -18,6 +18,7 @@ class Swerving(Parameters):
     v0: float = parameter(
         1.0,
         "Speed of every agent",
+        words="Speed",
         symbol="v_0",
         unit="length/s",
         low=0.000001,
@@ -28,6 +29,7 @@ class Swerving(Parameters):
     dt: float = parameter(
         0.05,
         "Time of a tick",
+        words="Time of a tick",
         symbol="\\Delta t",
         unit="s",
         low=0.0001,

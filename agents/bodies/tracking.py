@@ -18,6 +18,7 @@ class Tracking(Parameters):
     dt: float = parameter(
         0.01,
         "Time of a tick: a frame of the tracking and a command",
+        words="Time of a tick",
         symbol="\\Delta t",
         unit="s",
         low=0.001,
@@ -28,6 +29,7 @@ class Tracking(Parameters):
     noise_xy: float = parameter(
         0.0005,
         "Noise of the tracked positions: standard deviation along each axis",
+        words="Noise of positions",
         symbol="\\sigma_x",
         unit="m",
         low=0.0,
@@ -39,6 +41,7 @@ class Tracking(Parameters):
     noise_yaw: float = parameter(
         0.005,
         "Noise of the tracked headings: standard deviation",
+        words="Noise of headings",
         symbol="\\sigma_\\psi",
         unit="rad",
         low=0.0,
@@ -51,6 +54,7 @@ class Tracking(Parameters):
         0.0,
         "Share of the frames in which a car is not seen: it counts as where it was seen last, and "
         "its last command is sent again",
+        words="Frames not seen",
         symbol="p_{drop}",
         low=0.0,
         high=1.0,

@@ -17,6 +17,7 @@ class Turning(Parameters):
     s: float = parameter(
         3.0,
         "Speed of every agent",
+        words="Speed",
         symbol="s",
         unit="length/s",
         low=0.0,
@@ -27,6 +28,7 @@ class Turning(Parameters):
     theta: float = parameter(
         40.0,
         "Turning rate: how far an agent can turn in a second",
+        words="Turning rate",
         symbol="\\theta",
         unit="deg/s",
         low=1.0,
@@ -37,6 +39,7 @@ class Turning(Parameters):
     tau: float = parameter(
         0.1,
         "Time that a tick lasts",
+        words="Time of a tick",
         symbol="\\tau",
         unit="s",
         low=0.01,

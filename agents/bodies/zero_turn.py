@@ -20,6 +20,7 @@ class ZeroTurn(Tracking):
     gain: float = parameter(
         1.0,
         "Speed for each unit of the wish",
+        words="Gain of the speed",
         symbol="g",
         unit="m/s",
         low=0.0,

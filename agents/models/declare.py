@@ -29,9 +29,11 @@ def parameter(
     unit: str = "1",
     step: float | None = None,
     noise: bool = False,
+    words: str = "",
 ) -> Any:
     """A parameter's declaration: default, range [low, high], unit, symbol and source.
 
+    `words` are what a slider is called, two or three; without them it bears the parameter's name.
     Booleans and choices (`Literal`) have no range. `step` is the slider's. `noise` says that it is
     the strength of something random, which 0 takes away.
     """
@@ -46,6 +48,7 @@ def parameter(
             "source": source,
             "step": step,
             "noise": noise,
+            "words": words,
         },
     )
 
@@ -72,6 +75,7 @@ class Declared:
     step: float | None
     choices: tuple[str, ...]
     noise: bool
+    words: str
 
     @property
     def allowed(self) -> str:
@@ -114,6 +118,7 @@ def describe(name: str, field: FieldInfo) -> Declared:
         extra["step"],  # type: ignore[arg-type]
         choices,
         bool(extra["noise"]),
+        str(extra["words"] or name.replace("_", " ")),
     )
 
 

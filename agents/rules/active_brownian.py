@@ -30,6 +30,7 @@ class ActiveBrownian(Parameters):
     d: float = parameter(
         1.0,
         "Diameter: particles nearer to each other than this push each other off",
+        words="Diameter",
         symbol="d",
         unit="length",
         low=0.05,
@@ -40,6 +41,7 @@ class ActiveBrownian(Parameters):
     v0: float = parameter(
         1.0,
         "Speed of a free particle",
+        words="Speed",
         symbol="v_0",
         unit="length/s",
         low=0.0,
@@ -50,6 +52,7 @@ class ActiveBrownian(Parameters):
     k: float = parameter(
         50.0,
         "Stiffness: force per length by which two overlap",
+        words="Stiffness",
         symbol="k",
         unit="force/length",
         low=0.0,
@@ -60,6 +63,7 @@ class ActiveBrownian(Parameters):
     mu: float = parameter(
         1.0,
         "Mobility: speed per force; 0: particles do not feel each other",
+        words="Mobility",
         symbol="\\mu",
         unit="length/(s force)",
         low=0.0,

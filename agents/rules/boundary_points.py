@@ -62,6 +62,7 @@ class BoundaryPoints(Interaction):
     tau_a: float = parameter(
         0.1,
         "Weight of attraction and repulsion further away than d",
+        words="Weight beyond d",
         symbol="\\tau_a",
         low=0.0,
         high=1e6,
@@ -71,6 +72,7 @@ class BoundaryPoints(Interaction):
     tau_e: float = parameter(
         10.0,
         "Weight of the repulsion between the early-warning distance d_e and d",
+        words="Weight within d",
         symbol="\\tau_e",
         low=0.0,
         high=1e6,
@@ -80,6 +82,7 @@ class BoundaryPoints(Interaction):
     tau_s: float = parameter(
         10000.0,
         "Weight of the repulsion nearer than the early-warning distance d_e",
+        words="Weight when too near",
         symbol="\\tau_s",
         low=0.0,
         high=1e6,
@@ -89,6 +92,7 @@ class BoundaryPoints(Interaction):
     d_min: float = parameter(
         1.0,
         "Least safe distance; the early-warning distance is d_e = d_min + 2 p_max dt",
+        words="Least safe distance",
         symbol="d_{min}",
         unit="m",
         low=0.0,
@@ -99,6 +103,7 @@ class BoundaryPoints(Interaction):
     dtheta: float = parameter(
         round(math.pi / 4.0, 4),
         "Gap in phase at which a boundary is taken to end",
+        words="Gap that ends a boundary",
         symbol="\\Delta\\theta",
         unit="rad",
         low=0.01,
@@ -109,6 +114,7 @@ class BoundaryPoints(Interaction):
     sense: Literal["counterclockwise", "clockwise"] = parameter(
         "counterclockwise",
         "Which way round the flock goes: phases are compared from small to large, or back",
+        words="Way round obstacles",
         symbol="s",
         source="Wu et al. 2023, (15), (16), table 2",
     )

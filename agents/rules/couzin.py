@@ -28,6 +28,7 @@ class Couzin(Parameters):
     r_r: float = parameter(
         1.0,
         "Radius of the zone of repulsion",
+        words="Zone of repulsion",
         symbol="r_r",
         unit="length",
         low=0.05,
@@ -38,6 +39,7 @@ class Couzin(Parameters):
     dr_o: float = parameter(
         3.0,
         "Width of the zone of orientation, beyond that of repulsion",
+        words="Width of orientation",
         symbol="\\Delta r_o",
         unit="length",
         low=0.0,
@@ -48,6 +50,7 @@ class Couzin(Parameters):
     dr_a: float = parameter(
         10.0,
         "Width of the zone of attraction, beyond that of orientation",
+        words="Width of attraction",
         symbol="\\Delta r_a",
         unit="length",
         low=0.0,
@@ -58,6 +61,7 @@ class Couzin(Parameters):
     alpha: float = parameter(
         270.0,
         "Field of view: agents outside of this full angle about the heading are not seen",
+        words="Field of view",
         symbol="\\alpha",
         unit="deg",
         low=0.0,
@@ -68,6 +72,7 @@ class Couzin(Parameters):
     sigma: float = parameter(
         0.05,
         "Error of movement: standard deviation of the angle by which the direction is missed",
+        words="Error of movement",
         symbol="\\sigma",
         unit="rad",
         low=0.0,

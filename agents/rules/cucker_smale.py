@@ -28,6 +28,7 @@ class CuckerSmale(Parameters):
         1000.0,
         "Distance beyond which agents do not hear each other; the paper has none, so keep it above "
         "the diameter of the flock",
+        words="Range of hearing",
         symbol="r",
         unit="m",
         low=0.1,
@@ -38,6 +39,7 @@ class CuckerSmale(Parameters):
     K: float = parameter(
         0.05,
         "Strength of the alignment",
+        words="Alignment",
         symbol="K",
         unit="1/s",
         low=0.0,
@@ -48,6 +50,7 @@ class CuckerSmale(Parameters):
     sigma: float = parameter(
         1.0,
         "Distance from which on agents are listened to less",
+        words="Distance of the near",
         symbol="\\sigma",
         unit="m",
         low=0.01,
@@ -58,6 +61,7 @@ class CuckerSmale(Parameters):
     beta: float = parameter(
         0.4,
         "How fast that falls with the distance; up to 1/2 every flock comes to one velocity",
+        words="Fall with the distance",
         symbol="\\beta",
         low=0.0,
         high=5.0,

@@ -35,6 +35,7 @@ class DOrsogna(Parameters):
     alpha: float = parameter(
         0.8,
         "Self-propulsion: what a particle at rest gains of its speed in a second",
+        words="Self-propulsion",
         symbol="\\alpha",
         unit="1/s",
         low=0.0,
@@ -45,6 +46,7 @@ class DOrsogna(Parameters):
     beta: float = parameter(
         0.5,
         "Friction: a free particle comes to the speed sqrt(alpha / beta)",
+        words="Friction",
         symbol="\\beta",
         unit="s/m^2",
         low=0.0,
@@ -55,6 +57,7 @@ class DOrsogna(Parameters):
     C_r: float = parameter(
         1.0,
         "Strength of the repulsion",
+        words="Repulsion",
         symbol="C_r",
         unit="m^2/s^2",
         low=0.0,
@@ -65,6 +68,7 @@ class DOrsogna(Parameters):
     l_r: float = parameter(
         0.4,
         "Length over which the repulsion falls to 1/e",
+        words="Length of the repulsion",
         symbol="l_r",
         unit="m",
         low=0.05,
@@ -75,6 +79,7 @@ class DOrsogna(Parameters):
     C_a: float = parameter(
         1.0,
         "Strength of the attraction",
+        words="Attraction",
         symbol="C_a",
         unit="m^2/s^2",
         low=0.0,
@@ -85,6 +90,7 @@ class DOrsogna(Parameters):
     l_a: float = parameter(
         1.0,
         "Length over which the attraction falls to 1/e",
+        words="Length of the attraction",
         symbol="l_a",
         unit="m",
         low=0.05,

@@ -25,6 +25,7 @@ class Echelon(Zones):
     d_r: float = parameter(
         1.8,
         "Outer radius of the zone of repulsion, all round",
+        words="Zone of repulsion",
         symbol="d_r",
         unit="length",
         low=0.05,
@@ -35,6 +36,7 @@ class Echelon(Zones):
     d_o: float = parameter(
         12.0,
         "Outer radius of the zone of orientation",
+        words="Zone of orientation",
         symbol="d_o",
         unit="length",
         low=0.05,
@@ -45,6 +47,7 @@ class Echelon(Zones):
     d_a: float = parameter(
         20.0,
         "Outer radius of the zone of attraction, and how far off slots are noticed",
+        words="Zone of attraction",
         symbol="d_a",
         unit="length",
         low=0.05,
@@ -55,6 +58,7 @@ class Echelon(Zones):
     alpha: float = parameter(
         200.0,
         "Field of view: agents outside of this full angle about the heading are not seen",
+        words="Field of view",
         symbol="\\alpha",
         unit="deg",
         low=0.0,
@@ -65,6 +69,7 @@ class Echelon(Zones):
     sigma: float = parameter(
         0.01,
         "Error of movement: standard deviation of the angle by which the direction is missed",
+        words="Error of movement",
         symbol="\\sigma",
         unit="rad",
         low=0.0,
@@ -76,6 +81,7 @@ class Echelon(Zones):
     climb: float = parameter(
         15.0,
         "Steepest climb or dive that is wished for",
+        words="Steepest climb",
         symbol="\\gamma",
         unit="deg",
         low=0.0,
@@ -86,6 +92,7 @@ class Echelon(Zones):
     w: float = parameter(
         1.0,
         "Weight of the slot beside the zones; 0: the zones alone",
+        words="Weight of the slot",
         symbol="w",
         low=0.0,
         high=1.0,
@@ -95,6 +102,7 @@ class Echelon(Zones):
     tip: float = parameter(
         -0.137,
         "Wing-tip spacing of a slot, in spans; negative where wings overlap",
+        words="Wing-tip spacing",
         symbol="WTS / b",
         low=-0.5,
         high=3.0,
@@ -104,6 +112,7 @@ class Echelon(Zones):
     drop: float = parameter(
         0.94,
         "Speed at which a bird drops back that sees birds ahead but no free slot, of v_0",
+        words="Speed of dropping back",
         symbol="v_b / v_0",
         low=0.1,
         high=1.0,
@@ -113,6 +122,7 @@ class Echelon(Zones):
     step: float = parameter(
         0.8,
         "How far behind the other a slot is, in spans",
+        words="Distance of a slot",
         symbol="\\ell / b",
         low=0.1,
         high=4.0,
@@ -122,6 +132,7 @@ class Echelon(Zones):
     t_c: float = parameter(
         1.5,
         "Time in which a bird wishes to close up to its slot",
+        words="Time to close up",
         symbol="t_c",
         unit="s",
         low=0.1,
@@ -132,6 +143,7 @@ class Echelon(Zones):
     c: float = parameter(
         1.5,
         "Largest speed at which it wishes to close up",
+        words="Speed of closing up",
         symbol="c",
         unit="length/s",
         low=0.0,

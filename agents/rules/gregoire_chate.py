@@ -19,6 +19,7 @@ class GregoireChate(Parameters):
     r: float = parameter(
         1.0,
         "Interaction radius: agents within it are neighbours; the paper's unit of length",
+        words="Vision radius",
         symbol="r_0",
         unit="length",
         low=0.05,
@@ -29,6 +30,7 @@ class GregoireChate(Parameters):
     eta: float = parameter(
         0.5,
         "Noise: length of the random vector, for each heading of the sum to which it is added",
+        words="Noise",
         symbol="\\eta",
         low=0.0,
         high=1.0,

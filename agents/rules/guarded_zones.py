@@ -57,6 +57,7 @@ class GuardedZones(Zones):
     d_r: float = parameter(
         2.0,
         "Outer radius of the zone of repulsion, all round",
+        words="Zone of repulsion",
         symbol="d_r",
         unit="length",
         low=0.05,
@@ -67,6 +68,7 @@ class GuardedZones(Zones):
     alpha: float = parameter(
         270.0,
         "Field of view: agents outside of this full angle about the heading are not seen",
+        words="Field of view",
         symbol="\\alpha",
         unit="deg",
         low=0.0,
@@ -77,6 +79,7 @@ class GuardedZones(Zones):
     w_a: float = parameter(
         0.1,
         "Weight of attraction to an agent seen, beside orientation by one",
+        words="Weight of attraction",
         symbol="w_a",
         low=0.0,
         high=5.0,
@@ -86,6 +89,7 @@ class GuardedZones(Zones):
     w_c: float = parameter(
         0.5,
         "Weight of the calls: of the way to the middle of those that are heard; 0 for sight alone",
+        words="Weight of the calls",
         symbol="w_c",
         low=0.0,
         high=5.0,
@@ -95,6 +99,7 @@ class GuardedZones(Zones):
     d_c: float = parameter(
         10.0,
         "Distance within which calls are heard, all round",
+        words="Range of the calls",
         symbol="d_c",
         unit="length",
         low=0.0,
@@ -106,6 +111,7 @@ class GuardedZones(Zones):
     guard: bool = parameter(
         True,
         "Whether only steps are made that leave room to circle; off, agents do what they wish",
+        words="Guard",
         symbol="g",
         source="ours",
     )

@@ -26,6 +26,7 @@ class HierarchicalWeighting(Vicsek):
     p1: float = parameter(
         0.1,
         "Evens out the absolute layer weight 1/l + p1: the larger, the less the layer counts",
+        words="Evening out of the layers",
         symbol="p_1",
         low=0.0,
         high=2.0,
@@ -35,6 +36,7 @@ class HierarchicalWeighting(Vicsek):
     p2: float = parameter(
         5.0,
         "How many times more a neighbour weighs than one a layer further from the information UAV",
+        words="Weight from layer to layer",
         symbol="p_2",
         low=1.0,
         high=100.0,
@@ -44,12 +46,14 @@ class HierarchicalWeighting(Vicsek):
     neighbourhood_weight: bool = parameter(
         True,
         "Whether a neighbour counts more when few of the neighbours share its layer",
+        words="Neighbourhood weight",
         symbol="w^{nei}",
         source="Liu et al. 2021, (16), (17); figure 6",
     )
     layers: Literal["delayed", "instant"] = parameter(
         "delayed",
         "Whether word of the layers spreads one hop per tick (5), or is known at once (4)",
+        words="Layers",
         symbol="l",
         source="Liu et al. 2021, (4), (5)",
     )

@@ -35,6 +35,7 @@ class Spins(Parameters):
     r: float = parameter(
         1.0,
         "Interaction radius: agents within it are neighbours, n_ij = 1",
+        words="Vision radius",
         symbol="r",
         unit="length",
         low=0.05,
@@ -45,6 +46,7 @@ class Spins(Parameters):
     J: float = parameter(
         1.0,
         "Strength of alignment",
+        words="Alignment",
         symbol="J",
         low=0.0,
         high=20.0,
@@ -54,6 +56,7 @@ class Spins(Parameters):
     chi: float = parameter(
         1.0,
         "Generalised moment of inertia: how much spin it takes to turn",
+        words="Inertia",
         symbol="\\chi",
         unit="s^2",
         low=0.001,
@@ -64,6 +67,7 @@ class Spins(Parameters):
     eta: float = parameter(
         0.1,
         "Friction of the spin",
+        words="Friction of the spin",
         symbol="\\eta",
         unit="s",
         low=0.0,
@@ -74,6 +78,7 @@ class Spins(Parameters):
     T: float = parameter(
         0.01,
         "Generalised temperature: strength of the noise, which friction balances",
+        words="Temperature",
         symbol="T",
         low=0.0,
         high=100.0,

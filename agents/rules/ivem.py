@@ -23,6 +23,7 @@ class ImprovedVicsekInformed(VicsekAmong):
     k_iu: float = parameter(
         100.0,
         "Weight of an information UAV for those in direct contact with it; others weigh 1",
+        words="Weight of the information UAV",
         symbol="k_{IU}",
         low=0.0,
         high=1000.0,

@@ -42,12 +42,14 @@ class OlfatiSaber(Interaction):
         "alpha-form",
         "Whether obstacles act as agents do, phi_alpha within r, or with the bounded phi_beta "
         "within d_beta as printed",
+        words="Force of obstacles",
         symbol="\\phi_\\beta",
         source="Wu et al. 2023, (10), (14)",
     )
     d_beta: float = parameter(
         4.0,
         "Distance at which the printed phi_beta begins to push agents off an obstacle",
+        words="Distance to obstacles",
         symbol="d'",
         unit="m",
         low=0.2,

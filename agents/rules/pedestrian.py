@@ -44,6 +44,7 @@ class Pedestrians(Parameters):
     r: float = parameter(
         5.0,
         "Distance beyond which others and walls are not minded",
+        words="Vision radius",
         symbol="r",
         unit="m",
         low=0.1,
@@ -55,12 +56,14 @@ class Pedestrians(Parameters):
         "two",
         "Where they want to go: along +x or -x, whichever is nearer to the heading at the start, "
         "or along that heading itself",
+        words="Ways",
         symbol="e",
         source="Helbing and Molnar 1995, figure 2: a walkway; the other is ours",
     )
     v0: float = parameter(
         1.34,
         "Mean desired speed",
+        words="Desired speed",
         symbol="v^0",
         unit="m/s",
         low=0.1,
@@ -72,6 +75,7 @@ class Pedestrians(Parameters):
         0.26,
         "Standard deviation of the desired speeds, which are normal; nobody desires less than a "
         "tenth of the mean",
+        words="Spread of the speeds",
         symbol="\\sqrt{\\theta}",
         unit="m/s",
         low=0.0,
@@ -83,6 +87,7 @@ class Pedestrians(Parameters):
     haste: float = parameter(
         1.3,
         "Largest speed of a pedestrian, over its desired speed",
+        words="Largest speed over desired",
         symbol="v^{max} / v^0",
         low=1.0,
         high=5.0,
@@ -92,6 +97,7 @@ class Pedestrians(Parameters):
     tau: float = parameter(
         0.5,
         "Relaxation time: in which the velocity comes near to the desired one",
+        words="Relaxation time",
         symbol="\\tau",
         unit="s",
         low=0.05,
@@ -102,6 +108,7 @@ class Pedestrians(Parameters):
     repulsion: float = parameter(
         2.1,
         "Repulsive potential of others at the line of their step",
+        words="Repulsion of others",
         symbol="V^0",
         unit="m^2/s^2",
         low=0.0,
@@ -112,6 +119,7 @@ class Pedestrians(Parameters):
     sigma: float = parameter(
         0.3,
         "Half axis over which that potential falls to 1/e",
+        words="Reach of that repulsion",
         symbol="\\sigma",
         unit="m",
         low=0.05,
@@ -122,6 +130,7 @@ class Pedestrians(Parameters):
     step_time: float = parameter(
         2.0,
         "Time of a step: where others will be then is minded too",
+        words="Time of a step",
         symbol="\\Delta t",
         unit="s",
         low=0.0,
@@ -132,6 +141,7 @@ class Pedestrians(Parameters):
     border: float = parameter(
         10.0,
         "Repulsive potential of walls at their surface",
+        words="Repulsion of walls",
         symbol="U^0",
         unit="m^2/s^2",
         low=0.0,
@@ -142,6 +152,7 @@ class Pedestrians(Parameters):
     r_border: float = parameter(
         0.2,
         "Distance over which that potential falls to 1/e",
+        words="Reach of the walls",
         symbol="R",
         unit="m",
         low=0.05,
@@ -152,6 +163,7 @@ class Pedestrians(Parameters):
     fov: float = parameter(
         200.0,
         "Field of view: the angle about the desired direction in which others count in full",
+        words="Field of view",
         symbol="2 \\varphi",
         unit="deg",
         low=0.0,
@@ -162,6 +174,7 @@ class Pedestrians(Parameters):
     c: float = parameter(
         0.5,
         "Weight of others outside of the field of view",
+        words="Weight of those not seen",
         symbol="c",
         low=0.0,
         high=1.0,

@@ -34,6 +34,7 @@ class Boids(Parameters):
     r: float = parameter(
         5.0,
         "Distance within which boids and surfaces are noticed; the other radii count up to it",
+        words="Vision radius",
         symbol="r",
         unit="length",
         low=0.1,
@@ -44,6 +45,7 @@ class Boids(Parameters):
     fov: float = parameter(
         270.0,
         "Field of view: boids behind, outside of this angle about the heading, are not seen",
+        words="Field of view",
         symbol="\\phi",
         unit="deg",
         low=1.0,
@@ -54,6 +56,7 @@ class Boids(Parameters):
     r_separation: float = parameter(
         1.5,
         "Distance within which others are too close",
+        words="Radius of separation",
         symbol="r_s",
         unit="length",
         low=0.01,
@@ -64,6 +67,7 @@ class Boids(Parameters):
     r_alignment: float = parameter(
         4.0,
         "Distance within which velocities are matched",
+        words="Radius of alignment",
         symbol="r_a",
         unit="length",
         low=0.01,
@@ -74,6 +78,7 @@ class Boids(Parameters):
     r_cohesion: float = parameter(
         5.0,
         "Distance within which the centre of the others attracts",
+        words="Radius of cohesion",
         symbol="r_c",
         unit="length",
         low=0.01,
@@ -84,6 +89,7 @@ class Boids(Parameters):
     w_separation: float = parameter(
         2.0,
         "Weight of separation, in units of max_force",
+        words="Weight of separation",
         symbol="w_s",
         low=0.0,
         high=10.0,
@@ -93,6 +99,7 @@ class Boids(Parameters):
     w_alignment: float = parameter(
         2.0,
         "Weight of alignment, in units of max_force",
+        words="Weight of alignment",
         symbol="w_a",
         low=0.0,
         high=10.0,
@@ -102,6 +109,7 @@ class Boids(Parameters):
     w_cohesion: float = parameter(
         0.6,
         "Weight of cohesion, in units of max_force",
+        words="Weight of cohesion",
         symbol="w_c",
         low=0.0,
         high=10.0,
@@ -111,6 +119,7 @@ class Boids(Parameters):
     w_avoidance: float = parameter(
         4.0,
         "Weight of steering clear of surfaces ahead, in units of max_force",
+        words="Weight of avoidance",
         symbol="w_o",
         low=0.0,
         high=20.0,
@@ -120,6 +129,7 @@ class Boids(Parameters):
     look_ahead: float = parameter(
         4.0,
         "How far ahead surfaces are looked for",
+        words="Look ahead",
         symbol="l",
         unit="length",
         low=0.01,
@@ -130,6 +140,7 @@ class Boids(Parameters):
     clearance: float = parameter(
         1.0,
         "Distance to surfaces that the way ahead must keep",
+        words="Clearance",
         symbol="d",
         unit="length",
         low=0.01,
@@ -140,6 +151,7 @@ class Boids(Parameters):
     w_seek: float = parameter(
         0.5,
         "Weight of seeking the goal, in a world that has one, in units of max_force",
+        words="Weight of the goal",
         symbol="w_g",
         low=0.0,
         high=10.0,

@@ -29,6 +29,7 @@ class SafeZones(Nearest, Zones):
     d_s: float = parameter(
         5.0,
         "Distance within which approaches are foreseen",
+        words="Distance of foresight",
         symbol="d_s",
         unit="length",
         low=0.0,
@@ -39,6 +40,7 @@ class SafeZones(Nearest, Zones):
     t_s: float = parameter(
         1.5,
         "How far ahead approaches are foreseen",
+        words="Time of foresight",
         symbol="t_s",
         unit="s",
         low=0.0,
@@ -49,6 +51,7 @@ class SafeZones(Nearest, Zones):
     miss: float = parameter(
         1.1,
         "Foreseen distance below which an approach counts",
+        words="Distance that is too near",
         symbol="d_m",
         unit="length",
         low=0.0,
@@ -59,6 +62,7 @@ class SafeZones(Nearest, Zones):
     g: float = parameter(
         1.0,
         "Weight of the direction of orientation and attraction beside repulsion",
+        words="Weight beside repulsion",
         symbol="g",
         low=0.0,
         high=10.0,

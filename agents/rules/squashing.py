@@ -45,6 +45,7 @@ class Squashing(Tracking):
     beta: float = parameter(
         2.0,
         "Scale of the squashing function; cars that steer go by the direction only",
+        words="Scale",
         symbol="\\beta",
         low=0.0,
         high=20.0,
@@ -54,6 +55,7 @@ class Squashing(Tracking):
     C: float = parameter(
         0.7,
         "Share of the pull that is taken off: the function is 0 at C gamma / (1 - C)",
+        words="Share taken off",
         symbol="C",
         low=0.0,
         high=5.0,
@@ -63,6 +65,7 @@ class Squashing(Tracking):
     gamma: float = parameter(
         0.214,
         "Distance at which the pull has risen to a half",
+        words="Distance of half the pull",
         symbol="\\gamma",
         unit="m",
         low=0.001,
@@ -74,6 +77,7 @@ class Squashing(Tracking):
         1.0,
         "Shape of the squashing function: above 1 it is flat near 0, below 1 steep; the distance "
         "at which cars do not affect each other stays",
+        words="Shape",
         symbol="n",
         low=0.2,
         high=6.0,
@@ -84,6 +88,7 @@ class Squashing(Tracking):
         0.0,
         "Softness of the squashing function: distances count as so much larger, so that near cars "
         "repel less; the distance at which cars do not affect each other stays",
+        words="Softness",
         symbol="s",
         unit="m",
         low=0.0,
@@ -94,6 +99,7 @@ class Squashing(Tracking):
     r: float = parameter(
         20.0,
         "Distance up to which cars notice each other",
+        words="Vision radius",
         symbol="r",
         unit="m",
         low=0.1,
@@ -104,6 +110,7 @@ class Squashing(Tracking):
     k: float = parameter(
         0.0,
         "How many of the nearest cars a car hears; 0 for all. The injected car is always heard",
+        words="Cars heard",
         symbol="k",
         low=0.0,
         high=20.0,
@@ -113,6 +120,7 @@ class Squashing(Tracking):
     c_goal: float = parameter(
         1.0,
         "Weight of the injected car: it counts as so many cars",
+        words="Weight of the injected car",
         symbol="c_{inj}",
         low=0.0,
         high=20.0,
@@ -122,6 +130,7 @@ class Squashing(Tracking):
     c_align: float = parameter(
         0.0,
         "Weight of the headings of the cars that are heard",
+        words="Weight of headings",
         symbol="c_{align}",
         low=0.0,
         high=10.0,
@@ -131,6 +140,7 @@ class Squashing(Tracking):
     derivative: float = parameter(
         0.0,
         "Derivative term: D is taken as far ahead as this time",
+        words="Derivative term",
         symbol="T_D",
         unit="s",
         low=0.0,
@@ -141,6 +151,7 @@ class Squashing(Tracking):
     integral: float = parameter(
         0.0,
         "Integral term: what D has added up to counts so much",
+        words="Integral term",
         symbol="K_I",
         unit="1/s",
         low=0.0,
@@ -151,6 +162,7 @@ class Squashing(Tracking):
     windup: float = parameter(
         1.0,
         "The most that D adds up to: a longer sum is cut to this length",
+        words="Largest sum",
         symbol="I_{max}",
         unit="s",
         low=0.01,
@@ -162,12 +174,14 @@ class Squashing(Tracking):
         "tracking",
         "Whether cars know what the cameras track, or only what each measures itself: who is "
         "within r and in its field of view, the injected car too",
+        words="Sensing",
         symbol="sens",
         source="the paper's future work: distributed processing, cars that locate their neighbours",
     )
     alpha_s: float = parameter(
         360.0,
         "Field of view of a car's own sensors: the full angle about its heading",
+        words="Field of view of the sensors",
         symbol="\\alpha_s",
         unit="deg",
         low=10.0,
@@ -178,6 +192,7 @@ class Squashing(Tracking):
     noise_range: float = parameter(
         0.0,
         "Noise of a car's own sensors: standard deviation of all its distances, as a share",
+        words="Noise of distances",
         symbol="\\sigma_r",
         low=0.0,
         high=1.0,
@@ -188,6 +203,7 @@ class Squashing(Tracking):
     noise_bearing: float = parameter(
         0.0,
         "Noise of a car's own sensors: standard deviation of all its bearings",
+        words="Noise of bearings",
         symbol="\\sigma_\\phi",
         unit="rad",
         low=0.0,
@@ -199,6 +215,7 @@ class Squashing(Tracking):
     predators: float = parameter(
         0.0,
         "Predators: so many cars, those with the first numbers, chase the nearest other car",
+        words="Predators",
         symbol="n_p",
         low=0.0,
         high=10.0,
@@ -208,6 +225,7 @@ class Squashing(Tracking):
     beta_p: float = parameter(
         0.6,
         "Scale of the squashing function for a predator",
+        words="Scale for predators",
         symbol="\\beta_p",
         low=0.0,
         high=20.0,
@@ -217,6 +235,7 @@ class Squashing(Tracking):
     C_p: float = parameter(
         1.2,
         "C for a predator: above 1 it repels at every distance",
+        words="Share for predators",
         symbol="C_p",
         low=0.0,
         high=5.0,

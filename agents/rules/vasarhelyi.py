@@ -35,6 +35,7 @@ class Drones(Parameters):
     r: float = parameter(
         100.0,
         "Range of communication, and distance within which surfaces are noticed",
+        words="Range of communication",
         symbol="r^c",
         unit="m",
         low=1.0,
@@ -45,6 +46,7 @@ class Drones(Parameters):
     v_flock: float = parameter(
         4.0,
         "Speed at which a drone flies on its own",
+        words="Speed",
         symbol="v^{flock}",
         unit="m/s",
         low=0.0,
@@ -55,6 +57,7 @@ class Drones(Parameters):
     r0_rep: float = parameter(
         25.6668,
         "Distance within which neighbours repel each other",
+        words="Radius of the repulsion",
         symbol="r_0^{rep}",
         unit="m",
         low=0.0,
@@ -65,6 +68,7 @@ class Drones(Parameters):
     p_rep: float = parameter(
         0.13,
         "Strength of the repulsion: speed per metre that a neighbour is too close",
+        words="Repulsion",
         symbol="p^{rep}",
         unit="1/s",
         low=0.0,
@@ -77,6 +81,7 @@ class Drones(Parameters):
     r0_frict: float = parameter(
         85.3,
         "Distance up to which all difference in velocity beyond the slack is taken out",
+        words="Radius of the alignment",
         symbol="r_0^{frict}",
         unit="m",
         low=0.0,
@@ -87,6 +92,7 @@ class Drones(Parameters):
     c_frict: float = parameter(
         0.05,
         "Strength of the alignment, of the difference in velocity that is too much",
+        words="Alignment",
         symbol="C^{frict}",
         low=0.0,
         high=2.0,
@@ -96,6 +102,7 @@ class Drones(Parameters):
     v_frict: float = parameter(
         0.63,
         "Slack: difference in velocity that is always allowed",
+        words="Slack of the alignment",
         symbol="v^{frict}",
         unit="m/s",
         low=0.0,
@@ -106,6 +113,7 @@ class Drones(Parameters):
     p_frict: float = parameter(
         3.2,
         "Slope of the braking curve of the alignment near its stopping point",
+        words="Slope of the alignment",
         symbol="p^{frict}",
         unit="1/s",
         low=0.01,
@@ -116,6 +124,7 @@ class Drones(Parameters):
     a_frict: float = parameter(
         4.16,
         "Deceleration of the braking curve of the alignment",
+        words="Braking of the alignment",
         symbol="a^{frict}",
         unit="m/s^2",
         low=0.01,
@@ -126,6 +135,7 @@ class Drones(Parameters):
     r0_shill: float = parameter(
         0.3,
         "Distance to a surface at which the velocity of the shill agent is to be taken on",
+        words="Distance to walls",
         symbol="r_0^{shill}",
         unit="m",
         low=0.0,
@@ -136,6 +146,7 @@ class Drones(Parameters):
     v_shill: float = parameter(
         13.6,
         "Speed of the shill agents away from the surface",
+        words="Speed of the shill agents",
         symbol="v^{shill}",
         unit="m/s",
         low=0.0,
@@ -146,6 +157,7 @@ class Drones(Parameters):
     p_shill: float = parameter(
         3.55,
         "Slope of the braking curve of the shill agents near its stopping point",
+        words="Slope at walls",
         symbol="p^{shill}",
         unit="1/s",
         low=0.01,
@@ -156,6 +168,7 @@ class Drones(Parameters):
     a_shill: float = parameter(
         3.02,
         "Deceleration of the braking curve of the shill agents",
+        words="Braking at walls",
         symbol="a^{shill}",
         unit="m/s^2",
         low=0.01,

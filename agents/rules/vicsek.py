@@ -23,6 +23,7 @@ class Vicsek(Parameters):
     r: float = parameter(
         1.0,
         "Interaction radius: agents within it are neighbours",
+        words="Vision radius",
         symbol="r",
         unit="length",
         low=0.05,
@@ -34,6 +35,7 @@ class Vicsek(Parameters):
         0.0,
         "Noise intensity: full width of the angle added to the heading (angular noise, rad), or "
         "length of the random vector added to the mean heading (vectorial noise)",
+        words="Noise",
         symbol="\\eta",
         unit="rad",
         low=0.0,

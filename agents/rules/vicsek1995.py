@@ -19,6 +19,7 @@ class Vicsek1995(Parameters):
     r: float = parameter(
         1.0,
         "Interaction radius: agents within it are neighbours; the paper's unit of length",
+        words="Vision radius",
         symbol="r",
         unit="length",
         low=0.05,
@@ -31,6 +32,7 @@ class Vicsek1995(Parameters):
         "Noise intensity: full width of the interval [-eta/2, eta/2] of the angle added to the "
         "mean heading (angular noise, rad), or length of the random vector added to it (vectorial "
         "noise)",
+        words="Noise",
         symbol="\\eta",
         unit="rad",
         low=0.0,

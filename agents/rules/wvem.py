@@ -17,6 +17,7 @@ class WeightedVicsek(Vicsek):
     k_alpha: float = parameter(
         30.0,
         "Weight of an information UAV",
+        words="Weight of the information UAV",
         symbol="k_\\alpha",
         low=0.0,
         high=200.0,
@@ -26,6 +27,7 @@ class WeightedVicsek(Vicsek):
     k_beta: float = parameter(
         18.0,
         "Weight of a neighbour that is in direct contact with an information UAV",
+        words="Weight of those in contact with it",
         symbol="k_\\beta",
         low=0.0,
         high=200.0,
@@ -35,6 +37,7 @@ class WeightedVicsek(Vicsek):
     k_gamma: float = parameter(
         1.0,
         "Weight of every other neighbour",
+        words="Weight of all others",
         symbol="k_\\gamma",
         low=0.0,
         high=200.0,

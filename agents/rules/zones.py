@@ -21,6 +21,7 @@ class Zones(Parameters):
     d_r: float = parameter(
         1.34,
         "Outer radius of the zone of repulsion",
+        words="Zone of repulsion",
         symbol="d_r",
         unit="length",
         low=0.05,
@@ -31,6 +32,7 @@ class Zones(Parameters):
     d_o: float = parameter(
         2.5,
         "Outer radius of the zone of orientation",
+        words="Zone of orientation",
         symbol="d_o",
         unit="length",
         low=0.05,
@@ -41,6 +43,7 @@ class Zones(Parameters):
     d_a: float = parameter(
         5.0,
         "Outer radius of the zone of attraction",
+        words="Zone of attraction",
         symbol="d_a",
         unit="length",
         low=0.05,
@@ -51,6 +54,7 @@ class Zones(Parameters):
     alpha: float = parameter(
         90.0,
         "Field of view: agents outside of this full angle about the heading are not seen",
+        words="Field of view",
         symbol="\\alpha",
         unit="deg",
         low=0.0,
@@ -61,6 +65,7 @@ class Zones(Parameters):
     sigma: float = parameter(
         0.0,
         "Noise: standard deviation of the angle by which the direction is missed",
+        words="Noise",
         symbol="\\sigma",
         unit="rad",
         low=0.0,
@@ -71,6 +76,7 @@ class Zones(Parameters):
     gain: float = parameter(
         10.0,
         "Gain of the field round obstacles",
+        words="Field round obstacles",
         symbol="\\eta",
         unit="mass length^4/s^2",
         low=0.0,
@@ -81,6 +87,7 @@ class Zones(Parameters):
     Q: float = parameter(
         5.0,
         "Range of the field round obstacles",
+        words="Range of that field",
         symbol="Q^*",
         unit="length",
         low=0.05,
@@ -91,6 +98,7 @@ class Zones(Parameters):
     m: float = parameter(
         1.0,
         "Mass of an agent",
+        words="Mass",
         symbol="m",
         unit="mass",
         low=0.01,

@@ -77,7 +77,7 @@ def test_another_model_brings_its_own_sliders(window, laboratory):
     until(lambda: is_compiled(laboratory.simulation), COMPILED)
     until(lambda: set(laboratory.parameters.controls) == {"r", "eta", "neighbours", "k", "v0"})
     window.tab("Rule")
-    window.page.get_by_text("η (rad)").wait_for()
+    window.page.get_by_text("Noise η, rad").wait_for()
     assert window.page.get_by_text("p₁").count() == 0
 
 

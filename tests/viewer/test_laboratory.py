@@ -77,6 +77,17 @@ def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
         assert one.source in controls[one.name].hint
 
 
+def test_what_is_not_at_its_default_is_listed_and_goes_back(laboratory, browser):
+    panel, simulation = laboratory.parameters, laboratory.simulation
+    assert not panel.defaults.visible
+    turn(browser, panel.controls["eta"], 1.5)
+    until(lambda: "Noise η</b> 1.5 (default 0)" in panel.changed.content)
+    assert panel.defaults.visible
+    turn(browser, panel.defaults, True)
+    until(lambda: simulation.run.flock.parameters.eta == 0.0)
+    until(lambda: panel.changed.content == "" and panel.controls["eta"].value == 0.0)
+
+
 def test_every_key_has_its_command(laboratory):
     commands = laboratory.server.gui._command_handle_from_uuid.values()
     assert {command.hotkey for command in commands} == set(KEYS)

@@ -19,12 +19,14 @@ class Nearest(Parameters):
         "metric",
         "Neighbours: all within reach (metric), or the k nearest, whatever their distance "
         "(topological)",
+        words="Neighbours",
         symbol="\\mathcal{N}_i",
         source="Ballerini et al. 2008",
     )
     k: float = parameter(
         7.0,
         "How many of the nearest are neighbours, where they are counted; the nearest whole number",
+        words="Number of the nearest",
         symbol="n_c",
         low=1.0,
         high=100.0,

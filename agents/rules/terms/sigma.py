@@ -32,6 +32,7 @@ class Interaction(Parameters):
     r: float = parameter(
         6.0,
         "Distance within which agents and obstacles are noticed",
+        words="Vision radius",
         symbol="r",
         unit="m",
         low=0.5,
@@ -42,6 +43,7 @@ class Interaction(Parameters):
     d: float = parameter(
         4.0,
         "Distance that agents want to keep to each other",
+        words="Wanted distance",
         symbol="d",
         unit="m",
         low=0.2,
@@ -52,6 +54,7 @@ class Interaction(Parameters):
     eps: float = parameter(
         0.5,
         "How soon the sigma-norm goes over from the square of a distance to the distance",
+        words="Bend of the sigma-norm",
         symbol="\\varepsilon",
         low=0.01,
         high=10.0,
@@ -61,6 +64,7 @@ class Interaction(Parameters):
     h: float = parameter(
         0.2,
         "Share of the range from which influence fades out",
+        words="Where influence fades",
         symbol="h",
         low=0.0,
         high=0.99,
@@ -70,6 +74,7 @@ class Interaction(Parameters):
     a: float = parameter(
         2.0,
         "Strength of the attraction",
+        words="Attraction",
         symbol="a",
         unit="m/s^2",
         low=0.1,
@@ -80,6 +85,7 @@ class Interaction(Parameters):
     b: float = parameter(
         20.0,
         "Strength of the repulsion; at least a for a push stronger than the pull",
+        words="Repulsion",
         symbol="b",
         unit="m/s^2",
         low=0.1,
@@ -90,6 +96,7 @@ class Interaction(Parameters):
     c1a: float = parameter(
         1.0,
         "Gain of attraction and repulsion between agents",
+        words="Gain of the distances",
         symbol="c_1^\\alpha",
         low=0.0,
         high=50.0,
@@ -99,6 +106,7 @@ class Interaction(Parameters):
     c2a: float = parameter(
         1.0,
         "Gain of the agreement on a velocity",
+        words="Gain of the velocities",
         symbol="c_2^\\alpha",
         unit="1/s",
         low=0.0,
@@ -109,6 +117,7 @@ class Interaction(Parameters):
     c1b: float = parameter(
         1.0,
         "Gain of the repulsion from obstacles",
+        words="Gain off obstacles",
         symbol="c_1^\\beta",
         low=0.0,
         high=50.0,
@@ -118,6 +127,7 @@ class Interaction(Parameters):
     c2b: float = parameter(
         1.0,
         "Gain of the agreement with the velocity that an obstacle suggests",
+        words="Gain along obstacles",
         symbol="c_2^\\beta",
         unit="1/s",
         low=0.0,
@@ -128,6 +138,7 @@ class Interaction(Parameters):
     c1g: float = parameter(
         1.0,
         "Gain of the pull to the gamma agent",
+        words="Gain to the goal",
         symbol="c_1^\\gamma",
         low=0.0,
         high=50.0,
@@ -137,6 +148,7 @@ class Interaction(Parameters):
     c2g: float = parameter(
         1.0,
         "Gain of the agreement with the velocity of the gamma agent",
+        words="Gain of the goal's velocity",
         symbol="c_2^\\gamma",
         unit="1/s",
         low=0.0,

@@ -26,6 +26,11 @@ class ParametersPanel:
     def __init__(self, gui: viser.GuiApi, simulation: Simulation):
         self.gui = gui
         self.simulation = simulation
+        self.changed = gui.add_html("")
+        self.defaults = gui.add_button("Back to the defaults", color="gray", visible=False)
+        self.defaults.on_click(self.go_back)
+        self.changes: dict[str, Any] = {}
+        """Parameters that are not at their default -> the default, as they are shown."""
         self.folder = gui.add_folder(None)
         self.controls: dict[str, Any] = {}
         self.beside_controls: dict[str, Any] = {}
@@ -34,10 +39,28 @@ class ParametersPanel:
         self.shown_run = -1
 
     def refresh(self, state: State) -> None:
-        """Follow a new set-up: other controls for another model, values for the same."""
-        if state.run == self.shown_run or not state.values:
+        """Follow a new set-up, and say what is not at its default."""
+        if not state.values:
             return
-        self.shown_run = state.run
+        if state.run != self.shown_run:
+            self.shown_run = state.run
+            self.follow(state)
+        own = declared(MODELS[state.spec.model].parameters)
+        changed = [one for one in own if state.values.get(one.name) != one.default]
+        text = differing(changed, state.values)
+        if text != self.changed.content:
+            self.changes = {one.name: one.default for one in changed}
+            self.changed.content = text
+            self.defaults.visible = bool(changed)
+
+    async def go_back(self, _event: viser.GuiEvent) -> None:
+        """Give every parameter its default."""
+        for name, value in self.changes.items():
+            self.simulation.set(name, value, models=self.models)
+            self.controls[name].value = value
+
+    def follow(self, state: State) -> None:
+        """Other controls for another model, values for the same."""
         models = state.models
         if models != self.models:
             self.models = models
@@ -77,8 +100,6 @@ class ParametersPanel:
                         one.name: self.control(one, state.beside_values[one.name], beside=True)
                         for one in others
                     }
-                own = own + others
-            self.gui.add_html(block(meanings(own)))
 
     def control(self, one: Declared, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
@@ -122,17 +143,32 @@ def sides(model: Model, own: list[Declared]) -> tuple[list[Declared], list[Decla
 
 
 def worded(one: Declared) -> tuple[str, str]:
-    """Label and hint of a parameter: a number by its symbol and unit, anything else by name."""
+    """Label and hint of a parameter: of a number words, symbol and unit, of all else words."""
     hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
     if one.kind != "number":
-        return one.name.replace("_", " "), hint
-    unit = "" if one.unit == "1" else f" ({re.sub(r'\^(\d)', raised, one.unit)})"
-    return f"{plain(one.symbol)}{unit}", hint
+        return one.words, hint
+    unit = "" if one.unit == "1" else f", {re.sub(r'\^(\d)', raised, one.unit)}"
+    return f"{one.words} {plain(one.symbol)}{unit}", hint
 
 
 def raised(found: re.Match[str]) -> str:
     """An exponent in a small figure."""
     return found[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def differing(changed: list[Declared], values: dict[str, Any]) -> str:
+    """What is not at its default, and what that is."""
+    told = (
+        f"<b>{html.escape(f'{one.words} {plain(one.symbol)}')}</b> "
+        f"{html.escape(f'{in_short(values[one.name])} (default {in_short(one.default)})')}"
+        for one in changed
+    )
+    return block(f'<div class="fs-quiet">Changed: {", ".join(told)}</div>') if changed else ""
+
+
+def in_short(value: Any) -> str:
+    """A parameter's value for people."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def whose(own: list[Declared], both: frozenset[str]) -> str:
@@ -142,12 +178,3 @@ def whose(own: list[Declared], both: frozenset[str]) -> str:
     if single:
         words += f"; on the first alone: {', '.join(single)}"
     return f'<div class="fs-quiet">{words}.</div>'
-
-
-def meanings(parameters: list[Declared]) -> str:
-    """What each parameter means, in a small print below the controls."""
-    lines = (
-        f"<b>{html.escape(worded(one)[0].partition(' (')[0])}</b> {html.escape(one.description)}"
-        for one in parameters
-    )
-    return f'<div class="fs-quiet fs-meanings">{"<br>".join(lines)}</div>'

@@ -14,7 +14,7 @@ from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state import whose
 from app.viewer.live.session import Session
 from app.viewer.live.session_state import SessionState
-from app.viewer.panels.parameters import add_control, meanings, sides
+from app.viewer.panels.parameters import add_control, sides
 from app.viewer.panels.style import block
 from app.viewer.web.values import show
 
@@ -82,7 +82,6 @@ class RulePanel:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
                 for one in part:
                     self.controls[one.name] = self.control(one, state.values[one.name])
-            self.gui.add_html(block(meanings(own)))
         self.shown_values = dict(state.values)
 
     def control(self, one: Declared, value: Any) -> Any:
