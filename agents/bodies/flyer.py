@@ -113,7 +113,7 @@ class Flyer(Parameters):
         0.0,
         "At the start, distance below which two agents cannot get out of each other's way: they "
         "crash at once",
-        words="Distance that crashes at the start",
+        words="Distance of the first crashes",
         symbol="d_0",
         unit="length",
         low=0.0,

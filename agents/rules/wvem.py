@@ -27,7 +27,7 @@ class WeightedVicsek(Vicsek):
     k_beta: float = parameter(
         18.0,
         "Weight of a neighbour that is in direct contact with an information UAV",
-        words="Weight of those in contact with it",
+        words="Weight of its contacts",
         symbol="k_\\beta",
         low=0.0,
         high=200.0,
