@@ -79,13 +79,20 @@ def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
 
 def test_what_is_not_at_its_default_is_listed_and_goes_back(laboratory, browser):
     panel, simulation = laboratory.parameters, laboratory.simulation
-    assert not panel.defaults.visible
-    turn(browser, panel.controls["eta"], 1.5)
+    eta = lambda: simulation.run.flock.parameters.eta  # noqa: E731
+    assert not panel.back.visible
+    for value in (1.4, 1.5):
+        turn(browser, panel.controls["eta"], value)
     until(lambda: "Noise η</b> 1.5 (default 0)" in panel.changed.content)
-    assert panel.defaults.visible
-    turn(browser, panel.defaults, True)
-    until(lambda: simulation.run.flock.parameters.eta == 0.0)
+    assert panel.back.visible
+    turn(browser, panel.back, "All to defaults")
+    until(lambda: eta() == 0.0)
     until(lambda: panel.changed.content == "" and panel.controls["eta"].value == 0.0)
+    turn(browser, panel.back, "Undo")
+    until(lambda: eta() == 1.5)
+    turn(browser, panel.back, "Undo")
+    until(lambda: eta() == 0.0)
+    until(lambda: not panel.back.visible)
 
 
 def test_every_key_has_its_command(laboratory):

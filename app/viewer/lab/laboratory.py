@@ -156,6 +156,7 @@ class Laboratory:
                 "C": lambda _: self.view.next_colour(),
                 "L": lambda _: self.switch_links(),
                 "H": self.show_guide,
+                "U": lambda _: self.parameters.undo(),
                 "Z": lambda _: self.world.undo(),
                 "Y": lambda _: self.world.redo(),
                 "delete": lambda _: self.world.delete(),

@@ -22,6 +22,7 @@ KEYS = {
     "C": "Colour by the next quantity",
     "L": "Links on or off",
     "H": "Guide",
+    "U": "Rule: undo the last change of a parameter",
     "Z": "World: undo",
     "Y": "World: redo",
     "delete": "World: delete the selected obstacle",

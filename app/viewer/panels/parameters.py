@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import html
+import math
 import re
+import time
 from concurrent.futures import Future
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -19,6 +22,22 @@ from app.viewer.run.beside import shared_by
 from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.state import State
 
+UNDO, DEFAULTS = "Undo", "All to defaults"
+DRAG = 1.0
+"""Changes of a slider that are less than this apart are one, s."""
+REMEMBERED = 100
+"""Changes that can be undone."""
+
+
+@dataclass
+class Step:
+    """A parameter before it was changed."""
+
+    name: str
+    beside: bool
+    value: Any
+    when: float
+
 
 class ParametersPanel:
     """Sliders, switches and choices that act on the running flock at once."""
@@ -27,8 +46,9 @@ class ParametersPanel:
         self.gui = gui
         self.simulation = simulation
         self.changed = gui.add_html("")
-        self.defaults = gui.add_button("Back to the defaults", color="gray", visible=False)
-        self.defaults.on_click(self.go_back)
+        self.back = gui.add_button_group("Changes", (UNDO, DEFAULTS), visible=False)
+        self.back.on_click(self.go_back)
+        self.past: list[Step] = []
         self.changes: dict[str, Any] = {}
         """Parameters that are not at their default -> the default, as they are shown."""
         self.folder = gui.add_folder(None)
@@ -51,19 +71,47 @@ class ParametersPanel:
         if text != self.changed.content:
             self.changes = {one.name: one.default for one in changed}
             self.changed.content = text
-            self.defaults.visible = bool(changed)
+        self.back.visible = bool(self.changes or self.past)
 
     async def go_back(self, _event: viser.GuiEvent) -> None:
-        """Give every parameter its default."""
+        """Undo the last change, or give every parameter its default."""
+        if self.back.value == UNDO:
+            self.undo()
+            return
+        if self.past:
+            self.past[-1].when = -math.inf
         for name, value in self.changes.items():
-            self.simulation.set(name, value, models=self.models)
-            self.controls[name].value = value
+            self.note(name, False)
+            self.give(name, value, False)
+
+    def note(self, name: str, beside: bool) -> None:
+        """Keep what a parameter is before it is changed; of a drag only what was before it."""
+        now = time.monotonic()
+        state = self.simulation.state
+        value = (state.beside_values if beside else state.values).get(name)
+        last = self.past[-1] if self.past else None
+        same = last is not None and (last.name, last.beside) == (name, beside)
+        if last is not None and same and now - last.when < DRAG:
+            last.when = now
+            return
+        self.past = [*self.past[1 - REMEMBERED :], Step(name, beside, value, now)]
+
+    def undo(self) -> None:
+        """Give the parameter that was changed last the value that it had."""
+        if self.past:
+            last = self.past.pop()
+            self.give(last.name, last.value, last.beside)
+
+    def give(self, name: str, value: Any, beside: bool) -> None:
+        """Give a parameter a value, and show it."""
+        self.simulation.set(name, value, beside, self.models)
+        (self.beside_controls if beside else self.controls)[name].value = value
 
     def follow(self, state: State) -> None:
         """Other controls for another model, values for the same."""
         models = state.models
         if models != self.models:
-            self.models = models
+            self.models, self.past = models, []
             self.rebuild(state)
         for name, control in self.controls.items():
             control.value = state.values[name]
@@ -109,6 +157,7 @@ class ParametersPanel:
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
                 value = made.value
+                self.note(one.name, beside)
                 answer = self.simulation.set(one.name, value, beside, models)
                 answer.add_done_callback(partial(restore, value))
 
