@@ -126,11 +126,11 @@ def test_scripts_run_by_their_hash_and_nothing_else_does(port):
     answer = ask(port)
     allowed = directives(answer)["script-src"]
     assert allowed[-1] == "'wasm-unsafe-eval'"
-    own, stop_key, loader = (text for _, text in Scripts.of(answer.text))
+    own, connection, keys, stop_key, loader = (text for _, text in Scripts.of(answer.text))
     client = unpacked(Scripts.of(viser_page())[0][0])
     assert allowed[:-1] == [
         f"'sha256-{base64.b64encode(hashlib.sha256(text).digest()).decode()}'"
-        for text in (own.encode(), stop_key.encode(), loader.encode(), client)
+        for text in (*map(str.encode, (own, connection, keys, stop_key, loader)), client)
     ]
     assert "replaceState" in own
     assert "flockscopeStopKey" in stop_key
@@ -138,8 +138,18 @@ def test_scripts_run_by_their_hash_and_nothing_else_does(port):
     assert not re.search(r"<script[^>]+\bsrc=", answer.text)
 
 
-def test_a_page_without_scripts_of_its_own_takes_its_address_alone():
-    assert len(client_page(()).hashes) == 3
+def test_a_server_says_that_it_is_there_and_which_it_is(port):
+    other = open_server(port=0)
+    try:
+        here, again, there = (ask(one, "/alive") for one in (port, port, other.get_port()))
+    finally:
+        close_server(other)
+    assert here.status == 200
+    assert here.text == again.text != there.text
+
+
+def test_a_page_without_scripts_of_its_own_has_those_of_every_page():
+    assert len(client_page(()).hashes) == 5
     assert client_page(()) is client_page(())
 
 
