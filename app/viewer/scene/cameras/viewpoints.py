@@ -25,8 +25,8 @@ CLOSE_UP = 1.2
 """Half side of what a following camera shows at first, display units."""
 RESHAPED = 0.02
 """Change in the shape of a canvas, width over height, from which on the picture does not fit."""
-ARRIVES = 1.0
-"""Seconds within which a browser may still tell of where its camera was before."""
+ARRIVES = 10.0
+"""Seconds after which a camera that was never where it was put has been moved by a person."""
 MOVED = 0.01
 """How far a camera that nobody moved is from where it was put at most, of its distance."""
 
@@ -47,14 +47,16 @@ class Stand:
     view: View
     aspect: float
     since: float
+    arrived: bool = False
+    """Whether the browser has told that it is there; before, it tells of where it was."""
 
     def is_left(self, camera: CameraHandle) -> bool:
         """Whether a person has moved the camera since."""
-        if time.monotonic() < self.since + ARRIVES:
-            return False
         put = np.stack([self.view.position, self.view.target])
         gap = np.abs(put - np.stack([camera.position, camera.look_at])).max()
-        return bool(gap > MOVED * np.linalg.norm(put[0] - put[1]))
+        there = bool(gap <= MOVED * np.linalg.norm(put[0] - put[1]))
+        self.arrived |= there or time.monotonic() > self.since + ARRIVES
+        return self.arrived and not there
 
 
 class Viewpoints:
