@@ -56,7 +56,7 @@ GROUPS = {
 
 def group(model: Model) -> str:
     """The part of the list that a model is in."""
-    if model.body.family:
+    if model.body.family in GROUPS:
         return model.body.family
     if model.rule.zones:
         return ZONES

@@ -139,6 +139,7 @@ BODY = Body(
     passes_with="guard = false",
     lasts=lambda p: p.dt,
     unit="s",
+    family="aircraft",
 )
 
 

@@ -217,4 +217,5 @@ FLYER = Body(
     sight="sight",
     lasts=lambda p: p.tau,
     unit="s",
+    family="aircraft",
 )

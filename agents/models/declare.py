@@ -375,7 +375,7 @@ class Body:
     vehicle: Vehicle | None = None
     """What there is to a car; None: it is none."""
     family: str = ""
-    """With which models it is listed in the documentation: vicsek, mission, else as its rule is."""
+    """With which models it is listed: vicsek, mission, aircraft, else as its rule is."""
 
     def __post_init__(self) -> None:
         demand_compiled(f"body {self.name!r}", self, OF_BODIES)

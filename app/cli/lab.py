@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 import webbrowser
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +14,7 @@ from agents.catalogue import model as find_model
 from agents.home import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
-from app.cli.given import Asked, given, with_options
+from app.cli.given import Asked, given, named, with_options
 from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stopping import Stopping, leave
@@ -21,6 +22,9 @@ from app.settings import assignment
 from app.viewer.run.home import at_home
 from app.viewer.web.origin import allowed
 from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from app.viewer.gallery.saved_scene import SavedScene
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
@@ -39,6 +43,10 @@ def lab(
         ),
     ] = None,
     rule: Rules = None,
+    scene: Annotated[
+        str | None,
+        typer.Option(help="A scene: NAME of a built-in one, or FILE.toml of a scene or a spec."),
+    ] = None,
     beside: Annotated[
         str | None,
         typer.Option(
@@ -60,12 +68,15 @@ def lab(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
+    from app.viewer.lab.scene_requests import SCRIPTS
     from app.viewer.web.addresses import here
     from app.viewer.web.server import close_server, open_server
     from app.viewer.web.serving.front import Front
 
     names = tuple(allowed(name) for name in allow_host or ())
-    model = first_of(model, rule) or DEFAULT
+    model = first_of(model, rule)
+    opened = scene_of(scene, model, beside, asked, set)
+    model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
     spec, origins = given(model, asked, [])
     with origins.named():
@@ -74,8 +85,10 @@ def lab(
         spec = at_home(**{**dict(spec), "parameters": own})
         find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
+    if opened is not None:
+        spec, second = opened.spec, opened.beside
     with Stopping() as stopping:
-        server = open_server(host, port, Front(allow=names))
+        server = open_server(host, port, Front(SCRIPTS, names))
         try:  # the page is served, and loads in the browser, before what takes long to import
             if open_browser:
                 webbrowser.open(here(host, server.get_port()))
@@ -91,10 +104,40 @@ def lab(
             close_server(server)
             raise
         laboratory = Laboratory(
-            spec, host, speed=speed, beside=second, threads=threads, server=server
+            spec,
+            host,
+            speed=speed,
+            beside=second,
+            threads=threads,
+            server=server,
+            scene=opened,
+            waits=True,
         )
         serve(laboratory, stopping)
     leave()
+
+
+def scene_of(
+    scene: str | None,
+    model: str | None,
+    beside: str | None,
+    asked: Asked,
+    settings: list[str] | None,
+) -> SavedScene | None:
+    """The scene that is asked for; the first one where nothing is. Raises Refusal."""
+    from app.viewer.gallery.collection import FIRST, find_scene
+    from app.viewer.lab.panels.scene_files import read_scene
+
+    given = [name for name, value in asked.items() if value is not None]
+    others = [*(["MODEL"] if model else []), *(["--beside"] if beside else []), *map(named, given)]
+    others += ["--set"] if settings else []
+    if scene is None:
+        return None if others else find_scene(FIRST)
+    if others:
+        raise Refusal(f"--scene has a run of its own: it cannot be given with {others[0]}")
+    if scene.endswith(".toml"):
+        return read_scene(scene, Path(scene).read_bytes())
+    return find_scene(scene)
 
 
 def parameters(
@@ -130,7 +173,8 @@ def serve(laboratory: Any, stopping: Stopping) -> None:
     """Tell the address and serve until Ctrl-C or SIGTERM."""
     try:
         announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")
-        if not laboratory.simulation.ready.wait(0.8):
+        ready = laboratory.simulation.ready.wait(0.8)
+        if not ready or laboratory.simulation.state.compiling is not None:
             typer.echo("compiling, this once: a preview is shown meanwhile ...", err=True)
         while not stopping.asked:
             time.sleep(LOOK)

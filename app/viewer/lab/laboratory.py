@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,6 +14,7 @@ from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import Spec
 from app.viewer.editing.layout_file import LARGEST
+from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.crashes import CrashLists
 from app.viewer.lab.panels.downloads import Downloads
 from app.viewer.lab.panels.guide import Guide
@@ -20,9 +23,11 @@ from app.viewer.lab.panels.monitors import BLOCKS, contents
 from app.viewer.lab.panels.more import MoreNumbers
 from app.viewer.lab.panels.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
+from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world import WorldPanel
+from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
@@ -35,12 +40,13 @@ from app.viewer.run.state import State
 from app.viewer.run.steering import leader, usable_pose
 from app.viewer.scene.drawing import Drawing
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.between import Between
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
 from app.viewer.web.origin import Allowed
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import close_server, front_of, open_server
 from app.viewer.web.serving.front import Front
 from app.viewer.web.uploads import accept_uploads
 from app.viewer.web.values import show
@@ -50,7 +56,8 @@ class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
 
     `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
-    open already, on this host. Raises Refusal if the port is busy.
+    open already, on this host. `scene`: what it opens on, instead of a `spec`. `waits`: whether the
+    flock stands until the first browser is there. Raises Refusal if the port is busy.
     """
 
     def __init__(
@@ -64,16 +71,21 @@ class Laboratory:
         beside: Spec | None = None,
         threads: int = 1,
         server: viser.ViserServer | None = None,
+        scene: SavedScene | None = None,
+        waits: bool = False,
     ):
-        self.server = server or open_server(host, port, Front(allow=allow))
+        self.server = server or open_server(host, port, Front(SCRIPTS, allow))
         accept_uploads(self.server, LARGEST)
         self.host = host
+        self.shown_scene = scene
+        if scene is not None:
+            spec, beside, speed = scene.spec, scene.beside, speed or scene.speed
         spec = spec or at_home()
         self.simulation = Simulation(
             spec,
             beside,
             speed or lively_speed(spec),
-            running,
+            running and not waits,
             build=partial(Flock, threads=threads),
         )
         self.notices = Notices(self.server, self.simulation.notices)
@@ -82,7 +94,14 @@ class Laboratory:
         self.selected_beside = False
         self.wanted = Wanted()
         self.watched: frozenset[str] = frozenset()
+        self.between = Between()
+        self.pointing: tuple[int, str] | None = None
+        """After which run, and to what, all cameras are to be pointed."""
+        self.waits = running and waits
         self.furnish()
+        self.requests = SceneRequests(front_of(self.server), self)
+        if scene is not None:
+            self.look_at(scene)
         self.listen()
         self.drawing = Drawing(self.scene, self.latest, self.browsers, self.want, self.refresh)
         self.drawing.start()
@@ -120,6 +139,7 @@ class Laboratory:
             self.view = FlockView(gui, Look(), self.point)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
+            self.saving = SceneFiles(gui, self.now, self.open, self.simulation.notices.put)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
         guide = gui.add_button("Guide", icon=viser.Icon.BOOK, color="gray")
@@ -135,7 +155,8 @@ class Laboratory:
         self.inspector = Inspector(gui, lambda: self.select(None))
 
     def listen(self) -> None:
-        """Connect clicks, drags and keys."""
+        """Connect clicks, drags and keys, and the first browser."""
+        self.server.on_client_connect(self.welcome)
         self.scene.on_clicked(self.clicked)
         self.scene.handles.on_dragged(self.world.dragged)
         self.scene.on_leader_dragged(self.steer)
@@ -165,6 +186,67 @@ class Laboratory:
         )
 
     # What browsers ask for.
+
+    async def welcome(self, _client: viser.ClientHandle) -> None:
+        """The flock that waited for somebody to watch begins."""
+        if self.waits:
+            self.waits = False
+            self.simulation.go()
+
+    def open(self, scene: SavedScene) -> None:
+        """Set up a scene in all browsers, and let it run."""
+        self.waits = False
+        self.shown_scene = scene
+        self.select(None)
+        self.run.pace(scene.speed or lively_speed(scene.spec))
+        self.setup.follow(scene.spec, scene.beside)
+        self.look_at(scene)
+        self.simulation.setup(scene.spec, scene.beside)
+        self.simulation.go()
+
+    def look_at(self, scene: SavedScene) -> None:
+        """Have the view and the plots as a scene has them."""
+        model = MODELS[scene.spec.model]
+        self.view.offer(measurable(model.columns))
+        self.view.take(scene.look)
+        self.plots.asked = model, scene.plots
+        self.scene.open_on(scene.camera)
+        self.pointing = self.simulation.state.run, scene.camera
+
+    def now(self, title: str = "") -> SavedScene:
+        """The run, with the parameters as they are now, and the view, as a scene."""
+        state, before = self.simulation.state, self.told_scene()
+        spec, beside = state.again()
+        scene = SavedScene(
+            title or MODELS[spec.model].title,
+            spec,
+            beside,
+            speed=state.speed,
+            plots=self.plots.chosen,
+            look=self.view.not_usual(),
+        )
+        if before is None:
+            return scene
+        return replace(
+            scene,
+            title=title or before.title,
+            watch=before.watch,
+            tries=before.tries,
+            camera=before.camera,
+        )
+
+    def told_scene(self) -> SavedScene | None:
+        """The scene that was opened, as long as it is what runs."""
+        scene, state = self.shown_scene, self.simulation.state
+        if scene is None or state.busy:
+            return scene
+        same = scene.spec.world == state.spec.world and scene.spec.agents == state.spec.agents
+        if same and (scene.spec.model, scene.beside and scene.beside.model) == state.models:
+            return scene
+        if self.pointing is None:
+            self.shown_scene = None
+            self.scene.open_on("")
+        return None
 
     async def guide_clicked(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
@@ -226,8 +308,12 @@ class Laboratory:
     # What the drawing thread asks for.
 
     def latest(self) -> tuple[Frame | None, Look]:
-        """The newest frame, and how to draw it."""
-        return self.simulation.frame, self.view.look()
+        """The newest frame, or one on the way to it, and how to draw it."""
+        state = self.simulation.state
+        frame = self.between.frame(
+            self.simulation.frame, state.running, state.speed, time.monotonic()
+        )
+        return frame, self.view.look()
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
@@ -250,13 +336,14 @@ class Laboratory:
     def refresh(self) -> None:
         """Bring the panels up to date."""
         state, readings = self.simulation.state, self.simulation.readings
-        self.run.refresh(state)
+        self.run.refresh(state, self.told_scene())
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.parameters.refresh(state)
         if self.drawing.drawn is None or readings is None:
             return
         frame, look = self.drawing.drawn
+        self.point_all(frame)
         self.measure(state, frame, readings)
         self.view.offer(measurable(MODELS[state.spec.model].columns))
         self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
@@ -266,6 +353,15 @@ class Laboratory:
         self.inspector.refresh(looked_at, self.selected)
         if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()
+
+    def point_all(self, frame: Frame) -> None:
+        """Point all cameras at a scene once it is there."""
+        if self.pointing is None or frame.run <= self.pointing[0]:
+            return
+        (_, camera), self.pointing = self.pointing, None
+        usual = "top-down" if frame.dim == 2 else "perspective"
+        for client in self.server.get_clients().values():
+            self.scene.camera(client, camera or usual)
 
     def measure(self, state: State, frame: Frame, readings: Readings) -> None:
         """Show what has been measured, and say what is to be."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import viser
 
@@ -27,6 +28,7 @@ class ViewPanel:
         followed: str = "agent",
     ):
         self.point = point
+        self.usual = look
         self.form = Form(gui, look, controls)
         self.camera = gui.add_button_group(
             "Camera",
@@ -53,6 +55,16 @@ class ViewPanel:
         colour = self.form["colour"]
         choices = tuple(colour.options)
         show(colour, choices[(choices.index(colour.value) + 1) % len(choices)])
+
+    def take(self, look: Mapping[str, Any]) -> None:
+        """Show these, by the names of their controls, and all else as usual."""
+        for name, control in self.form.handles.items():
+            show(control, look.get(name, getattr(self.usual, name)))
+
+    def not_usual(self) -> dict[str, Any]:
+        """What is not as usual, by the names of the controls."""
+        now = {name: control.value for name, control in self.form.handles.items()}
+        return {name: one for name, one in now.items() if one != getattr(self.usual, name)}
 
     def look(self) -> Look:
         """The drawing as the controls have it."""

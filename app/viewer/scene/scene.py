@@ -97,6 +97,10 @@ class Scene:
         """
         self._viewpoints.place(client, name)
 
+    def open_on(self, camera: str) -> None:
+        """Have worlds open on a preset, one of `CAMERAS`; empty: on the usual one."""
+        self._viewpoints.first = camera
+
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Let one browser's camera follow the agent in `row` of the flock `side`, or nobody."""
         self._viewpoints.follow(client, row, side)

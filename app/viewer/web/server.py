@@ -92,6 +92,11 @@ def open_server(
     return server
 
 
+def front_of(server: viser.ViserServer) -> Front:
+    """What answers for a server by HTTP."""
+    return entrances[server].front
+
+
 def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
     """Have emergency stops carried out, on the door's thread; `stop` is told by whom."""
     door = entrances[server].door

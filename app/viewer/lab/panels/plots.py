@@ -33,6 +33,8 @@ class Plots:
 
     def __init__(self, gui: viser.GuiApi):
         self.model: Model | None = None
+        self.asked: tuple[Model, tuple[str, ...]] | None = None
+        """What a scene shows of a model that is about to come."""
         self.offered: tuple[str, ...] = ()
         self.choices: dict[str, tuple[str, ...]] = choices(())
         self.charts = [ChosenChart(gui, number) for number in range(1, CHARTS + 1)]
@@ -52,6 +54,13 @@ class Plots:
     def last(self) -> float:
         """How many ticks are plotted, up to now."""
         return WINDOWS[self.window.value]
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """What is plotted, as the charts call it; empty where it is as usual."""
+        usual = () if self.model is None else usual_charts(self.model, self.offered)
+        now = tuple(chart.choice.value for chart in self.charts)
+        return () if now == tuple(map(worded, usual)) else now
 
     def refresh(self, readings: Readings, frame: Frame, beside: Readings | None = None) -> None:
         """Draw the run as far as it has come; dashed, that of the flock beside."""
@@ -78,6 +87,11 @@ class Plots:
             self.model = model
             for chart, names in zip(self.charts, usual_charts(model, offered), strict=True):
                 show(chart.choice, worded(names))
+        if self.asked is not None and self.asked[0] is model:
+            for chart, name in zip(self.charts, self.asked[1], strict=False):
+                if name in self.choices:
+                    show(chart.choice, name)
+            self.asked = None
 
 
 class ChosenChart:

@@ -9,6 +9,7 @@ import time
 import viser
 
 from agents.catalogue import MODELS
+from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.panels.style import GREEN, GREY, ORANGE, VIOLET, block
 from app.viewer.run.compiling import Estimate
@@ -28,6 +29,7 @@ class RunPanel:
         self.simulation = simulation
         self.setup = setup
         self.status = gui.add_html("")
+        self.story = gui.add_html("")
         self.switch = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, color="blue")
         self.actions = gui.add_button_group(
             "Flock",
@@ -82,9 +84,10 @@ class RunPanel:
         show(self.speed, names[min(max(place, 0), len(names) - 1)])
         self.simulation.run_at(self.speeds[self.speed.value])
 
-    def refresh(self, state: State) -> None:
-        """Show how the simulation stands."""
+    def refresh(self, state: State, scene: SavedScene | None = None) -> None:
+        """Show how the simulation stands, and what there is to see in a scene."""
         self.status.content = block(status(state))
+        self.story.content = "" if scene is None else block(story(scene))
         self.switch.label = "Pause" if state.running else "Go"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
         self.switch.color = "blue" if state.running else "green"
@@ -113,6 +116,13 @@ def status(state: State) -> str:
         colour, words = GREEN, "running"
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
     return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'
+
+
+def story(scene: SavedScene) -> str:
+    """What to watch in a scene, and what to try."""
+    lines = (("Watch", scene.watch), ("Try", scene.tries))
+    told = "".join(f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text)
+    return f'<div class="fs-story">{told}</div>' if told else ""
 
 
 def compile_bar(compiling: Estimate, preview: bool) -> str:

@@ -149,6 +149,21 @@ class SetupPanel:
             self.offered = spec.world
             self.offer(spec.world)
 
+    def follow(self, spec: Spec, beside: Spec | None) -> None:
+        """Choose what a run has that is set up from elsewhere."""
+        model = MODELS[spec.model]
+        assert spec.world is not None
+        if model.title not in self.model.options:
+            self.model.options = (*self.model.options, model.title)
+        show(self.model, model.title)
+        self.offered = spec.world
+        self.offer(spec.world)
+        show(self.dim, f"{spec.dim}-D")
+        self.fit_beside()
+        show(self.beside, NOBODY if beside is None else MODELS[beside.model].title)
+        for name, control in {"agents": self.agents, "size": self.size, **self.plain}.items():
+            show(control, shown(name, getattr(spec, name)))
+
     def offer(self, world: str | World) -> None:
         """Let a world that is none of the built-in ones be chosen, and choose it."""
         words = titled(world)

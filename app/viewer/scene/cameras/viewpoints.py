@@ -75,6 +75,8 @@ class Viewpoints:
         self._entered: tuple[Stage, int] | None = None
         """The stage, and the number of flocks, that the cameras were last pointed at."""
         self._last = time.monotonic()
+        self.first = ""
+        """The preset on which a world opens; empty: the usual one."""
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._farewell)
 
@@ -162,16 +164,16 @@ class Viewpoints:
 
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
-        start = view(_first(picture), picture.stage.dim, *whole(self._sights), 1.0)
+        start = view(self.first or _first(picture), picture.stage.dim, *whole(self._sights), 1.0)
         initial = self._server.initial_camera
         initial.position, initial.look_at = start.position, start.target
         initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
         for client in clients:
-            self.place(client, _first(picture))
+            self.place(client, self.first or _first(picture))
 
     def _welcome(self, client: ClientHandle) -> None:
         if self._sights:
-            self.place(client, _first(self._sights[0].picture))
+            self.place(client, self.first or _first(self._sights[0].picture))
 
         async def told(camera: CameraHandle) -> None:
             self._fit(client, camera)

@@ -29,7 +29,7 @@ DIGITS, BYTES = 5, 4
 """So many digits stand for so many bytes."""
 SCRIPTS = ("own-address.js", "connection.js", "keys.js")
 """The scripts that run before viser's, in every page."""
-STYLE = "page.css"
+STYLES = ("page.css", "gallery.css")
 """How every page looks from its first moment on."""
 
 
@@ -60,7 +60,7 @@ def client_page(scripts: tuple[str, ...]) -> ClientPage:
     attributes, loader = loaders[0]
     client = unpacked(attributes)
     texts = [*(text.encode() for text in own), loader.encode(), client]
-    style = (STATIC / STYLE).read_text()
+    style = "".join((STATIC / name).read_text() for name in STYLES)
     added = "".join((*(f"<script>{text}</script>" for text in own), f"<style>{style}</style>"))
     page = (head + found + added + rest).encode()
     return ClientPage(page, gzip.compress(page, mtime=0), tuple(hashed(text) for text in texts))

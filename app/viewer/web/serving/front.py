@@ -123,8 +123,12 @@ def lines(request: Request, allow: tuple[Allowed, ...]) -> tuple[str, ...]:
 
 def words(status: HTTPStatus, text: str) -> Response:
     """An answer of one line."""
-    body = f"{text}\n".encode()
-    headers = Headers({"Content-Type": "text/plain; charset=utf-8"})
+    return content(f"{text}\n".encode(), "text/plain; charset=utf-8", status)
+
+
+def content(body: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> Response:
+    """An answer of bytes of some kind."""
+    headers = Headers({"Content-Type": kind})
     headers["Content-Length"] = str(len(body))
     headers["Connection"] = "close"
     return Response(status, status.phrase, headers, body)

@@ -25,8 +25,9 @@ def policy(hashes: Iterable[str], lines: Iterable[str]) -> str:
     Scripts run by their hash alone: none that is loaded from anywhere, none that a message brings,
     no handler in HTML, no `eval`. viser's client needs the rest: WebAssembly that unpacks messages,
     a worker that it makes of itself (`blob:`), styles in HTML, and pictures, fonts and light out of
-    its own page (`data:`). One script of its is refused at every start: the one that sorts Gaussian
-    splats, which are not drawn here, makes functions of strings (EvalError in the console).
+    its own page (`data:`). The gallery's pictures are this server's own. One script of viser's is
+    refused at every start: the one that sorts Gaussian splats, which are not drawn here, makes
+    functions of strings (EvalError in the console).
     """
     rules = {
         "default-src": "'none'",
@@ -34,7 +35,7 @@ def policy(hashes: Iterable[str], lines: Iterable[str]) -> str:
         "worker-src": "blob:",
         "connect-src": " ".join(("'self'", "data:", *lines)),
         "style-src": "'unsafe-inline'",
-        "img-src": "data: blob:",
+        "img-src": "'self' data: blob:",
         "font-src": "data:",
         "base-uri": "'none'",
         "form-action": "'none'",

@@ -1,0 +1,136 @@
+"""The collection: built-in scenes, every model where it is at home, every world with a flock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from agents.catalogue import MODELS
+from agents.catalogue import model as find_model
+from agents.models.model import Model
+from agents.spec import DEFAULT
+from app.beside import STATIC
+from app.viewer.gallery.address import PACKED, unpacked
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.home import at_home, home, titled
+from worlds.layout import layout_names, read_layout
+from worlds.refusal import Refusal, unknown
+
+FOLDER = Path(__file__).parent / "scenes"
+"""A scene a file; its name is that by which it is opened."""
+FIRST = "spread"
+"""The scene that the page opens on."""
+PICTURES = STATIC / "gallery"
+MODEL, WORLD = "model:", "world:"
+"""Stand before the name of a model, or of a world, that is opened as a scene."""
+GROUPS = ("Scenes", "Alignment", "Zones", "Navigators", "Drones and birds", "Cars", "Others")
+WORLDS = "Worlds"
+IN_SPACE = "couzin"
+"""Flies in worlds in space that no model is at home in."""
+
+
+@dataclass(frozen=True)
+class Card:
+    """Something that can be opened, as the gallery shows it."""
+
+    name: str
+    """By which it is opened."""
+    group: str
+    title: str
+    line: str
+    """What it is, in a sentence or two."""
+    picture: str = ""
+    """Name of its picture, if it has one."""
+
+
+@cache
+def scene_names() -> tuple[str, ...]:
+    """Names of the built-in scenes; the first is what the page opens on."""
+    names = sorted(path.stem for path in FOLDER.glob("*.toml"))
+    return (FIRST, *(name for name in names if name != FIRST))
+
+
+def find_scene(name: str) -> SavedScene:
+    """What is called `name`: a scene, `model:NAME`, `world:NAME`, or one packed in an address.
+
+    Names come from browsers too: none is that of a file. Raises Refusal.
+    """
+    if name.startswith(PACKED):
+        return unpacked(name)
+    if name.startswith(MODEL):
+        model = find_model(name.removeprefix(MODEL))
+        return SavedScene(model.title, at_home(model.name))
+    if name.startswith(WORLD):
+        return in_world(name.removeprefix(WORLD))
+    if name not in scene_names():
+        raise unknown("scene", name, scene_names())
+    return built_in(name)
+
+
+@cache
+def built_in(name: str) -> SavedScene:
+    """One of the built-in scenes."""
+    return SavedScene.from_toml((FOLDER / f"{name}.toml").read_text("utf-8"), f"scene {name}")
+
+
+def in_world(world: str) -> SavedScene:
+    """A world with a model that is at home in it, or can be. Raises Refusal."""
+    if world not in layout_names():
+        raise unknown("world", world, layout_names())
+    own = next((model for model in MODELS.values() if model.world == world), None)
+    if own is None:
+        own = find_model(IN_SPACE if home(world).dim == 3 else DEFAULT)
+    return SavedScene(titled(world), at_home(own.name, world=world))
+
+
+def cards() -> tuple[Card, ...]:
+    """All that can be opened, in the order in which it is shown."""
+    scenes = [
+        Card(name, GROUPS[0], built_in(name).title, built_in(name).watch, pictured(name))
+        for name in scene_names()
+    ]
+    models = [
+        Card(MODEL + name, group(model), model.title, model.summary, pictured(f"model-{name}"))
+        for name, model in MODELS.items()
+    ]
+    worlds = [
+        Card(WORLD + name, WORLDS, titled(name), about(name), pictured(f"world-{name}"))
+        for name in layout_names()
+    ]
+    order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}
+    return tuple(sorted([*scenes, *models, *worlds], key=lambda card: order[card.group]))
+
+
+def group(model: Model) -> str:
+    """The part of the gallery that a model is in."""
+    body = model.body
+    if body.vehicle is not None:
+        return "Cars"
+    if body.family in FAMILIES:
+        return FAMILIES[body.family]
+    if model.rule.zones:
+        return "Zones"
+    return "Navigators" if "gamma" in model.rule.forces else "Others"
+
+
+FAMILIES = {"vicsek": "Alignment", "mission": "Navigators", "aircraft": "Drones and birds"}
+"""Parts of the gallery, by the family of the body."""
+
+
+def about(world: str) -> str:
+    """What a world is, from its own words."""
+    try:
+        layout = read_layout(world)
+    except Refusal:
+        return ""
+    own = home(world)
+    dim = "2-D or 3-D" if own.dim is None else f"{own.dim}-D"
+    count = len(layout.get("obstacle", []))
+    solid = "" if count == 0 else f", {count} obstacle{'s' if count > 1 else ''}"
+    return f"{dim}{solid}"
+
+
+def pictured(name: str) -> str:
+    """The name of the picture of something, empty if it has none."""
+    return f"{name}.webp" if (PICTURES / f"{name}.webp").is_file() else ""

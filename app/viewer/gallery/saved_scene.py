@@ -1,0 +1,256 @@
+"""A scene that is saved: a run, what is beside it, how it is looked at, and what to look for."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import tomlkit
+
+from agents.catalogue import model as find_model
+from agents.models.declare import checked
+from agents.spec import OPTIONS, Spec
+from app.viewer.editing.layout_file import demand_small
+from app.viewer.run.home import MOST_AGENTS, at_home
+from app.viewer.scene.shown.control import Control, controls_of
+from app.viewer.scene.shown.look import CAMERAS, Look
+from worlds.checks import demand_sound
+from worlds.layout import layout_names, world_from_layout
+from worlds.reading import toml
+from worlds.refusal import Refusal, shortened, unknown
+from worlds.world import World
+
+TEXTS = {"title": 80, "watch": 400, "try": 400}
+"""The words of a scene, and how long each may be."""
+KEYS = (*TEXTS, "speed", "camera", "plots", "run", "beside", "look")
+MOST_SIDE = 1000.0
+"""Side of a world from a browser, length."""
+MOST_PLOTS = 3
+LONGEST = 200
+"""Letters of a plot's name."""
+LOOKS = controls_of(Look)
+"""How each part of a look is chosen."""
+
+
+@dataclass(frozen=True)
+class SavedScene:
+    """What opens together. As TOML it has these keys, `look` only where it is not the usual one."""
+
+    title: str
+    spec: Spec
+    """With parameters and a world: nothing is left open but what the model has of its own."""
+    beside: Spec | None = None
+    """The model beside it, and what it has of its own."""
+    watch: str = ""
+    """What one should see, in a sentence."""
+    tries: str = ""
+    """One thing to try."""
+    speed: float | None = None
+    """Ticks per second; None: as lively as its body goes."""
+    camera: str = ""
+    """A preset point of view; empty: the usual one."""
+    plots: tuple[str, ...] = ()
+    """What is plotted; empty: what the model usually shows."""
+    look: Mapping[str, Any] = field(default_factory=dict)
+    """What of the look is not as usual, by the name of its control."""
+
+    def to_toml(self) -> str:
+        """The scene as a file, with all that makes its run the same to the bit."""
+        return self.written(tomllib.loads(self.spec.to_toml()))
+
+    def in_short(self) -> str:
+        """The same without what every program of this version adds by itself."""
+        values = tomllib.loads(self.spec.to_toml())
+        model = find_model(self.spec.model)
+        usual = model.parameters().model_dump()
+        changed = {k: v for k, v in values.get("parameters", {}).items() if usual.get(k) != v}
+        plain = at_home(self.spec.model, seed=self.spec.seed).model_dump()
+        kept = {
+            key: value
+            for key, value in values.items()
+            if key in ("model", "seed", "layout")
+            or (key not in ("parameters", "versions", "start") and plain.get(key) != value)
+        }
+        return self.written(kept | ({"parameters": changed} if changed else {}))
+
+    def written(self, run: Mapping[str, Any]) -> str:
+        """The TOML of the scene with these values of its run."""
+        words = {"title": self.title, "watch": self.watch, "try": self.tries}
+        said: dict[str, Any] = {key: text for key, text in words.items() if text}
+        if self.speed is not None:
+            said["speed"] = self.speed
+        if self.camera:
+            said["camera"] = self.camera
+        if self.plots:
+            said["plots"] = list(self.plots)
+        said["run"] = dict(run)
+        if self.beside is not None:
+            said["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
+        if self.look:
+            said["look"] = dict(self.look)
+        return tomlkit.dumps(said)
+
+    @classmethod
+    def from_toml(cls, text: str, origin: str) -> SavedScene:
+        """A scene from TOML, whoever wrote it. Raises Refusal naming what is wrong.
+
+        The world is one of the built-in ones or in the text itself, never another file.
+        """
+        return cls.from_values(toml(text, origin), origin)
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any], origin: str) -> SavedScene:
+        """A scene from the values of a TOML text. Raises Refusal naming what is wrong."""
+        for key in values:
+            if key not in KEYS:
+                raise unknown("key", key, KEYS, origin)
+        if "run" not in values:
+            raise Refusal(f"run is missing: which model, in which world ({origin})")
+        try:
+            words = {key: text_of(values, key) for key in TEXTS}
+            spec = run_of(table(values, "run"), origin)
+            scene = cls(
+                title=words["title"] or find_model(spec.model).title,
+                spec=spec,
+                beside=beside_of(table(values, "beside"), origin),
+                watch=words["watch"],
+                tries=words["try"],
+                speed=speed_of(values.get("speed")),
+                camera=camera_of(values.get("camera", "")),
+                plots=plots_of(values.get("plots", [])),
+                look=look_of(table(values, "look"), spec),
+            )
+        except Refusal as refusal:
+            told = str(refusal)
+            raise Refusal(told if origin in told else f"{told} ({origin})") from None
+        return scene
+
+    def titled(self, title: str) -> SavedScene:
+        """The same under another name."""
+        return replace(self, title=title)
+
+
+def text_of(values: Mapping[str, Any], key: str) -> str:
+    """One of the words of a scene, on one line. Raises Refusal."""
+    text = values.get(key, "")
+    if not isinstance(text, str) or len(text) > TEXTS[key]:
+        raise Refusal(f"{key} = {shortened(text)} is no text of at most {TEXTS[key]} letters")
+    return re.sub(r"\s+", " ", "".join(c for c in text if c.isprintable() or c.isspace())).strip()
+
+
+def table(values: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """One of the tables of a scene, empty if it is not there. Raises Refusal."""
+    found = values.get(key, {})
+    if not isinstance(found, dict):
+        raise Refusal(f"{key} = {shortened(found)} is not a table")
+    return found
+
+
+def run_of(values: dict[str, Any], origin: str) -> Spec:
+    """The run of a scene, which the laboratory can carry. Raises Refusal."""
+    own = dict(values)
+    layout, parameters = own.pop("layout", None), own.pop("parameters", {})
+    spec = Spec.from_values({**own, "parameters": {}}, origin)
+    if spec.start != "random":
+        raise Refusal("start = 'given' is not allowed: such a run begins from its saved state")
+    model = find_model(spec.model)
+    if isinstance(spec.size, tuple):
+        raise Refusal(f"size = {list(spec.size)} is not allowed: here all sides are alike")
+    if layout is not None:
+        spec = spec.but(world=world_of(layout, str(own.get("world", "layout"))), size=None)
+    elif spec.world is not None and spec.world not in layout_names():
+        raise unknown("world", spec.world, layout_names())
+    if not isinstance(parameters, dict):
+        raise Refusal(f"parameters = {shortened(parameters)} is not a table")
+    checked(model.parameters, parameters, origin)
+    found = at_home(**{**dict(spec), "parameters": parameters})
+    demand_bounded(found)
+    return found
+
+
+def demand_bounded(spec: Spec) -> None:
+    """Raise Refusal for what a panel would not offer either."""
+    if spec.agents is not None and spec.agents > MOST_AGENTS:
+        raise Refusal(f"agents = {spec.agents} is not allowed: at most {MOST_AGENTS}")
+    if isinstance(spec.size, float) and spec.size > MOST_SIDE:
+        raise Refusal(f"size = {spec.size:g} is not allowed: at most {MOST_SIDE:g}")
+    for name, option in OPTIONS.items():
+        value = getattr(spec, name)
+        if option.most and isinstance(value, int | float) and value > option.most:
+            raise Refusal(f"{name} = {value} is not allowed: at most {option.most:g}")
+
+
+def world_of(layout: Any, name: str) -> World:
+    """A world that a scene carries with it. Raises Refusal."""
+    if not isinstance(layout, dict):
+        raise Refusal(f"layout = {shortened(layout)} is not a table")
+    world = world_from_layout(layout, f"{name}-scene" if name in layout_names() else name)
+    demand_small(world, "layout")
+    demand_sound(world)
+    return world
+
+
+def beside_of(values: dict[str, Any], origin: str) -> Spec | None:
+    """The model beside, or None. Raises Refusal."""
+    if not values:
+        return None
+    for key in values:
+        if key not in ("model", "parameters"):
+            raise unknown("key", key, ("model", "parameters"), "beside")
+    spec = Spec.from_values(values, origin)
+    checked(find_model(spec.model).parameters, spec.parameters, "beside")
+    return spec
+
+
+def speed_of(value: Any) -> float | None:
+    """Ticks per second, or None. Raises Refusal."""
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0.1:
+        raise Refusal(f"speed = {shortened(value)} is not allowed: a number >= 0.1 ticks/s, or inf")
+    return float(value)
+
+
+def camera_of(value: Any) -> str:
+    """A preset point of view, or none. Raises Refusal."""
+    if value and value not in CAMERAS:
+        raise unknown("camera", value, CAMERAS)
+    return value or ""
+
+
+def plots_of(value: Any) -> tuple[str, ...]:
+    """What is plotted, as the charts call it. Raises Refusal."""
+    right = isinstance(value, list) and all(isinstance(one, str) for one in value)
+    if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST for one in value):
+        raise Refusal(f"plots = {shortened(value)} is no list of at most {MOST_PLOTS} names")
+    return tuple(value)
+
+
+def look_of(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
+    """What of the look is not as usual. Raises Refusal."""
+    for name, value in values.items():
+        if name not in LOOKS:
+            raise unknown("look", name, LOOKS)
+        if name == "colour" and value in find_model(spec.model).columns:
+            continue
+        demand_offered(name, value, LOOKS[name])
+    return values
+
+
+def demand_offered(name: str, value: Any, control: Control) -> None:
+    """Raise Refusal for a value that a control of the look does not have."""
+    if control.choices:
+        if value not in control.choices:
+            raise unknown(f"look {name}", value, control.choices)
+    elif control.high:
+        right = isinstance(value, int | float) and not isinstance(value, bool)
+        if not right or not control.low <= value <= control.high or not math.isfinite(value):
+            raise Refusal(
+                f"look {name} = {shortened(value)} is not in [{control.low:g}, {control.high:g}]"
+            )
+    elif not isinstance(value, bool):
+        raise Refusal(f"look {name} = {shortened(value)} is neither true nor false")

@@ -1,0 +1,87 @@
+"""What the gallery in a browser asks for by HTTP: the cards, their pictures, and to open one."""
+
+from __future__ import annotations
+
+import json
+import threading
+from dataclasses import asdict
+from http import HTTPStatus
+from typing import Protocol
+from urllib.parse import parse_qs, quote
+
+from websockets.http11 import Request, Response
+
+from app.viewer.gallery.address import packed
+from app.viewer.gallery.collection import PICTURES, cards, find_scene
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.words import command_line, python
+from app.viewer.web.serving.front import Answering, Front, content, words
+from worlds.refusal import Refusal
+
+SCRIPTS = ("gallery.js",)
+"""What the page needs to ask."""
+GALLERY, OPEN, TAKE = "/gallery.json", "/open", "/scene.json"
+MARK, WORD = "X-Flockscope", "scene"
+"""A header that no foreign page can send: a browser would ask first whether it may."""
+JSON = "application/json"
+
+
+class Opened(Protocol):
+    """What opens scenes."""
+
+    def open(self, scene: SavedScene) -> None: ...
+    def now(self, title: str = "") -> SavedScene: ...
+    def browsers(self) -> int: ...
+
+
+def pictured(picture: bytes) -> Answering:
+    """What answers with a picture."""
+    return lambda _: content(picture, "image/webp")
+
+
+class SceneRequests:
+    """Answers them; opening replaces the run in all browsers, which the page asks about first."""
+
+    def __init__(self, front: Front, laboratory: Opened):
+        self.laboratory = laboratory
+        self.opening = threading.Lock()
+        shown = json.dumps([asdict(card) for card in cards()]).encode()
+        front.route(GALLERY, lambda _: content(shown, JSON))
+        front.route(OPEN, self.open)
+        front.route(TAKE, self.take)
+        for path in sorted(PICTURES.glob("*.webp")):
+            front.route(f"/gallery/{path.name}", pictured(path.read_bytes()))
+
+    def open(self, request: Request) -> Response:
+        """Open the scene that is asked for: `scene`, and `sure` where others watch too."""
+        if request.headers.get_all(MARK) != [WORD]:
+            return words(HTTPStatus.FORBIDDEN, f"scenes are opened with the header {MARK}: {WORD}")
+        asked = parse_qs(request.path.partition("?")[2])
+        if not self.opening.acquire(blocking=False):
+            return words(HTTPStatus.TOO_MANY_REQUESTS, "another scene is being opened")
+        try:
+            scene = find_scene(asked.get("scene", [""])[0])
+            others = self.laboratory.browsers() > 1
+            if "sure" in asked or not others:
+                self.laboratory.open(scene)
+            asks = others and "sure" not in asked
+            return content(json.dumps({"title": scene.title, "asks": asks}).encode(), JSON)
+        except Refusal as refusal:
+            return words(HTTPStatus.BAD_REQUEST, str(refusal))
+        finally:
+            self.opening.release()
+
+    def take(self, _: Request) -> Response:
+        """The run as it is now, in all the ways in which it can be taken along."""
+        scene = self.laboratory.now()
+        try:
+            address = f"?scene={quote(packed(scene))}"
+        except Refusal as refusal:
+            address = str(refusal)
+        said = {
+            "title": scene.title,
+            "address": address,
+            "command": command_line(scene),
+            "python": python(scene),
+        }
+        return content(json.dumps(said).encode(), JSON)

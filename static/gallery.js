@@ -1,0 +1,157 @@
+/* The gallery: what can be opened, as cards with pictures; the scene of the page's address; and the
+   run in words to take along. It opens on the picture, by a button there or by G. */
+{
+  const home = location.pathname.replace(/\/(index\.html)?$/, "");
+  const mark = { "X-Flockscope": "scene" };
+  const make = (kind, style, text) => {
+    const made = document.createElement(kind);
+    if (style) made.className = style;
+    if (text !== undefined) made.textContent = text;
+    return made;
+  };
+  const button = (style, text, act) => {
+    const made = make("button", style, text);
+    made.addEventListener("click", act);
+    return made;
+  };
+  const ask = (path) => fetch(home + path, {
+    headers: mark, cache: "no-store", credentials: "same-origin" });
+  let shown = null, cards = null;
+
+  const close = () => {
+    if (shown) shown.remove();
+    shown = null;
+  };
+  /* A sheet over the page; Escape, a click beside it and its button close it. */
+  const sheet = (title, style) => {
+    close();
+    shown = make("div", "fs-sheet");
+    const inner = make("div", style), head = make("header");
+    head.append(make("h2", "", title), button("fs-close", "Close", close));
+    inner.append(head);
+    shown.append(inner);
+    shown.addEventListener("click", (event) => { if (event.target === shown) close(); });
+    shown.setAttribute("role", "dialog");
+    shown.setAttribute("aria-label", title);
+    document.body.append(shown);
+    return inner;
+  };
+  const complain = (inner, words) => {
+    const before = inner.querySelector(".fs-wrong");
+    if (before) before.remove();
+    inner.append(make("p", "fs-wrong", words));
+  };
+  const say = (title, words) => sheet(title, "fs-ask").append(make("p", "", words));
+
+  /* Open a scene; where others watch, only once somebody has said so. */
+  const open = async (scene, sure) => {
+    let answer;
+    try {
+      answer = await ask(`/open?scene=${encodeURIComponent(scene)}${sure ? "&sure=1" : ""}`);
+    } catch { return say("Not opened", "The server does not answer."); }
+    if (!answer.ok) return say("Not opened", (await answer.text()).trim());
+    const { title, asks } = await answer.json();
+    if (!asks) return close();
+    const inner = sheet(`Open “${title}”?`, "fs-ask");
+    inner.append(make("p", "", "It replaces the run that others watch too."));
+    inner.append(button("fs-main", "Open it for all", () => open(scene, true)));
+    inner.append(button("", "Stay", close));
+  };
+
+  const cardOf = (one) => {
+    const made = button("fs-choice", "", () => open(one.name, false));
+    if (one.picture) {
+      const picture = make("img");
+      Object.assign(picture, {
+        src: `${home}/gallery/${one.picture}`, alt: "", loading: "lazy", width: 240, height: 160 });
+      made.append(picture);
+    } else made.append(make("i"));
+    made.append(make("b", "", one.title), make("span", "", one.line));
+    made.dataset.words = `${one.title} ${one.line} ${one.name} ${one.group}`.toLowerCase();
+    return made;
+  };
+  const gallery = async () => {
+    const inner = sheet("Gallery", "fs-gallery");
+    const search = make("input");
+    Object.assign(search, { type: "search", placeholder: "Search scenes, models and worlds" });
+    search.setAttribute("aria-label", "Search");
+    inner.querySelector("header").insertBefore(search, inner.querySelector(".fs-close"));
+    try {
+      cards = cards || await (await ask("/gallery.json")).json();
+    } catch { return complain(inner, "The server does not answer."); }
+    const parts = new Map();
+    for (const one of cards) {
+      if (!parts.has(one.group)) {
+        const part = make("section");
+        part.append(make("h3", "", one.group), make("div"));
+        parts.set(one.group, part);
+        inner.append(part);
+      }
+      parts.get(one.group).lastChild.append(cardOf(one));
+    }
+    search.addEventListener("input", () => {
+      const wanted = search.value.toLowerCase().split(/\s+/);
+      let found = 0;
+      for (const part of parts.values()) {
+        const left = [...part.lastChild.children].filter((card) => {
+          card.hidden = !wanted.every((word) => card.dataset.words.includes(word));
+          return !card.hidden;
+        });
+        part.hidden = !left.length;
+        found += left.length;
+      }
+      if (found) inner.querySelectorAll(".fs-wrong").forEach((one) => one.remove());
+      else complain(inner, `Nothing is called “${search.value}”.`);
+    });
+    search.focus();
+  };
+
+  const copied = async (field, made) => {
+    try { await navigator.clipboard.writeText(field.value); }
+    catch { field.select(); document.execCommand("copy"); }
+    made.textContent = "Copied";
+    setTimeout(() => { made.textContent = "Copy"; }, 1500);
+  };
+  const take = async () => {
+    const inner = sheet("Share this scene", "fs-share");
+    let said;
+    try { said = await (await ask("/scene.json")).json(); }
+    catch { return complain(inner, "The server does not answer."); }
+    const address = said.address.startsWith("?") ?
+      location.origin + location.pathname + said.address : said.address;
+    for (const [name, text] of [["Address", address], ["Command line", said.command],
+      ["Python", said.python]]) {
+      const label = make("label", "", name), field = make("textarea");
+      Object.assign(field, { value: text, readOnly: true, rows: Math.min(6, text.split("\n").length + 1) });
+      const made = button("", "Copy", () => copied(field, made));
+      label.append(field);
+      inner.append(label, made);
+    }
+    inner.append(make("p", "", "As a file: Save, Save scene."));
+  };
+
+  window.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && shown) {
+      close();
+      event.stopPropagation();
+    } else if (shown) {
+      event.stopPropagation();  /* what is typed here is no key of the laboratory's */
+    } else if (event.key.toLowerCase() === "g" && !event.ctrlKey && !event.metaKey && !event.altKey
+        && !(event.target.closest && event.target.closest("input, textarea, select"))) {
+      event.preventDefault();
+      gallery();
+    }
+  }, true);
+  document.addEventListener("DOMContentLoaded", () => {
+    const tools = document.querySelector(".fs-tools") || make("nav", "fs-tools");
+    tools.append(button("", "Gallery", gallery), button("", "Share", take));
+    document.body.append(tools);
+    const address = new URL(location.href), asked = address.searchParams.get("scene");
+    if (asked !== null) {
+      /* Opened once: a page that is loaded again leaves the run as it is by then. */
+      address.searchParams.delete("scene");
+      history.replaceState(null, "", address);
+      open(asked, false);
+    }
+  });
+}

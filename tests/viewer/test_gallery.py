@@ -1,0 +1,223 @@
+"""What can be opened: scenes show what they say, come back from text, and let nothing else in."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.catalogue import MODELS
+from agents.flock import Flock
+from agents.spec import Spec
+from app.viewer.gallery.address import PACKED, packed, unpacked
+from app.viewer.gallery.collection import (
+    FIRST,
+    GROUPS,
+    MODEL,
+    WORLD,
+    built_in,
+    cards,
+    find_scene,
+    scene_names,
+)
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.words import command_line, python
+from app.viewer.run.home import at_home
+from worlds.layout import layout_names
+from worlds.refusal import Refusal
+
+SHOWN = (
+    # scene, changes, observable, tick, relation, bound
+    ("spread", {}, "polarisation", 15, ">", 0.9),
+    ("spread", {"p2": 1.0}, "polarisation", 12, "<", 0.85),
+    ("order", {"eta": 4.0}, "polarisation", 100, "<", 0.2),
+    ("mill", {}, "angular-momentum", 4000, ">", 0.9),
+    ("school", {}, "angular-momentum", 1000, ">", 0.5),
+    ("school", {"dr_o": 4.0}, "polarisation", 1000, ">", 0.9),
+    ("bands", {"eta": 0.6}, "polarisation", 1000, ">", 0.4),
+    ("bands", {"eta": 0.65}, "polarisation", 1000, "<", 0.2),
+    ("clusters", {}, "largest-group", 4000, ">", 200),
+    ("clusters", {"D_r": 1.0}, "largest-group", 4000, "<", 120),
+    ("pocket", {}, "goal-distance", 3000, "<", 5.0),
+    ("mission", {}, "following", 200, ">", 0.9),
+    ("mission", {"p2": 1.0}, "following", 200, "<", 0.6),
+    ("cars", {}, "polarisation", 1500, ">", 0.9),
+    ("echelons", {}, "energy-saved", 1500, ">", 15.0),
+    ("drones", {}, "polarisation", 400, ">", 0.7),
+    ("spins", {}, "polarisation", 400, "<", 0.85),
+    ("spins", {"eta": 5.0}, "polarisation", 400, ">", 0.9),
+)
+
+
+@pytest.mark.parametrize(("name", "changes", "measure", "tick", "relation", "bound"), SHOWN)
+def test_a_scene_shows_what_it_says(name, changes, measure, tick, relation, bound):
+    spec = built_in(name).spec
+    flock = Flock(spec.but(parameters={**spec.parameters, **changes}))
+    flock.run(tick)
+    value = flock.observe(measure)
+    assert value > bound if relation == ">" else value < bound, value
+
+
+def test_the_rule_beside_the_one_that_gets_out_of_the_pocket_is_far_from_the_goal_by_then():
+    scene = built_in("pocket")
+    flock = Flock(scene.spec.but(model=scene.beside.model))
+    flock.run(3000)
+    assert flock.observe("goal-distance") > 15.0
+
+
+def test_patches_fly_alike_unless_there_is_too_much_noise():
+    def alike(**changes):
+        spec = built_in("order").spec
+        flock = Flock(spec.but(parameters={**spec.parameters, **changes}))
+        flock.run(200)
+        _, patch = np.unique((flock.position // 3.0).astype(int), axis=0, return_inverse=True)
+        sums = np.array([np.bincount(patch.ravel(), one) for one in flock.heading.T])
+        return np.linalg.norm(sums, axis=0).sum() / len(patch)
+
+    assert alike() > 0.7
+    assert alike(eta=4.0) < 0.45
+
+
+def test_people_keep_to_lanes_and_a_hundred_of_them_do_so_less():
+    def order(spec):
+        flock = Flock(spec)
+        flock.run(500)
+        found = []
+        for _ in range(10):
+            flock.run(100)
+            found.append(flock.observe("lane-order"))
+        return np.mean(found)
+
+    few = built_in("lanes").spec
+    assert order(few) > 1.5 * order(few.but(agents=100))
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_built_in_scene_is_the_same_after_any_way_through_text(name):
+    scene = built_in(name)
+    assert scene.watch
+    assert scene.tries
+    assert SavedScene.from_toml(scene.to_toml(), "text") == scene
+    assert unpacked(packed(scene)) == scene
+    assert len(packed(scene)) < 1000
+
+
+def test_a_dozen_scenes_and_the_first_is_the_first():
+    assert len(scene_names()) >= 12
+    assert scene_names()[0] == FIRST
+    assert built_in(FIRST).spec.count > 1000
+
+
+def test_everything_that_is_built_in_has_a_card_with_a_picture_and_opens():
+    made = {card.name: card for card in cards()}
+    wanted = [*scene_names(), *(MODEL + name for name in MODELS)]
+    wanted += [WORLD + name for name in layout_names()]
+    assert set(wanted) <= set(made)
+    for name in wanted:
+        card = made[name]
+        assert card.group in (*GROUPS, "Worlds")
+        assert card.title
+        assert card.picture, f"{name} has no picture: python docs/make_gallery.py"
+        scene = find_scene(name)
+        if name.startswith(WORLD):
+            assert scene.spec.world == name.removeprefix(WORLD)
+
+
+MINE = SavedScene("mine", at_home("vem", agents=30), look={"links": True})
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("title = 3\n[run]\nmodel = 'vem'", "title = 3 is no text"),
+        ("title = 'x'", "run is missing"),
+        ("[run]\nmodel = 'vem'\nagents = 900000", "agents = 900000 is not allowed"),
+        ("[run]\nmodel = 'vem'\nagents = -4", "agents = -4 is not allowed"),
+        ("[run]\nmodel = 'vem'\nsize = 1e6", "size = 1e+06 is not allowed"),
+        ("[run]\nmodel = 'vem'\nsize = [4.0, 5.0]", "all sides are alike"),
+        ("[run]\nmodel = 'mine.py'", "unknown model 'mine.py'"),
+        ("[run]\nmodel = 'vem'\nworld = '/etc/passwd'", "unknown world '/etc/passwd'"),
+        ("[run]\nmodel = 'vem'\nworld = '../worlds/layouts/wrap.toml'", "unknown world"),
+        ("[run]\nmodel = 'vem'\nstart = 'given'", "start = 'given' is not allowed"),
+        ("[run]\nmodel = 'vem'\n[run.parameters]\neta = 99.0", "eta = 99"),
+        ("[run]\nmodel = 'vem'\n[run.parameters]\nnone = 9.0", "'none'"),
+        ("[run]\nmodel = 'vem'\nlayout = 3", "layout = 3 is not a table"),
+        ("[run]\nmodel = 'vem'\n[beside]\nmodel = 'vem'\nagents = 4", "unknown key 'agents'"),
+        ("[run]\nmodel = 'vem'\n[look]\nlinks = 3", "neither true nor false"),
+        ("[run]\nmodel = 'vem'\n[look]\nagent_size = nan", "agent_size = nan is not in"),
+        ("[run]\nmodel = 'vem'\n[look]\ncolour = 'red'", "unknown look colour 'red'"),
+        ("[run]\nmodel = 'vem'\n[look]\nwater = true", "unknown look 'water'"),
+        ("speed = -1\n[run]\nmodel = 'vem'", "speed = -1 is not allowed"),
+        ("speed = nan\n[run]\nmodel = 'vem'", "speed = nan is not allowed"),
+        ("camera = 'inside'\n[run]\nmodel = 'vem'", "unknown camera 'inside'"),
+        ("camera = ['x']\n[run]\nmodel = 'vem'", "unknown camera"),
+        ("plots = 'all'\n[run]\nmodel = 'vem'", "plots = 'all' is no list"),
+        ("colour = 'x'\n[run]\nmodel = 'vem'", "unknown key 'colour'"),
+    ],
+)
+def test_a_wrong_scene_is_refused_in_one_line(text, words):
+    with pytest.raises(Refusal) as refused:
+        SavedScene.from_toml(text, "here.toml")
+    assert words in str(refused.value)
+    assert "here.toml" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def made_of(data: bytes) -> str:
+    return PACKED + base64.urlsafe_b64encode(data).decode().rstrip("=")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "z.",
+        "z.!!",
+        "z.äöü",
+        "model:mine.py",
+        "model:",
+        "world:../x",
+        "../../etc/passwd",
+        made_of(b"no zlib"),
+        made_of(zlib.compress(b"\xff\xfe")),
+        made_of(zlib.compress(b"a" * 10**7)),
+        made_of(zlib.compress(MINE.to_toml().encode())[:-6]),
+        PACKED + "A" * 7000,
+    ],
+)
+def test_what_is_no_scene_is_refused(text):
+    with pytest.raises(Refusal):
+        find_scene(text)
+
+
+@given(st.text(max_size=60))
+def test_no_address_breaks_anything(text):
+    for name in (text, PACKED + text):
+        with pytest.raises(Refusal):
+            find_scene(name)
+
+
+def test_words_on_a_scene_stay_on_a_line_and_are_no_signs_that_steer():
+    scene = SavedScene.from_toml('title = "a\\nb\\u0007"\n[run]\nmodel = "vem"', "text")
+    assert scene.title == "a b"
+
+
+def test_the_script_of_a_scene_makes_its_run():
+    made = SavedScene("mine", at_home("vem", agents=30, seed=5, size=4.0, parameters={"eta": 0.5}))
+    assert command_line(made) == "flockscope lab vem --agents 30 --seed 5 --size 4 --set eta=0.5"
+    given: dict = {}
+    exec(python(made), given)
+    here = Flock(made.spec)
+    here.run(100)
+    np.testing.assert_array_equal(given["flock"].position, here.position)
+
+
+def test_the_words_for_a_world_that_was_changed_ask_for_a_file():
+    changed = Flock(Spec("vem", agents=5, seed=1)).world
+    scene = SavedScene("mine", at_home("vem", world=changed))
+    assert "scene.toml" in command_line(scene)
+    assert "spec.toml" in python(scene)
