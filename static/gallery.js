@@ -33,7 +33,7 @@
     shown.addEventListener("click", (event) => { if (event.target === shown) close(); });
     shown.setAttribute("role", "dialog");
     shown.setAttribute("aria-label", title);
-    document.body.append(shown);
+    (document.body || document.documentElement).append(shown);
     return inner;
   };
   const complain = (inner, words) => {
@@ -43,23 +43,24 @@
   };
   const say = (title, words) => sheet(title, "fs-ask").append(make("p", "", words));
 
-  /* Open a scene; where others watch, only once somebody has said so. */
-  const open = async (scene, sure) => {
+  /* Open a scene; where others watch, only once somebody has said so. `how`: "&sure=1" once that
+     is said, "&new=1" of a page that has yet to connect. */
+  const open = async (scene, how) => {
     let answer;
     try {
-      answer = await ask(`/open?scene=${encodeURIComponent(scene)}${sure ? "&sure=1" : ""}`);
+      answer = await ask(`/open?scene=${encodeURIComponent(scene)}${how}`);
     } catch { return say("Not opened", "The server does not answer."); }
     if (!answer.ok) return say("Not opened", (await answer.text()).trim());
     const { title, asks } = await answer.json();
     if (!asks) return close();
     const inner = sheet(`Open “${title}”?`, "fs-ask");
     inner.append(make("p", "", "It replaces the run that others watch too."));
-    inner.append(button("fs-main", "Open it for all", () => open(scene, true)));
+    inner.append(button("fs-main", "Open it for all", () => open(scene, "&sure=1")));
     inner.append(button("", "Stay", close));
   };
 
   const cardOf = (one) => {
-    const made = button("fs-choice", "", () => open(one.name, false));
+    const made = button("fs-choice", "", () => open(one.name, ""));
     if (one.picture) {
       const picture = make("img");
       Object.assign(picture, {
@@ -146,12 +147,6 @@
     const tools = document.querySelector(".fs-tools") || make("nav", "fs-tools");
     tools.append(button("", "Gallery", gallery), button("", "Share", take));
     document.body.append(tools);
-    const address = new URL(location.href), asked = address.searchParams.get("scene");
-    if (asked !== null) {
-      /* Opened once: a page that is loaded again leaves the run as it is by then. */
-      address.searchParams.delete("scene");
-      history.replaceState(null, "", address);
-      open(asked, false);
-    }
   });
+  if (window.flockscopeScene !== null) open(window.flockscopeScene, "&new=1");
 }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 import webbrowser
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -21,6 +20,7 @@ from app.cli.stopping import Stopping, leave
 from app.settings import assignment
 from app.viewer.run.home import at_home
 from app.viewer.web.origin import allowed
+from worlds.reading import read_text
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def lab(
     model: Annotated[
         str | None,
         typer.Argument(
-            help=f"Model: {', '.join(MODELS)}, or a FILE.py.",
+            help=f"Model: {', '.join(MODELS)}, a FILE.py, or a FILE.toml of a scene or a spec.",
             callback=by_name,
             show_default=DEFAULT,
         ),
@@ -75,6 +75,8 @@ def lab(
 
     names = tuple(allowed(name) for name in allow_host or ())
     model = first_of(model, rule)
+    if scene is None and model is not None and model.endswith(".toml"):
+        scene, model = model, None
     opened = scene_of(scene, model, beside, asked, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
@@ -136,7 +138,7 @@ def scene_of(
     if others:
         raise Refusal(f"--scene has a run of its own: it cannot be given with {others[0]}")
     if scene.endswith(".toml"):
-        return read_scene(scene, Path(scene).read_bytes())
+        return read_scene(scene, read_text(f"scene {scene!r}", scene).encode())
     return find_scene(scene)
 
 

@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 from cli.calling import refusal
 
-from app.cli.lab import parameters
+from app.cli.lab import parameters, scene_of
+from app.viewer.gallery.collection import FIRST, built_in
 from worlds.refusal import Refusal
 
 ROOT = Path(__file__).parents[2]
@@ -97,3 +98,26 @@ def test_settings_are_checked_and_a_little_noise_keeps_it_alive():
     assert parameters("hwvem", settings) == ({"eta": 0.0, "p2": 20.0, "layers": "instant"}, {})
     with pytest.raises(Refusal, match="NAME=VALUE"):
         parameters("hwvem", ["=3"])
+
+
+def test_it_opens_scenes_by_name_and_from_files(tmp_path):
+    assert scene_of(None, None, None, {}, None) == built_in(FIRST)
+    assert scene_of(None, "vem", None, {}, None) is None
+    assert scene_of(None, None, None, {"agents": 5}, None) is None
+    assert scene_of("mill", None, None, {}, None) == built_in("mill")
+    file = tmp_path / "mine.toml"
+    file.write_text(built_in("order").to_toml(), encoding="utf-8")
+    assert scene_of(str(file), None, None, {}, None) == built_in("order")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--scene", "mil"), "unknown scene 'mil': did you mean 'mill'?"),
+        (("--scene", "mill", "--agents", "5"), "--scene has a run of its own"),
+        (("nothing-there.toml",), "cannot be read: No such file"),
+        (("vem", "--scene", "mill"), "cannot be given with MODEL"),
+    ],
+)
+def test_a_scene_that_cannot_be_opened_is_one_line(arguments, words):
+    assert words in refusal("lab", "--no-open", *arguments)

@@ -19,15 +19,13 @@ from worlds.refusal import Refusal, unknown
 
 FOLDER = Path(__file__).parent / "scenes"
 """A scene a file; its name is that by which it is opened."""
-FIRST = "spread"
-"""The scene that the page opens on."""
+FIRST, NEXT = "spread", "order"
+"""The scene that the page opens on, and the one that comes next."""
 PICTURES = STATIC / "gallery"
 MODEL, WORLD = "model:", "world:"
 """Stand before the name of a model, or of a world, that is opened as a scene."""
 GROUPS = ("Scenes", "Alignment", "Zones", "Navigators", "Drones and birds", "Cars", "Others")
 WORLDS = "Worlds"
-IN_SPACE = "couzin"
-"""Flies in worlds in space that no model is at home in."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Card:
 def scene_names() -> tuple[str, ...]:
     """Names of the built-in scenes; the first is what the page opens on."""
     names = sorted(path.stem for path in FOLDER.glob("*.toml"))
-    return (FIRST, *(name for name in names if name != FIRST))
+    return tuple(dict.fromkeys((FIRST, NEXT, *names)))
 
 
 def find_scene(name: str) -> SavedScene:
@@ -80,7 +78,8 @@ def in_world(world: str) -> SavedScene:
         raise unknown("world", world, layout_names())
     own = next((model for model in MODELS.values() if model.world == world), None)
     if own is None:
-        own = find_model(IN_SPACE if home(world).dim == 3 else DEFAULT)
+        in_space = next(model for model in MODELS.values() if model.dim == 3)
+        own = in_space if home(world).dim == 3 else find_model(DEFAULT)
     return SavedScene(titled(world), at_home(own.name, world=world))
 
 

@@ -53,7 +53,10 @@ class SceneRequests:
             front.route(f"/gallery/{path.name}", pictured(path.read_bytes()))
 
     def open(self, request: Request) -> Response:
-        """Open the scene that is asked for: `scene`, and `sure` where others watch too."""
+        """Open the scene that is asked for: `scene`, and `sure` where others watch too.
+
+        `new`: it is asked by a page that has yet to connect.
+        """
         if request.headers.get_all(MARK) != [WORD]:
             return words(HTTPStatus.FORBIDDEN, f"scenes are opened with the header {MARK}: {WORD}")
         asked = parse_qs(request.path.partition("?")[2])
@@ -61,7 +64,7 @@ class SceneRequests:
             return words(HTTPStatus.TOO_MANY_REQUESTS, "another scene is being opened")
         try:
             scene = find_scene(asked.get("scene", [""])[0])
-            others = self.laboratory.browsers() > 1
+            others = self.laboratory.browsers() > ("new" not in asked)
             if "sure" in asked or not others:
                 self.laboratory.open(scene)
             asks = others and "sure" not in asked

@@ -87,7 +87,7 @@ class RunPanel:
     def refresh(self, state: State, scene: SavedScene | None = None) -> None:
         """Show how the simulation stands, and what there is to see in a scene."""
         self.status.content = block(status(state))
-        self.story.content = "" if scene is None else block(story(scene))
+        self.story.content = "" if scene is None else story(scene)
         self.switch.label = "Pause" if state.running else "Go"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
         self.switch.color = "blue" if state.running else "green"
@@ -122,7 +122,7 @@ def story(scene: SavedScene) -> str:
     """What to watch in a scene, and what to try."""
     lines = (("Watch", scene.watch), ("Try", scene.tries))
     told = "".join(f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text)
-    return f'<div class="fs-story">{told}</div>' if told else ""
+    return block(f'<div class="fs-story">{told}</div>') if told else ""
 
 
 def compile_bar(compiling: Estimate, preview: bool) -> str:

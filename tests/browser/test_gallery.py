@@ -1,0 +1,90 @@
+"""The gallery in a browser: found by a key, searched, opened; an address; what is shared."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.viewer.gallery.address import packed
+from app.viewer.gallery.collection import built_in
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.home import at_home
+from tests.browser.window import COMPILED, is_compiled
+from tests.viewer.waiting import until
+
+
+def runs(laboratory, model: str) -> bool:
+    state = laboratory.simulation.state
+    return state.spec.model == model and not state.busy
+
+
+@pytest.fixture
+def anew(laboratory):
+    """The laboratory, whose view and panels are as usual again afterwards."""
+    yield laboratory
+    laboratory.open(SavedScene("start", at_home(agents=60, seed=3, parameters={"eta": 0.3})))
+    until(lambda: runs(laboratory, "hwvem"))
+    laboratory.simulation.pause()
+
+
+def test_a_scene_is_found_in_the_gallery_and_opened(window, anew):
+    page = window.page
+    page.keyboard.press("g")
+    page.locator(".fs-choice").first.wait_for()
+    assert page.locator(".fs-choice").count() > 60
+    until(lambda: page.evaluate("[...document.querySelectorAll('.fs-choice img')][0].naturalWidth"))
+    before = anew.simulation.state.running
+    page.locator(".fs-sheet input").fill("order noise")
+    page.keyboard.press("Space")  # goes into the field, not to the flock
+    assert anew.simulation.state.running == before
+    page.locator(".fs-sheet input").fill("order out of noise")
+    until(lambda: page.locator(".fs-choice:visible").count() == 1)
+    page.locator(".fs-sheet input").fill("no such thing")
+    page.get_by_text("Nothing is called").wait_for()
+    page.locator(".fs-sheet input").fill("one knows")
+    page.locator(".fs-choice:visible").first.click()
+    until(lambda: anew.simulation.state.spec.agents == 1000, 20)
+    page.get_by_text(built_in("spread").watch).wait_for()
+    until(lambda: page.locator(".fs-sheet").count() == 0)
+    until(lambda: is_compiled(anew.simulation), COMPILED)
+    until(lambda: window.card("agents") == "1\u202f001", 20)
+
+
+def test_the_gallery_closes_by_escape_a_click_beside_it_and_its_button(window):
+    page = window.page
+    for close in (
+        lambda: page.keyboard.press("Escape"),
+        lambda: page.mouse.click(8, 320),
+        lambda: page.get_by_role("button", name="Close", exact=True).last.click(),
+    ):
+        page.get_by_role("button", name="Gallery", exact=True).click()
+        page.locator(".fs-choice").first.wait_for()
+        close()
+        until(lambda: page.locator(".fs-sheet").count() == 0)
+
+
+def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, chromium):
+    assert window.page.url
+    scene = packed(SavedScene("mine", at_home("vem", agents=44, seed=9)))
+    other = chromium.new_page(viewport={"width": 900, "height": 600})
+    other.goto(f"{anew.address}/?scene={scene}")
+    other.get_by_text("It replaces the run that others watch too.").wait_for(timeout=60_000)
+    assert anew.simulation.state.spec.model == "hwvem"
+    assert "scene=" not in other.url
+    other.get_by_role("button", name="Open it for all").click()
+    until(lambda: anew.simulation.state.agents == 44, 20)
+    assert anew.simulation.state.spec.seed == 9
+    other.goto(f"{anew.address}/?scene=nothing")
+    other.get_by_text("unknown scene").wait_for(timeout=60_000)
+    other.close()
+    until(lambda: anew.browsers() == 1)
+
+
+def test_what_runs_is_shared_in_words_that_say_it(window):
+    page = window.page
+    window.press("Share")
+    page.locator(".fs-share textarea").first.wait_for()
+    fields = page.locator(".fs-share textarea").evaluate_all("all => all.map(one => one.value)")
+    assert fields[0].startswith(page.url + "?scene=z.")
+    assert fields[1].startswith("flockscope lab hwvem --agents 60 --seed 3")
+    assert 'Flock("hwvem", agents=60, seed=3, eta=0.3)' in fields[2]
+    page.keyboard.press("Escape")
