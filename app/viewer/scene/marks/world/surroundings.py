@@ -20,6 +20,8 @@ CELLS, SECTIONS = 20, 4
 """Lines of the floor along the longest side."""
 UNDER = 0.05
 """How much lower than the box the wide floor of an open world lies."""
+DEEP = 3.0
+"""Depth of the fog from where it begins, as a multiple of the longest side."""
 SUN = (-4.0, -5.5, 11.0)
 GROUND, BELOW = 60.0, 0.04
 """Side of the ground around a world in space, as a multiple of the longest side, which ends behind
@@ -73,7 +75,7 @@ class Fog:
         self._drawn = stage, near
         side = stage.side
         self._scene.configure_fog(
-            near * side, (near + 4.5) * side, color=decoded(palette.FOG), enabled=stage.dim == 3
+            near * side, (near + DEEP) * side, color=decoded(palette.FOG), enabled=stage.dim == 3
         )
 
 
@@ -100,6 +102,8 @@ class Surroundings:
             self._left = True
             self._open_up(picture.stage)
         under = floor_under(picture)
+        if np.array_equal(under, self._floor.position):
+            return []
         ground = [] if self._ground is None else [(self._ground, "position", under - [0, 0, BELOW])]
         return [(self._floor, "position", under), *ground]
 
