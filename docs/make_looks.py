@@ -27,8 +27,8 @@ from app.viewer.run.home import at_home
 
 SIZES = ((390, 844), (1100, 700), (1440, 900), (1920, 1080))
 THEMES = ("light", "dark")
-THUMB = 480
-"""Width of a picture on the sheet, pixels."""
+HIGH = 320
+"""Height of a picture on the sheet, pixels."""
 
 
 @contextmanager
@@ -109,16 +109,16 @@ def sheet(pictures: list[Path], into: Path) -> None:
     small = []
     for path in pictures:
         with Image.open(path) as picture:
-            high = round(picture.height * THUMB / picture.width)
-            small.append(picture.convert("RGB").resize((THUMB, min(high, 2 * THUMB))))
+            wide = round(picture.width * HIGH / picture.height)
+            small.append(picture.convert("RGB").resize((wide, HIGH)))
     rows = [small[at : at + len(SIZES)] for at in range(0, len(small), len(SIZES))]
-    heights = [max(one.height for one in row) for row in rows]
-    made = Image.new("RGB", (THUMB * len(SIZES), sum(heights)), "#808080")
-    top = 0
-    for row, height in zip(rows, heights, strict=True):
-        for place, one in enumerate(row):
-            made.paste(one, (place * THUMB, top))
-        top += height
+    width = max(sum(one.width for one in row) for row in rows)
+    made = Image.new("RGB", (width, HIGH * len(rows)), "#808080")
+    for down, row in enumerate(rows):
+        left = 0
+        for one in row:
+            made.paste(one, (left, HIGH * down))
+            left += one.width
     made.save(into)
 
 
