@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from app.viewer.scene.shown.status import STEP_OFF
 from playwright.sync_api import sync_playwright
 
 from agents.spec import Spec
@@ -22,6 +21,7 @@ from app.live.operating.choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.run.home import at_home
+from app.viewer.scene.shown.look import STEP_OFF
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"

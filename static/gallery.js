@@ -144,7 +144,7 @@
     }
   }, true);
   document.addEventListener("DOMContentLoaded", () => {
-    const tools = document.querySelector(".fs-tools") || make("nav", "fs-tools");
+    const tools = make("nav", "fs-open");
     tools.append(button("", "Gallery", gallery), button("", "Share", take));
     document.body.append(tools);
   });

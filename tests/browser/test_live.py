@@ -15,6 +15,7 @@ from app.live.laboratory.lab import lab_from_toml
 from app.live.operating.choices import Choices
 from app.viewer.live.page import LivePage
 from tests.browser.conftest import obeyed
+from tests.browser.contrast import faint, faint_on_tabs
 from tests.viewer.waiting import until
 
 EMULATED = "emulated cars"
@@ -154,6 +155,22 @@ def test_cars_are_armed_run_and_are_stopped_by_a_key_in_every_browser(
     second.sees("safe")
     assert room.status.arm == "safe"
     second.page.close()
+
+
+def test_all_words_can_be_read_in_both_themes_and_the_stop_is_never_hidden(operator):
+    page = operator.page
+    until(lambda: "red" in operator.table(), SOON)
+    for theme in ("light", "dark"):
+        assert page.locator("html").get_attribute("data-theme") == theme
+        assert faint_on_tabs(page) == []
+        page.keyboard.press("m")
+    page.keyboard.press("p")
+    assert not page.locator(".fs-banner").is_visible()
+    assert page.locator(".fs-stop").is_visible()
+    page.locator(".fs-stop").click()
+    page.keyboard.press("p")
+    operator.sees("emergency")
+    assert faint(page) == []
 
 
 @pytest.mark.parametrize("key", ["Space", "Escape", "Shift+Space"])

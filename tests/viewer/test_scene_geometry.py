@@ -1,7 +1,10 @@
 """Attitudes, shapes, the stage and the seams of the scene."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
+from PIL import Image, ImageDraw
 
 from app.viewer.scene.draw.attitude import attitude, nose
 from app.viewer.scene.draw.seam import jumps, nearest_image, split_at_seams
@@ -54,6 +57,22 @@ def test_attitude_of_straight_up_and_down():
     assert nose(down) == pytest.approx([0.0, 0.0, -1.0], abs=1e-6)
 
 
+def test_a_dart_of_eight_pixels_shows_its_heading():
+    nose_, left, right, ridge, _ = dart()[0]
+    outline = np.array([nose_, left, ridge, right])[:, :2]
+    fine, wide = 8, 12
+    seen = []
+    for heading in np.arange(16) * np.pi / 8.0:
+        turn = np.array([[np.cos(heading), np.sin(heading)], [-np.sin(heading), np.cos(heading)]])
+        drawn = Image.new("L", (fine * wide, fine * wide))
+        corners = fine * (8.0 * outline @ turn + wide / 2.0)
+        ImageDraw.Draw(drawn).polygon([tuple(corner) for corner in corners], fill=255)
+        seen.append(np.asarray(drawn.resize((wide, wide), Image.Resampling.BOX), float))
+    for one, other in combinations(range(16), 2):
+        differ = np.abs(seen[one] - seen[other]).sum() / (seen[one].sum() + seen[other].sum())
+        assert differ > (0.42 if other - one == 8 else 0.2)
+
+
 @pytest.mark.parametrize("mesh", [dart(), torus(), ball()])
 def test_closed_shapes_face_outwards(mesh):
     vertices, faces = mesh
@@ -91,6 +110,7 @@ def test_darts_shrink_with_their_number_and_never_vanish():
     assert lengths == sorted(lengths, reverse=True)
     assert lengths[0] == lengths[2] == pytest.approx(0.44)
     assert lengths[4] == pytest.approx(0.85 * np.sqrt(100 / 5_000))
+    assert dart_length(8_000, np.full(3, 5.0)) == pytest.approx(0.45 * 0.5)
 
 
 @pytest.mark.parametrize("stage", [FLAT, SPACE])

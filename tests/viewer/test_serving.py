@@ -14,6 +14,7 @@ from app.viewer.web.origin import allowed
 from app.viewer.web.server import close_server, open_server
 from app.viewer.web.serving.client_page import (
     ALPHABET,
+    SCRIPTS,
     Scripts,
     client_page,
     from_base88,
@@ -126,16 +127,26 @@ def test_scripts_run_by_their_hash_and_nothing_else_does(port):
     answer = ask(port)
     allowed = directives(answer)["script-src"]
     assert allowed[-1] == "'wasm-unsafe-eval'"
-    own, connection, keys, stop_key, loader = (text for _, text in Scripts.of(answer.text))
+    texts = [text for _, text in Scripts.of(answer.text)]
+    own, stop_key = texts[0], texts[-2]
     client = unpacked(Scripts.of(viser_page())[0][0])
     assert allowed[:-1] == [
         f"'sha256-{base64.b64encode(hashlib.sha256(text).digest()).decode()}'"
-        for text in (*map(str.encode, (own, connection, keys, stop_key, loader)), client)
+        for text in (*map(str.encode, texts), client)
     ]
     assert "replaceState" in own
     assert "flockscopeStopKey" in stop_key
     assert b"RunJavascriptMessage" in client
     assert not re.search(r"<script[^>]+\bsrc=", answer.text)
+
+
+def test_the_page_brings_its_face(port):
+    """No font is taken from elsewhere: what it is written in stands in the page itself."""
+    answer = ask(port)
+    found = re.search(r"url\(data:font/woff2;base64,([^)]+)\)", answer.text)
+    assert base64.b64decode(found[1])[:4] == b"wOF2"
+    assert directives(answer)["font-src"] == ["data:"]
+    assert len(found[1]) < 120_000
 
 
 def test_a_server_says_that_it_is_there_and_which_it_is(port):
@@ -149,7 +160,7 @@ def test_a_server_says_that_it_is_there_and_which_it_is(port):
 
 
 def test_a_page_without_scripts_of_its_own_has_those_of_every_page():
-    assert len(client_page(()).hashes) == 5
+    assert len(client_page(()).hashes) == len(SCRIPTS) + 2
     assert client_page(()) is client_page(())
 
 

@@ -29,6 +29,13 @@ KEYS = {
     "escape": "World: a click selects again; camera: the ride ends",
 }
 """Key -> what it does; every one has an action in some call of `add_hotkeys`."""
+OWN_KEYS = {
+    "P": "Panels: hide them, or show them again",
+    "M": "Light or dark",
+    "X": "Size of the text: S, M or L",
+    "G": "Gallery of scenes, models and worlds",
+}
+"""Keys that act in one browser alone, by its page: look.js, and in the laboratory gallery.js."""
 
 
 def add_hotkeys(

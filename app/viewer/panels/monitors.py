@@ -33,4 +33,4 @@ class Monitors:
         """Say what the colours mean."""
         entries = [(html.escape(words), css) for words, css in legend]
         head = f'<div class="fs-head">Colour: {html.escape(colour)}</div>'
-        self.show({KEY: head + key(entries)})
+        self.show({KEY: head + key(entries, drawn=True)})

@@ -16,7 +16,7 @@ def dress(gui: viser.GuiApi, label: str) -> None:
         control_width="large",
         show_logo=False,
         show_share_button=False,
-        brand_color=(28, 126, 214),
+        brand_color=(28, 105, 176),
     )
     gui.set_panel_label(label)
     gui.add_html(CSS)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from app.beside import STATIC
 
-BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#f08c00", "#2b8a3e", "#e03131", "#868e96"
-VIOLET = "#7c3aed"
+BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#d97706", "#2f9e44", "#e03131", "#868e96"
+VIOLET = "#8b5cf6"
+"""Of curves and dots: they stand out from a light and from a dark ground, 3 to 1."""
 
 ROOM = 8
 """Letters that fit a card in its usual type."""
@@ -34,12 +35,12 @@ def grid(values: dict[str, str], across: int = 3) -> str:
     return f'<div class="fs-cards"{columns}>{made}</div>'
 
 
-def key(entries: list[tuple[str, str]]) -> str:
-    """A key to colours: (label, css colour)."""
+def key(entries: list[tuple[str, str]], drawn: bool = False) -> str:
+    """A key to colours: (label, css colour), of what is `drawn` in the scene or of curves."""
     made = "".join(
         f'<span><i style="background:{colour}"></i>{label}</span>' for label, colour in entries
     )
-    return f'<div class="fs-key">{made}</div>'
+    return f'<div class="fs-key{" fs-drawn" if drawn else ""}">{made}</div>'
 
 
 def table(rows: dict[str, str]) -> str:

@@ -9,7 +9,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import declared
 from app.beside import STATIC
-from app.viewer.panels.hotkeys import KEYS
+from app.viewer.panels.hotkeys import KEYS, OWN_KEYS
 from app.viewer.panels.notation import equation_svg
 from app.viewer.panels.parameters import worded
 from app.viewer.panels.style import CSS, block
@@ -87,6 +87,6 @@ def keys() -> str:
     rows = "".join(
         f"<tr><td><kbd>{key.replace('page', 'page ')}</kbd></td>"
         f'<td style="text-align:left">{words}</td></tr>'
-        for key, words in KEYS.items()
+        for key, words in (KEYS | OWN_KEYS).items()
     )
     return f'<table class="fs-table">{rows}</table>'

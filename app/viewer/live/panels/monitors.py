@@ -67,7 +67,7 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
         told = [age, speed, *sent]
         if readings.lags:
             lag = readings.lags[name].newest if name in readings.lags else math.nan
-            told.append(f'<span style="color:{ink[name]}">{degrees(lag)}</span>')
+            told.append(f'<u style="border-color:{ink[name]}">{degrees(lag)}</u>')
         tail = "".join(f"<td>{cell}</td>" for cell in told)
         return f'<tr{marked}><td title="{state}">{dot}</i>{html.escape(name)}</td>{tail}</tr>'
 

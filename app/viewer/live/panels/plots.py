@@ -16,7 +16,7 @@ from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, VIOLET, key
 
 WINDOW = 60.0
 """Seconds that are plotted."""
-CURVES = (BLUE, ORANGE, GREEN, VIOLET, RED, "#0b7285", "#a61e4d", "#5c940d")
+CURVES = (BLUE, ORANGE, GREEN, VIOLET, RED, "#0c8599", "#d6336c", "#66870d")
 """Colours of the cars' curves, in turn."""
 LIMIT = (True, 1.2)
 """How what stays the same is drawn: dashed, and thin."""

@@ -126,6 +126,6 @@ def button_style(uuid: str) -> str:
         "border: 3px solid #ffd43b; border-radius: 8px; letter-spacing: 0.4px; }"
         f"{button} .mantine-Button-label {{ font-weight: 700; }}"
         f"{button} .mantine-Button-section {{ margin-right: 9px; }}"
-        f"div:has(> {button}) {{ position: sticky; top: 0; z-index: 30; background: #fff; "
-        "padding-top: 6px; margin-top: -6px; }</style>"
+        f"div:has(> {button}) {{ position: sticky; top: 0; z-index: 30; "
+        "background: var(--fs-surface); padding-top: 6px; margin-top: -6px; }</style>"
     )

@@ -21,9 +21,14 @@ def css(colour: np.ndarray) -> str:
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
-SKY_HIGH, SKY_LOW = srgb("#e3eaf4"), srgb("#f6f8fb")
+SKY_HIGH, SKY_LOW = srgb("#cddcf0"), srgb("#f8fafd")
 FLOOR = srgb("#fbfcfe")
-FOG = srgb("#edf1f7")
+CELL, SECTION = srgb("#e3e9f1"), srgb("#d3dbe6")
+"""The lines of the floor."""
+GROUND, GROUND_LINE = srgb("#dfe5ed"), srgb("#cdd6e1")
+"""What the floor of a world in space lies on."""
+FOG = srgb("#e1e7ef")
+"""What is far off; the sky behind it is lighter, which makes the horizon."""
 EDGE = srgb("#64748b")
 EDGE_SPACE = srgb("#8493a8")
 EDGE_LIGHT = srgb("#b4bfce")

@@ -27,10 +27,12 @@ ALPHABET = (
 """The digits of base 88, the least first."""
 DIGITS, BYTES = 5, 4
 """So many digits stand for so many bytes."""
-SCRIPTS = ("own-address.js", "connection.js", "keys.js")
+SCRIPTS = ("own-address.js", "look.js", "connection.js", "keys.js")
 """The scripts that run before viser's, in every page."""
 STYLES = ("page.css", "gallery.css")
 """How every page looks from its first moment on."""
+FACE, FONT = "Flockscope Sans", "flockscope-sans.woff2"
+"""The face of all that is written in it, and the file of `static/` that has it."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +62,19 @@ def client_page(scripts: tuple[str, ...]) -> ClientPage:
     attributes, loader = loaders[0]
     client = unpacked(attributes)
     texts = [*(text.encode() for text in own), loader.encode(), client]
-    style = "".join((STATIC / name).read_text() for name in STYLES)
+    style = font_face() + "".join((STATIC / name).read_text() for name in STYLES)
     added = "".join((*(f"<script>{text}</script>" for text in own), f"<style>{style}</style>"))
     page = (head + found + added + rest).encode()
     return ClientPage(page, gzip.compress(page, mtime=0), tuple(hashed(text) for text in texts))
+
+
+def font_face() -> str:
+    """CSS that brings the page its face: in the page itself, which takes nothing from elsewhere."""
+    data = base64.b64encode((STATIC / FONT).read_bytes()).decode()
+    return (
+        f'@font-face {{ font-family: "{FACE}"; font-weight: 400 700; '
+        f'src: url(data:font/woff2;base64,{data}) format("woff2"); }}\n'
+    )
 
 
 def viser_page() -> str:

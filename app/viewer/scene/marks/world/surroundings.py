@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -10,6 +11,7 @@ from viser import SceneApi
 from viser import _messages as messages
 
 from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.oklch import decoded
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import box_edges
 from app.viewer.scene.draw.stage import Stage
@@ -18,7 +20,12 @@ CELLS, SECTIONS = 20, 4
 """Lines of the floor along the longest side."""
 UNDER = 0.05
 """How much lower than the box the wide floor of an open world lies."""
+DEEP = 3.0
+"""Depth of the fog from where it begins, as a multiple of the longest side."""
 SUN = (-4.0, -5.5, 11.0)
+GROUND, BELOW = 60.0, 0.04
+"""Side of the ground around a world in space, as a multiple of the longest side, which ends behind
+the fog as a horizon; and how much lower than the floor it lies."""
 
 
 def set_light(scene: SceneApi) -> None:
@@ -58,14 +65,17 @@ class Fog:
         self._drawn: tuple[Stage, float] | None = None
 
     def draw(self, stage: Stage, is_open: bool, flocks: int) -> None:
-        """Fog for a stage: farther off in an open world, and where there are two flocks."""
+        """Fog for a stage: farther off in an open world, and where there are two flocks.
+
+        The browser takes its colour for linear light.
+        """
         near = (3.5 if is_open else 1.7) + 3.6 * (flocks - 1)
         if (stage, near) == self._drawn:
             return
         self._drawn = stage, near
         side = stage.side
         self._scene.configure_fog(
-            near * side, (near + 4.5) * side, color=palette.FOG, enabled=stage.dim == 3
+            near * side, (near + DEEP) * side, color=decoded(palette.FOG), enabled=stage.dim == 3
         )
 
 
@@ -78,6 +88,7 @@ class Surroundings:
         self._stage: Stage | None = None
         self._run: int | None = None
         self._left = False
+        self._ground: Any = None
 
     def draw(self, picture: Picture) -> Changes:
         again = self._left and picture.frame.run != self._run
@@ -90,7 +101,11 @@ class Surroundings:
                 return []
             self._left = True
             self._open_up(picture.stage)
-        return [(self._floor, "position", floor_under(picture))]
+        under = floor_under(picture)
+        if np.array_equal(under, self._floor.position):
+            return []
+        ground = [] if self._ground is None else [(self._ground, "position", under - [0, 0, BELOW])]
+        return [(self._floor, "position", under), *ground]
 
     @property
     def is_open(self) -> bool:
@@ -101,6 +116,33 @@ class Surroundings:
         width, depth = 2.0 * stage.half[:2]
         self._lay_floor(stage, float(width), float(depth), fade=100.0)
         self._draw_edges(stage, palette.EDGE if stage.dim == 2 else palette.EDGE_SPACE, 1.6)
+        if self._root == "":
+            self._lay_ground(stage)
+
+    def _lay_ground(self, stage: Stage) -> None:
+        """Wide ground in space, on which the world stands; a second one stands on the first's."""
+        if self._ground is not None:
+            self._ground.remove()
+            self._ground = None
+        if stage.dim == 2:
+            return
+        self._ground = self._scene.add_grid(
+            "/ground",
+            width=GROUND * stage.side,
+            height=GROUND * stage.side,
+            plane="xy",
+            cell_size=stage.side,
+            cell_thickness=0.0,
+            section_size=stage.side,
+            section_thickness=1.0,
+            section_color=tone.single(palette.GROUND_LINE),
+            fade_distance=GROUND * stage.side,
+            fade_strength=0.0,
+            shadow_opacity=0.30,
+            plane_color=tuple(palette.GROUND),
+            plane_opacity=1.0,
+            position=(0.0, 0.0, stage.floor - BELOW),
+        )
 
     def _open_up(self, stage: Stage) -> None:
         """The world is open: a wide floor, and the box only as a hint of where it began.
@@ -118,10 +160,10 @@ class Surroundings:
             plane="xy",
             cell_size=stage.side / CELLS,
             cell_thickness=0.9,
-            cell_color=tone.single(palette.srgb("#e3e9f1")),
+            cell_color=tone.single(palette.CELL),
             section_size=stage.side / SECTIONS,
             section_thickness=1.0,
-            section_color=tone.single(palette.srgb("#d3dbe6")),
+            section_color=tone.single(palette.SECTION),
             fade_distance=fade * stage.side,
             fade_strength=0.8,
             shadow_opacity=0.30,

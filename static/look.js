@@ -1,0 +1,117 @@
+/* How the page looks in this browser: light or dark, how large its text is, and whether the panels
+   are there. The browser keeps what was chosen. viser's client takes light or dark from a message
+   of the server, which knows no browser's choice: it is written into that message as it comes in,
+   and the message is given to the client again when the choice changes. */
+{
+  const root = document.documentElement;
+  const choices = { theme: ["light", "dark"], text: ["M", "L", "S"], panels: ["shown", "hidden"] };
+  const keys = { KeyM: "theme", KeyX: "text", KeyP: "panels" };
+  const words = {
+    theme: (now) => `Light or dark: now ${now} (key M)`,
+    text: (now) => `Size of the text, S, M or L: now ${now} (key X)`,
+    panels: (now) => now === "shown" ? "Hide the panels (key P)" : "Show the panels (key P)",
+  };
+  const drawn = (way) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${way}"/></svg>`;
+  const signs = {
+    theme: () => drawn("M12 3a9 9 0 1 0 0 18V3M12 3a9 9 0 0 1 0 18M12 8h6M12 12h8M12 16h6"),
+    text: (now) => drawn("M5 20 12 4l7 16M8 14h8") + now,
+    panels: () => drawn("M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5"),
+  };
+  const buttons = {};
+  const kept = (name) => { try { return localStorage.getItem(`flockscope-${name}`); } catch { return null; } };
+  const keep = (name, now) => { try { localStorage.setItem(`flockscope-${name}`, now); } catch { } };
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  let client = null, told = null;
+
+  const now = (name) => root.getAttribute(`data-${name}`);
+  const set = (name, chosen) => {
+    root.setAttribute(`data-${name}`, chosen);
+    if (name in buttons) {
+      buttons[name].innerHTML = signs[name](chosen);
+      buttons[name].title = words[name](chosen);
+      buttons[name].setAttribute("aria-label", words[name](chosen));
+    }
+    if (name === "theme" && client && told) {
+      const messages = [{ ...told }];
+      client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+    }
+  };
+  const next = (name) => {
+    const among = choices[name];
+    const chosen = among[(among.indexOf(now(name)) + 1) % among.length];
+    if (name !== "panels") keep(name, chosen);
+    set(name, chosen);
+  };
+  const first = (name) => choices[name].includes(kept(name)) ? kept(name) : choices[name][0];
+  set("theme", choices.theme.includes(kept("theme")) ? kept("theme") : dark.matches ? "dark" : "light");
+  set("text", first("text"));
+  set("panels", "shown");
+  dark.addEventListener("change", () => {
+    if (kept("theme") === null) set("theme", dark.matches ? "dark" : "light");
+  });
+
+  const heard = (event) => {
+    const data = event.data;
+    if (!data || data.type !== "message_batch") return;
+    for (const message of data.messages) {
+      if (message.type !== "ThemeConfigurationMessage") continue;
+      client = event.currentTarget;
+      message.dark_mode = now("theme") === "dark";
+      told = message;
+    }
+  };
+  const Worker = window.Worker;
+  window.Worker = class extends Worker {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", heard);
+    }
+  };
+  window.addEventListener("keydown", (event) => {
+    const held = event.shiftKey || event.ctrlKey || event.altKey || event.metaKey || event.repeat;
+    const field = event.target.closest && event.target.closest("input, textarea, select");
+    if (!held && !field && event.code in keys) next(keys[event.code]);
+  });
+
+  /* The buttons stand in the corner of the picture, wherever the panels leave it. */
+  const tools = document.createElement("div");
+  tools.className = "fs-tools";
+  for (const name of ["theme", "text", "panels"]) {
+    const button = buttons[name] = document.createElement("button");
+    button.type = "button";
+    button.addEventListener("click", () => { next(name); button.blur(); });
+    tools.append(button);
+    set(name, now(name));
+  }
+  /* What stands at the top of the panels, while they are hidden. */
+  const caption = document.createElement("div");
+  caption.className = "fs-caption";
+  setInterval(() => {
+    if (now("panels") !== "hidden") return;
+    const said = document.querySelector(".fs-banner b, .fs-status > span:not(.fs-dot)");
+    const text = [...said ? said.childNodes : []]
+      .filter((part) => !(part.classList && part.classList.contains("fs-compiling")))
+      .map((part) => part.textContent).join("");
+    if (caption.textContent !== text) caption.textContent = text;
+  }, 250);
+  const place = (canvas) => {
+    const at = canvas.getBoundingClientRect();
+    root.style.setProperty("--fs-left", `${at.left}px`);
+    root.style.setProperty("--fs-right", `${innerWidth - at.right}px`);
+    root.style.setProperty("--fs-bottom", `${innerHeight - at.bottom}px`);
+    root.style.setProperty("--fs-middle", `${(at.left + at.right) / 2}px`);
+  };
+  const find = () => {
+    const canvas = document.querySelector("canvas[data-engine]");
+    if (canvas === null) return;
+    looking.disconnect();
+    const placing = new ResizeObserver(() => place(canvas));
+    placing.observe(canvas);
+    placing.observe(root);
+  };
+  const looking = new MutationObserver(find);
+  document.addEventListener("DOMContentLoaded", () => {
+    document.body.append(tools, caption);
+    looking.observe(document.body, { childList: true, subtree: true });
+  });
+}

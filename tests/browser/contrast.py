@@ -1,0 +1,42 @@
+"""Whether what a page says can be read: contrast as WCAG 2 asks for it, measured by axe."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from typing import Any
+
+AXE = (files("axe_playwright_python") / "axe.min.js").read_text()
+RULE = "color-contrast"
+"""4.5 to 1, and 3 to 1 for large words."""
+
+
+def faint(page: Any) -> list[str]:
+    """The words on a page that cannot be read well, and why; empty if all can.
+
+    axe is brought in past the page's policy, which lets no script in but the page's own.
+    """
+    if not page.evaluate("'axe' in window"):
+        page.evaluate(f"() => {{ {AXE} }}")
+    found = page.evaluate(
+        "rule => axe.run(document, {runOnly: [rule], resultTypes: ['violations']})", RULE
+    )
+    checked = found["violations"] + found["passes"]
+    assert any(one["nodes"] for one in checked), "nothing on the page was measured"
+    return [
+        f"{node['html'][:160]} at {node['target']}: {node['any'][0]['message']}"
+        for one in found["violations"]
+        for node in one["nodes"]
+    ]
+
+
+def faint_on_tabs(page: Any) -> list[str]:
+    """The same, with each tab open in turn."""
+    tabs = page.get_by_role("tab")
+    found = []
+    for place in range(tabs.count()):
+        if tabs.nth(place).is_visible():
+            tabs.nth(place).click()
+            page.mouse.move(0, 0)
+            page.wait_for_timeout(300)
+            found += faint(page)
+    return found
