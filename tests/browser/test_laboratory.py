@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import viser
 
+from agents.catalogue import MODELS
+from tests.browser.conftest import START
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
@@ -100,6 +102,25 @@ def test_keys_step_and_open_the_guide(window):
     window.page.get_by_text("Neighbours count by how few hops").wait_for()
     window.press("Close")
     until(lambda: "Neighbours count by how few hops" not in window.text())
+
+
+def test_the_guide_does_what_it_proposes_and_takes_it_back(window, laboratory):
+    simulation = laboratory.simulation
+    first, *_ = MODELS[START.model].to_try
+    window.page.keyboard.press("h")
+    window.tab("Try this")
+    window.page.get_by_text(first.see).wait_for()
+    window.press("Do it")
+    until(lambda: all(simulation.state.values[k] == v for k, v in first.set.items()))
+    until(lambda: simulation.frame.tick > 0, what="the flock to run")
+    simulation.pause()
+    window.page.get_by_role("button", name="Take it back", exact=True).wait_for()
+    window.press("Take it back")
+    until(lambda: not any(simulation.state.values[k] == v for k, v in first.set.items()))
+    simulation.pause()
+    window.press("Close")
+    until(lambda: window.page.locator(".fs-page").count() == 0)
+    assert simulation.state.values["eta"] == START.parameters["eta"]
 
 
 def test_an_agent_is_inspected_until_its_window_is_closed(window, laboratory):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import viser
@@ -156,6 +156,16 @@ class SetupPanel:
         self.world.options = tuple(self.worlds)
         show(self.world, words)
         self.fit()
+
+    def take(self, options: Mapping[str, Any]) -> None:
+        """Show options of a run that was set up elsewhere than here."""
+        if "world" in options:
+            self.offer(options["world"])
+        if "dim" in options:
+            show(self.dim, f"{options['dim']}-D")
+        boxes = {"agents": self.agents, **self.plain}
+        for name in boxes.keys() & options.keys():
+            show(boxes[name], shown(name, options[name]))
 
     def refresh(self, state: State) -> None:
         """Say what differs from the running flock; after a set-up nothing does."""
