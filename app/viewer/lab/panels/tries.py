@@ -50,6 +50,7 @@ class Tries:
             done = state.spec.model == model_name and is_done(state, one)
             button = gui.add_button(BACK if done else DO, color="gray" if done else "green")
             button.on_click(partial(self.pressed, model_name, one))
+        gui.add_html(block('<div class="fs-gap"></div>'))
 
     @staticmethod
     def settings(model_name: str, one: Try) -> str:
@@ -110,8 +111,8 @@ def where(model: Model) -> str:
     """Where what one sees was found."""
     agents = counted(model.agents, "agent")
     return (
-        f"What is said to be seen was found with {agents} in the model's own world, "
-        f"“{titled(model.world)}”; elsewhere it may come otherwise."
+        f"Found with {agents} in the model's own world, “{titled(model.world)}”; elsewhere it may "
+        "turn out otherwise. Do it, close the guide, and watch."
     )
 
 
