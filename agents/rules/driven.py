@@ -1,11 +1,13 @@
 """What there is to try with cars, by the rule that drives them."""
 
+from __future__ import annotations
+
 from agents.models.tries import Proof, Try
 
 OF_SQUASHING = (
     Try(
         "Have cars look ahead, and keep 0.3 m from each other.",
-        "Nobody touches, and the cars go round the injected one in a wider ring.",
+        "Nobody touches: cars keep well apart, and the group is wider.",
         {"yields": True, "margin": 0.3},
         Proof("nearest-neighbour", "above", 0.48, 1500),
         anew=True,
@@ -19,7 +21,7 @@ OF_SQUASHING = (
     ),
     Try(
         "Take the injected car's weight away, and have cars look ahead.",
-        "With nobody to follow they go round one another.",
+        "With nobody to follow they stay together and drive about one another.",
         {"yields": True, "c_goal": 0.0},
         Proof("gyration-radius", "above", 0.45, 1500),
         anew=True,

@@ -130,7 +130,7 @@ VEM_A = Rule(
     tries=(
         Try(
             "Have twenty information agents instead of one.",
-            "Everybody has one near by: at tick 60 all have their heading to the last bit, "
+            "Everybody has one near by: at tick 60 all have their heading, "
             "where the single one still pulls at the flock.",
             {"informed": 20},
             Proof("consistency", "above", 0.999, 60),
