@@ -34,6 +34,7 @@ from agents.rules import (
     couzin,
     cucker_smale,
     dorsogna,
+    driven,
     echelon,
     gregoire_chate,
     guarded_zones,
@@ -166,7 +167,13 @@ BUILT_IN = [
         defaults={"noise_xy": 0.0, "noise_yaw": 0.0},
         tells=ROUND,
     ),
-    car.driving(squashing.SQUASHING, world="cars-circle", agents=4, tells=ROUND),
+    car.driving(
+        squashing.SQUASHING,
+        world="cars-circle",
+        agents=4,
+        tells=ROUND,
+        tries=driven.OF_SQUASHING,
+    ),
     Model(
         squashing.SQUASHING,
         car.BODY,
@@ -178,6 +185,7 @@ BUILT_IN = [
         agents=4,
         defaults={"k": 2.0, "yields": True},
         tells=ROUND,
+        tries=driven.OF_SQUASHING,
     ),
     car.driving(
         couzin.COUZIN,
@@ -185,6 +193,7 @@ BUILT_IN = [
         agents=12,
         spacing=0.6,
         defaults={"r_r": 0.8, "dr_o": 2.0, "dr_a": 3.2, "yields": True},
+        tries=driven.OF_COUZIN,
     ),
     car.driving(
         hwvem.HWVEM,
@@ -192,6 +201,7 @@ BUILT_IN = [
         agents=12,
         spacing=0.6,
         defaults={"r": 4.0, "yields": True},
+        tries=driven.OF_HWVEM,
     ),
 ]
 
@@ -275,7 +285,9 @@ def with_body(name: str) -> None:
         if rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
             own = MODELS[rule]
             try:
-                MODELS[name] = replace(own, body=body, suffix=f"-{body.name}", defaults={})
+                MODELS[name] = replace(
+                    own, body=body, suffix=f"-{body.name}", defaults={}, tries=()
+                )
             except TypeError as error:
                 raise Refusal(str(error)) from None
 

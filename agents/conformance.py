@@ -18,6 +18,9 @@ from agents.flock import Flock
 from agents.models.calling import Fault
 from agents.models.declare import declared
 from agents.models.model import Model
+from agents.models.tries import Try
+from agents.observables.catalogue import OBSERVABLES
+from agents.spec import OPTIONS
 from worlds.extra import demand_parquet
 from worlds.obstacles import Disc
 from worlds.refusal import Refusal
@@ -28,6 +31,8 @@ ROUNDING = 1e-9
 """How far numbers may be apart that differ by the order of sums only."""
 ANGLE = 2.1
 """By how much a flock is turned, rad: no part of a full turn."""
+SEEDS = (1, 2, 3)
+"""The starts from which what there is to try is tried."""
 FAR = 400.0
 """Where the one obstacle of an empty world stands, for models whose loop is that of solid worlds,
 in lengths of their reach."""
@@ -269,6 +274,47 @@ def bounds(model: Model) -> None:
             demand_sound(flock, f"{one.name} = {value}")
 
 
+def lately(flock: Flock, one: Try) -> float:
+    """Run a flock the ticks of a try; the mean of the observable over the last fifth of them."""
+    looks = 5
+    short = max(1, one.proof.ticks // (5 * looks))
+    flock.run(one.proof.ticks - (looks - 1) * short)
+    seen = [flock.observe(one.proof.observable)]
+    for _ in range(looks - 1):
+        flock.run(short)
+        seen.append(flock.observe(one.proof.observable))
+    return float(np.mean(seen))
+
+
+def made(model: Model, one: Try, seed: int) -> tuple[float, float]:
+    """Make a try with a model at home: the observable without the change, and with it."""
+    flock = Flock(model.name, rng=seed)
+    before = lately(flock, one)
+    if one.anew:
+        flock = Flock(model.name, rng=seed, **one.set)
+    else:
+        flock.set(**one.set)
+    return before, lately(flock, one)
+
+
+def tries(model: Model) -> None:
+    """What it proposes to try comes true, in its own world from three starts."""
+    if not model.to_try:
+        raise Skipped(f"{model.name} declares nothing to try")
+    for one in model.to_try:
+        if one.proof.observable not in OBSERVABLES:
+            raise Failed(f"{one.changes}: there is no observable {one.proof.observable}")
+        options = sorted(OPTIONS.keys() & one.set.keys())
+        demand(one.anew or not options, f"{one.changes}: {', '.join(options)} needs anew=True")
+        for seed in SEEDS:
+            before, after = made(model, one, seed)
+            demand(
+                one.proof.holds(before, after),
+                f"{one.changes}, seed {seed}: not {one.proof.in_words}, but {before:.4g} without "
+                f"it and {after:.4g} with it",
+            )
+
+
 CHECKS: dict[str, Callable[[Model], None]] = {
     "threads": threads,
     "order": order,
@@ -282,6 +328,7 @@ CHECKS: dict[str, Callable[[Model], None]] = {
     "one spot": one_spot,
     "dimensions": other_dimensions,
     "bounds": bounds,
+    "tries": tries,
 }
 
 

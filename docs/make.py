@@ -224,6 +224,26 @@ def caption(model: Model, flock: Flock) -> str:
     return said + (" The star is the goal." if "gamma" in model.rule.forces else "")
 
 
+def to_try(model: Model) -> str:
+    """What there is to try with it; nothing if it declares nothing."""
+    lines = "\n".join(
+        f"{number}. **{one.words}** (`{one.changes}`{'; the run begins again' * one.anew}). "
+        f"{one.see} *{one.proof.in_words[:1].upper()}{one.proof.in_words[1:]}.*"
+        for number, one in enumerate(model.to_try, 1)
+    )
+    return (
+        f"""## Try this
+
+The guide of the laboratory (H) does it at a press; what it says is tested.
+
+{lines}
+
+"""
+        if lines
+        else ""
+    )
+
+
 def page(model: Model) -> str:
     """The page of a model."""
     rule, scene = model.rule, scene_of(model)
@@ -259,7 +279,7 @@ $$
 |---|---|---|---|---|
 {rows}
 
-## Try it
+{to_try(model)}## Try it
 
 In [the folder of the checkout](../../README.md#start):
 

@@ -23,6 +23,7 @@ from agents.engine.lanes import where
 from agents.engine.noise import uniform
 from agents.models.declare import Body, Parameters, Rule, Zone, parameter
 from agents.models.model import Model
+from agents.models.tries import Proof, Try
 from agents.rules.terms.sums import mean_heading, of_pairs, sum_of
 from agents.rules.vicsek import VEM, Vicsek
 from worlds.compiled import compiled
@@ -42,8 +43,10 @@ __all__ = [
     "Model",
     "Moved",
     "Parameters",
+    "Proof",
     "Refusal",
     "Rule",
+    "Try",
     "Vicsek",
     "Wish",
     "Zone",

@@ -12,6 +12,8 @@ from agents.conformance import CHECKS, outcome
 from agents.engine.block import Wish
 from agents.models.declare import ALL_ALIKE
 from agents.models.model import Model
+from agents.models.tries import Proof, Try
+from agents.spec import Options
 from worlds.compiled import compiled
 
 NOT_ALIKE = {
@@ -72,3 +74,33 @@ def test_a_rule_that_breaks_a_fact_is_found_out(monkeypatch, decide, fails, hold
     if "rotation" in fails:
         unsymmetric = Model(declared, constant_speed.BODY)
         assert outcome(unsymmetric, "rotation").result == "does not apply"
+
+
+def test_each_model_has_three_things_to_try_each_told_in_full():
+    for name, model in MODELS.items():
+        assert len(model.to_try) == 3, name
+        for one in model.to_try:
+            assert one.words.endswith("."), one.words
+            assert one.see.endswith("."), one.see
+            assert len({other.words for other in model.to_try}) == 3
+            assert set(one.set) <= {"agents", *Options.model_fields, *model.parameters.model_fields}
+
+
+def test_what_does_not_come_true_is_found_out(monkeypatch):
+    calm = Try("Add no noise.", "Disorder.", {"eta": 0.0}, Proof("polarisation", "below", 0.3, 60))
+    begun = replace(calm, set={"agents": 20})
+    for one, words in (
+        (calm, "not polarisation: below 0.3 after 60 ticks, but"),
+        (begun, "agents needs anew=True"),
+    ):
+        made = replace(MODELS["vem"], tries=(one,), suffix="-told")
+        monkeypatch.setitem(MODELS, made.name, made)
+        found = outcome(made, "tries")
+        assert found.result == "fails"
+        assert words in found.reason
+    assert outcome(replace(made, tries=()), "tries").result == "does not apply"
+
+
+def test_a_proof_has_a_relation():
+    with pytest.raises(TypeError, match="'grows' is no relation: below, above, falls, rises"):
+        Proof("polarisation", "grows", 0.3, 60)

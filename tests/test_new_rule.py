@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from cli.calling import refusal
 from agents import Flock, catalogue
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
+from agents.conformance import outcome
 from worlds.refusal import Refusal
 
 PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"
@@ -47,6 +49,17 @@ def test_it_does_what_it_says_for_two_agents(fading):
     h = np.exp(-0.4 / 0.8)
     expected = np.array([[1.0, h], [h, 1.0]]) / np.hypot(1.0, h)
     assert np.allclose(flock.heading, expected, atol=1e-12)
+
+
+def test_what_the_page_proposes_to_try_with_it_comes_true(fading, monkeypatch):
+    code = re.search(
+        r"```python\n(from flockscope.rules import Proof.*?)```", PAGE.read_text("utf-8"), re.DOTALL
+    )
+    found: dict = {}
+    exec(code.group(1), found)
+    model = replace(MODELS[fading], tries=found["TRIES"])
+    monkeypatch.setitem(MODELS, "fading", model)
+    assert outcome(model, "tries").result == "holds", outcome(model, "tries").reason
 
 
 def test_it_flies_in_three_dimensions(fading):

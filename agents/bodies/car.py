@@ -271,7 +271,8 @@ STEERED = replace(BODY, name="steered-car", takes="heading")
 def driving(rule: Rule, **more: Any) -> Model:
     """The model NAME-cars: cars driven by a rule that wishes a heading or a velocity.
 
-    `more` goes to the model; cars are on a plane, whatever the rule can do.
+    `more` goes to the model; cars are on a plane, whatever the rule can do, and what there is to
+    try with the rule need not come true of them.
     """
     twice = sorted(
         set(rule.parameters.model_fields) & set(Car.model_fields) - set(Tracking.model_fields)
@@ -285,5 +286,5 @@ def driving(rule: Rule, **more: Any) -> Model:
         suffix="-cars",
         title_suffix=", driven by cars",
         summary_suffix=" Here cars with a turning circle, lags and a radio link carry it out.",
-        **more,
+        **{"tries": (), **more},
     )

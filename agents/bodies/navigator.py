@@ -13,6 +13,7 @@ from agents.bodies.guard import guarded
 from agents.engine.block import Moved, Wish
 from agents.models.declare import Body, Parameters, Rule, parameter
 from agents.models.model import Model
+from agents.models.tries import Proof, Try
 from worlds.compiled import compiled
 from worlds.queries.surroundings import nearest_surface
 
@@ -230,6 +231,29 @@ BODY = Body(
 )
 
 
+TRIES = (
+    Try(
+        "Let UAVs repel each other only within 0.3.",
+        "They close up, to about 0.3 from each other, and go on with the mission.",
+        {"r_rep": 0.3},
+        Proof("nearest-neighbour", "below", 0.35, 300),
+    ),
+    Try(
+        "Take the repulsion away, and strengthen the attraction.",
+        "They crowd into clumps, all in nearly one spot.",
+        {"c_rep": 0.0, "c_att": 0.1},
+        Proof("nearest-neighbour", "below", 0.05, 300),
+    ),
+    Try(
+        "Raise the noise to 4 rad.",
+        "The flock falls apart into many small groups, and only the information agent still "
+        "flies its path.",
+        {"eta": 4.0},
+        Proof("largest-group", "below", 22, 300),
+    ),
+)
+
+
 def model(rule: Rule) -> Model:
     """The model NAME-nav: a rule of the Vicsek family on a mission among obstacles."""
     return Model(
@@ -241,4 +265,5 @@ def model(rule: Rule) -> Model:
         defaults={"eta": 0.1},
         world="liu2021-mission",
         agents=49,
+        tries=TRIES,
     )

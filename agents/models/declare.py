@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from agents.models.tries import Try
 from worlds.compiled import Entry
 from worlds.refusal import Refusal, unknown
 
@@ -280,6 +281,8 @@ class Rule:
     """Whether the flock is meant to converge to the information agent's heading."""
     symmetries: tuple[Symmetry, ...] = ALL_ALIKE
     """What makes no difference to agents in empty space, noise apart: `agents.conformance`."""
+    tries: tuple[Try, ...] = ()
+    """What there is to try with it: three things that a newcomer may do and see."""
 
     def __post_init__(self) -> None:
         demand_compiled(f"rule {self.name!r}", self, OF_RULES)

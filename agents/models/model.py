@@ -19,6 +19,7 @@ from agents.engine.cache import reached
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
+from agents.models.tries import Try
 
 NEIGHBOURS, NUMBER = "neighbours", "k"
 """The parameters that say who the neighbours are, and how many of the nearest, of rules that leave
@@ -87,6 +88,8 @@ class Model:
     """The observables that tell how its flocks do, the foremost first: a run prints them and the
     laboratory plots them, each of a flock that it applies to. None: those that
     `agents.observables.catalogue` has for flocks of its kind."""
+    tries: tuple[Try, ...] | None = None
+    """What there is to try with it; None: what its rule declares, which is tried with this body."""
 
     def __post_init__(self):
         if self.rule.wish != self.body.takes:
@@ -109,6 +112,11 @@ class Model:
     def summary(self) -> str:
         """What it does, in a sentence or two."""
         return self.rule.summary + self.summary_suffix
+
+    @property
+    def to_try(self) -> tuple[Try, ...]:
+        """What there is to try with it."""
+        return self.rule.tries if self.tries is None else self.tries
 
     @property
     def dimensions(self) -> tuple[int, ...]:

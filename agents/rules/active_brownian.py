@@ -17,6 +17,7 @@ import math
 from agents.engine.block import Wish, is_neighbour, seen
 from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
 
@@ -129,4 +130,25 @@ RULE = Rule(
     "measured: {bechinger2016-msd#10} (`uv run flockscope paper bechinger2016-msd`); crowded ones "
     "lose speed in proportion to the packing, by the slope times it; at packing "
     "{fily2012-speed#5} (`uv run flockscope paper fily2012-speed`)",
+    tries=(
+        Try(
+            "Let particles forget their heading 500 times as fast.",
+            "The clusters melt: who turns away again at once does not stay where it is crowded.",
+            {"D_r": 5.0},
+            Proof("largest-group", "below", 100, 3000),
+        ),
+        Try(
+            "Let particles not feel each other.",
+            "They pass through one another, and there are no more clusters than chance makes.",
+            {"mu": 0.0},
+            Proof("nearest-neighbour", "below", 0.3, 3000),
+        ),
+        Try(
+            "Take 300 particles instead of 1000.",
+            "There is room to get out of each other's way, and no large cluster comes about.",
+            {"agents": 300},
+            Proof("largest-group", "below", 40, 3000),
+            anew=True,
+        ),
+    ),
 )

@@ -17,6 +17,7 @@ from typing import Literal
 
 from agents.engine.block import Wish, seen
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
@@ -304,4 +305,29 @@ RULE = Rule(
     sees_obstacles=True,
     sees_points=True,
     led=False,
+    tries=(
+        Try(
+            "Take the pull of the gamma agent away.",
+            "Nobody makes for the goal: the flock drifts apart into a dozen groups and more.",
+            {"c1g": 0.0, "c2g": 0.0},
+            Proof("groups", "above", 8, 400),
+            anew=True,
+        ),
+        Try(
+            "Take the forces between agents away.",
+            "Nobody keeps a distance any more: they go through each other on their way to the "
+            "goal.",
+            {"c1a": 0.0},
+            Proof("nearest-neighbour", "below", 0.5, 400),
+            anew=True,
+        ),
+        Try(
+            "Let nobody go faster than 2 m/s.",
+            "At tick 400 they are still on their way, in one direction; at 5 m/s they are "
+            "among the obstacles by then, going all ways round.",
+            {"p_max": 2.0},
+            Proof("polarisation", "above", 0.85, 400),
+            anew=True,
+        ),
+    ),
 )

@@ -13,6 +13,7 @@ from agents.engine.block import Wish
 from agents.engine.lanes import where
 from agents.engine.noise import cos_sin, normal, uniform
 from agents.models.declare import Parameters, Rule, Zone, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.sums import of_pairs
 from agents.rules.terms.zone_sums import ALL_ROUND, ZONE_SUMS, edge_of, weigh_zones, zone_terms
@@ -167,4 +168,25 @@ COUZIN = Rule(
         Zone("attraction", lambda p: p.range),
     ),
     view="alpha",
+    tries=(
+        Try(
+            "Take the zone of orientation away.",
+            "A swarm: agents stay together and go nowhere, with every heading among them.",
+            {"dr_o": 0.0},
+            Proof("polarisation", "below", 0.33, 400),
+            anew=True,
+        ),
+        Try(
+            "Widen the zone of orientation to 9.",
+            "The group goes straight on as one: highly parallel.",
+            {"dr_o": 9.0},
+            Proof("polarisation", "above", 0.97, 400),
+        ),
+        Try(
+            "Widen the zone of repulsion to 4.",
+            "The group blows up: everybody is always too near to somebody, and no heading lasts.",
+            {"r_r": 4.0},
+            Proof("gyration-radius", "above", 10, 400),
+        ),
+    ),
 )

@@ -14,6 +14,7 @@ from __future__ import annotations
 from agents.engine.block import Wish, is_neighbour, seen
 from agents.engine.noise import exp, log
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
 
@@ -131,4 +132,29 @@ RULE = Rule(
     "beta = {cucker-smale2007#6}; beyond beta = 1/2 it depends on the start, beta = "
     "{cucker-smale2007#4}; up to 1/2 and below the critical speed flocks of 20 agree as fast as "
     "the bound says, beta = {cucker-smale2007#11} (`uv run flockscope paper cucker-smale2007`)",
+    tries=(
+        Try(
+            "Let agents listen less to those far away: beta = 2.",
+            "The flock comes apart before it agrees: beyond beta = 1/2 nothing promises that "
+            "it will.",
+            {"beta": 2.0},
+            Proof("polarisation", "below", 0.65, 500),
+            anew=True,
+        ),
+        Try(
+            "Let them listen ten times as strongly.",
+            "By tick 100 all have one velocity, to the last digit.",
+            {"K": 0.5},
+            Proof("velocity-spread", "below", 1e-06, 100),
+            anew=True,
+        ),
+        Try(
+            "Let nobody hear further than 1 m.",
+            "Small groups agree among themselves and part: word of the others no longer gets "
+            "through.",
+            {"r": 1.0},
+            Proof("groups", "above", 12, 200),
+            anew=True,
+        ),
+    ),
 )

@@ -19,6 +19,7 @@ from agents.engine.block import Wish, seen
 from agents.engine.lanes import where
 from agents.engine.noise import exp
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
 
@@ -189,4 +190,24 @@ RULE = Rule(
     checked="a catastrophic swarm keeps its radius R, an H-stable one its spacing d: "
     "{dorsogna2006-size#1}; {dorsogna2006-size#4} (`uv run flockscope paper dorsogna2006-size`); "
     "mills where C l^2 < 1: {dorsogna2006#1} (`uv run flockscope paper dorsogna2006`)",
+    tries=(
+        Try(
+            "Give the particles five times the drive.",
+            "They are faster, and the ring in which they go round gets more than twice as wide.",
+            {"alpha": 4.0},
+            Proof("gyration-radius", "rises", 0.4, 1500),
+        ),
+        Try(
+            "Take the attraction away.",
+            "Nothing holds them: they fly apart, each straight on.",
+            {"C_a": 0.0},
+            Proof("gyration-radius", "above", 20, 1500),
+        ),
+        Try(
+            "Halve the repulsion.",
+            "The ring shrinks to about a third.",
+            {"C_r": 0.5},
+            Proof("gyration-radius", "below", 0.3, 1500),
+        ),
+    ),
 )

@@ -23,6 +23,7 @@ from typing import Any
 
 from agents.engine.block import Wish
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.couzin import missed
 from agents.rules.terms.guarded_steps import safe_step
 from agents.rules.terms.potential_field import bent
@@ -270,4 +271,27 @@ GUARDED = Rule(
     view="alpha",
     sees_obstacles=True,
     led=False,
+    tries=(
+        Try(
+            "Switch the guard off.",
+            "Agents crash into each other and into the blocks; with it nobody does.",
+            {"guard": False},
+            Proof("crashes", "above", 4, 300),
+            anew=True,
+        ),
+        Try(
+            "Let nobody hear the calls.",
+            "Out of each other's sight the flock comes apart into several groups.",
+            {"w_c": 0.0},
+            Proof("groups", "above", 2.5, 300),
+            anew=True,
+        ),
+        Try(
+            "Double the zone of repulsion.",
+            "Everybody backs away from everybody: the flock is twice as wide, and goes nowhere.",
+            {"d_r": 4.0},
+            Proof("gyration-radius", "above", 5, 300),
+            anew=True,
+        ),
+    ),
 )

@@ -23,6 +23,7 @@ import math
 from agents.engine.block import Wish, adjacent
 from agents.engine.noise import normal
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from worlds.compiled import compiled
 
 DRAW = 4
@@ -161,4 +162,26 @@ RULE = Rule(
     "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "
     "wave): {attanasi2014#1}; {attanasi2014#3}; {attanasi2014#7} (`uv run flockscope paper "
     "attanasi2014`)",
+    tries=(
+        Try(
+            "Heat it to T = 5.",
+            "The order goes down, but not all of it: the alignment holds against the noise.",
+            {"T": 5.0},
+            Proof("polarisation", "below", 0.6, 400),
+        ),
+        Try(
+            "Take the alignment away.",
+            "Everybody wanders on its own.",
+            {"J": 0.0},
+            Proof("polarisation", "below", 0.2, 400),
+            anew=True,
+        ),
+        Try(
+            "Give everybody ten times the inertia.",
+            "Turning takes so long that order has hardly begun at tick 400.",
+            {"chi": 10.0},
+            Proof("polarisation", "below", 0.48, 400),
+            anew=True,
+        ),
+    ),
 )

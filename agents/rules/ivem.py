@@ -10,6 +10,7 @@ import math
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import search_layers
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.vicsek import VicsekAmong
 from worlds.compiled import compiled
 
@@ -133,6 +134,31 @@ IVEM = Rule(
     show=show,
     weigh=weigh,
     symmetries=("shift", "mirror"),  # angles are compared as numbers in [0, 2 pi)
+    tries=(
+        Try(
+            "Raise the noise to 3 rad.",
+            "The polarisation falls to about 0.4. The Vicsek model keeps about 0.6 at the same "
+            "noise: a mean of all neighbours averages more away than the two most different "
+            "ones do.",
+            {"eta": 3.0},
+            Proof("polarisation", "below", 0.52, 150),
+        ),
+        Try(
+            "Take ten times as many agents, as close together as before.",
+            "At tick 60 a thousand agree nearly as well as a hundred; of the Vicsek model they "
+            "would still be in patches.",
+            {"agents": 1000},
+            Proof("polarisation", "above", 0.95, 60),
+            anew=True,
+        ),
+        Try(
+            "Let agents notice each other only within 0.3.",
+            "A dozen groups and more, each on a way of its own.",
+            {"r": 0.3},
+            Proof("groups", "rises", 8, 150),
+            anew=True,
+        ),
+    ),
 )
 
 IVEM_A = Rule(
@@ -155,4 +181,27 @@ IVEM_A = Rule(
     informed=1,
     converges=True,
     symmetries=("shift", "mirror"),
+    tries=(
+        Try(
+            "Let the information agent weigh no more than anybody else.",
+            "The flock still agrees, but not on the heading of the agent that knows it: word "
+            "of it hardly gets through.",
+            {"k_iu": 1.0},
+            Proof("consistency", "falls", 0.02, 300),
+            anew=True,
+        ),
+        Try(
+            "Have twenty information agents instead of one.",
+            "Everybody meets one soon, and the flock goes their way as one.",
+            {"informed": 20},
+            Proof("polarisation", "above", 0.99, 150),
+            anew=True,
+        ),
+        Try(
+            "Raise the noise to 3 rad.",
+            "The order is gone: headings of all kinds, and a polarisation of about 0.2.",
+            {"eta": 3.0},
+            Proof("polarisation", "below", 0.45, 150),
+        ),
+    ),
 )

@@ -14,6 +14,7 @@ from typing import Literal
 
 from agents.engine.block import Wish
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
@@ -165,4 +166,29 @@ RULE = Rule(
     explain=explain,
     sees_obstacles=True,
     led=False,
+    tries=(
+        Try(
+            "Let agents want to be 2.5 m apart instead of 4 m.",
+            "The lattice draws together, so tightly that everybody has about twenty others "
+            "within reach.",
+            {"d": 2.5},
+            Proof("nearest-neighbour", "below", 2.4, 400),
+            anew=True,
+        ),
+        Try(
+            "Take the pull of the gamma agent away.",
+            "The flock falls into about ten groups: attraction alone reaches only so far, and "
+            "it is the goal that holds all together.",
+            {"c1g": 0.0, "c2g": 0.0},
+            Proof("groups", "above", 5, 400),
+            anew=True,
+        ),
+        Try(
+            "Let agents want to be 7 m apart, and notice each other within 10 m.",
+            "The lattice grows until it is nearly twice as wide.",
+            {"d": 7.0, "r": 10.0},
+            Proof("nearest-neighbour", "above", 5.5, 400),
+            anew=True,
+        ),
+    ),
 )

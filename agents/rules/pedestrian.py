@@ -18,6 +18,7 @@ from agents.engine.block import Wish, adjacent
 from agents.engine.layers import UNKNOWN
 from agents.engine.noise import normal
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from worlds.compiled import compiled
 from worlds.queries.surroundings import solids_around, surface
 
@@ -339,4 +340,27 @@ RULE = Rule(
     checked="people who walk both ways along a walkway form lanes (Helbing and Molnar 1995, "
     "figure 2); lane order after 100 s, beside people who do not mind each other: "
     "{helbing1995-lanes#2} (`uv run flockscope paper helbing1995-lanes`)",
+    tries=(
+        Try(
+            "Let nobody mind the others.",
+            "People walk through one another, and no lanes come about.",
+            {"repulsion": 0.0},
+            Proof("lane-order", "below", 0.16, 1500),
+            anew=True,
+        ),
+        Try(
+            "Let everybody want to go at the same speed.",
+            "Nobody overtakes, and the lanes get much clearer.",
+            {"spread": 0.0},
+            Proof("lane-order", "above", 0.46, 1500),
+            anew=True,
+        ),
+        Try(
+            "Let everybody want to go the way they look at the start.",
+            "Crossing streams: no two ways any more, and the crowd comes apart into groups.",
+            {"ways": "own"},
+            Proof("groups", "above", 2.5, 1500),
+            anew=True,
+        ),
+    ),
 )

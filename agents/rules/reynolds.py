@@ -16,6 +16,7 @@ import math
 from agents.engine.block import Wish, seen
 from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.steering import avoidance, cut, seek
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compiled import compiled
@@ -281,4 +282,25 @@ REYNOLDS = Rule(
     explain=explain,
     sees_obstacles=True,
     led=False,
+    tries=(
+        Try(
+            "Take alignment away.",
+            "Boids stay together and keep clear of each other, but mill about like gnats: what "
+            "each does no longer fits what the others do.",
+            {"w_alignment": 0.0},
+            Proof("velocity-spread", "above", 2.0, 400),
+        ),
+        Try(
+            "Take separation away.",
+            "Boids draw together until they fly in one another.",
+            {"w_separation": 0.0},
+            Proof("nearest-neighbour", "below", 0.05, 400),
+        ),
+        Try(
+            "Have all seek the goal ten times as strongly.",
+            "They press round the star and go along with it.",
+            {"w_seek": 5.0},
+            Proof("goal-distance", "below", 1.5, 400),
+        ),
+    ),
 )

@@ -12,6 +12,7 @@ import math
 
 from agents.engine.block import Wish
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.couzin import missed
 from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.potential_field import push
@@ -159,4 +160,27 @@ SAFE = Rule(
     view="alpha",
     sees_obstacles=True,
     led=False,
+    tries=(
+        Try(
+            "Let nobody look ahead.",
+            "Many crash: who only keeps clear of those that are near already comes too late.",
+            {"t_s": 0.0},
+            Proof("crashes", "above", 10, 300),
+            anew=True,
+        ),
+        Try(
+            "Let them avoid each other, and nothing else.",
+            "The flock scatters into a dozen groups and more.",
+            {"g": 0.0},
+            Proof("groups", "above", 9, 300),
+            anew=True,
+        ),
+        Try(
+            "Let them see 270 degrees instead of 90.",
+            "They find together into one to three close groups.",
+            {"alpha": 270.0},
+            Proof("mean-neighbours", "above", 17, 300),
+            anew=True,
+        ),
+    ),
 )

@@ -14,6 +14,7 @@ from typing import Literal
 from agents.bodies.tracking import Tracking, error_of, left_behind
 from agents.engine.block import Wish, adjacent
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.pulls import (
     ERROR_X,
     ERROR_Y,
@@ -362,4 +363,25 @@ SQUASHING = Rule(
     weigh=weigh,
     forces=FORCES,
     explain=explain,
+    tries=(
+        Try(
+            "Lower C to 0.3.",
+            "The distance at which cars neither attract nor repel shrinks, and they come close "
+            "together.",
+            {"C": 0.3},
+            Proof("nearest-neighbour", "below", 0.2, 1500),
+        ),
+        Try(
+            "Raise C to 1.5.",
+            "Repulsion at every distance: each flees all others, and the injected car too.",
+            {"C": 1.5},
+            Proof("nearest-neighbour", "above", 5, 1500),
+        ),
+        Try(
+            "Take the injected car's weight away.",
+            "The four settle into a square and stand.",
+            {"c_goal": 0.0},
+            Proof("polarisation", "below", 0.2, 1500),
+        ),
+    ),
 )

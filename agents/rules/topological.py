@@ -8,6 +8,7 @@ The rule is that of `agents.rules.vicsek`; `agents.engine.nearest` says who is n
 from __future__ import annotations
 
 from agents.models.declare import Rule
+from agents.models.tries import Proof, Try
 from agents.rules.vicsek import OF_PAIRS, VicsekAmong
 
 RULE = Rule(
@@ -23,4 +24,30 @@ RULE = Rule(
     "{ballerini2008#1}; {ballerini2008#2} (eta = 2, densities 0.25 and 16; `uv run flockscope "
     "paper ballerini2008`)",
     **OF_PAIRS,
+    tries=(
+        Try(
+            "Let everybody heed the twenty nearest instead of seven.",
+            "Word gets further at each tick: by tick 100 nearly all go one way, where with "
+            "seven the flock still bends and turns.",
+            {"k": 20},
+            Proof("polarisation", "above", 0.75, 100),
+            anew=True,
+        ),
+        Try(
+            "Let everybody heed one other only, the nearest.",
+            "Pairs and short chains agree, and no more than these: the flock never takes a "
+            "heading.",
+            {"k": 1},
+            Proof("polarisation", "below", 0.35, 200),
+            anew=True,
+        ),
+        Try(
+            "Take sixty agents, as close together as before.",
+            "By tick 100 they all go one way: seven of sixty are a large part of the flock, "
+            "seven of four hundred are not.",
+            {"agents": 60},
+            Proof("polarisation", "above", 0.95, 100),
+            anew=True,
+        ),
+    ),
 )

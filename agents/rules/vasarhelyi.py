@@ -16,6 +16,7 @@ import math
 
 from agents.engine.block import Wish, adjacent
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from worlds.compiled import compiled
 from worlds.queries.surroundings import solids_around, surface
 
@@ -287,4 +288,25 @@ VASARHELYI = Rule(
     explain=explain,
     sees_obstacles=True,
     led=False,
+    tries=(
+        Try(
+            "Take the alignment away.",
+            "Drones bounce from wall to wall, each on its own course.",
+            {"c_frict": 0.0},
+            Proof("polarisation", "below", 0.65, 400),
+        ),
+        Try(
+            "Take the repulsion away.",
+            "They still fly one way, but nearest drones come into one another: nobody keeps a "
+            "distance.",
+            {"p_rep": 0.0},
+            Proof("nearest-neighbour", "falls", 0.8, 400),
+        ),
+        Try(
+            "Make the repulsion about eight times as strong.",
+            "The flock spreads out: nearest drones are nearly twice as far apart.",
+            {"p_rep": 1.0},
+            Proof("nearest-neighbour", "rises", 0.4, 400),
+        ),
+    ),
 )

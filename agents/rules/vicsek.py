@@ -12,6 +12,7 @@ import math
 from agents.engine.block import Wish, is_neighbour
 from agents.engine.lanes import where
 from agents.models.declare import Parameters, Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.sums import of_pairs
 from worlds.compiled import compiled
@@ -84,6 +85,31 @@ VEM = Rule(
     "{liu2021-table1/vem/200/k_con}: `uv run flockscope paper liu2021-table1`",
     parameters=VicsekAmong,
     **OF_PAIRS,
+    tries=(
+        Try(
+            "Raise the noise to 5.5 rad, nearly a full turn.",
+            "The flock that went one way becomes a crowd: every heading is there, and the "
+            "polarisation falls to about 0.1.",
+            {"eta": 5.5},
+            Proof("polarisation", "below", 0.25, 150),
+        ),
+        Try(
+            "Take ten times as many agents, as close together as before.",
+            "Patches of one heading each, which join only slowly: at tick 60 a hundred agents "
+            "have long agreed, a thousand have not.",
+            {"agents": 1000},
+            Proof("polarisation", "falls", 0.1, 60),
+            anew=True,
+        ),
+        Try(
+            "Let agents notice each other only within 0.3.",
+            "Several groups, each with a heading of its own; they only come together where "
+            "their ways happen to cross.",
+            {"r": 0.3},
+            Proof("groups", "rises", 2, 150),
+            anew=True,
+        ),
+    ),
 )
 
 VEM_A = Rule(
@@ -101,4 +127,29 @@ VEM_A = Rule(
     **OF_PAIRS,
     informed=1,
     converges=True,
+    tries=(
+        Try(
+            "Have twenty information agents instead of one.",
+            "Everybody has one near by: at tick 60 all have their heading, "
+            "where the single one still pulls at the flock.",
+            {"informed": 20},
+            Proof("consistency", "above", 0.999, 60),
+            anew=True,
+        ),
+        Try(
+            "Take ten times as many agents, as close together as before.",
+            "The single agent that knows the way drowns: at tick 60 there are patches of every "
+            "heading.",
+            {"agents": 1000},
+            Proof("polarisation", "falls", 0.1, 60),
+            anew=True,
+        ),
+        Try(
+            "Raise the noise to 5.5 rad, nearly a full turn.",
+            "The flock becomes a crowd: every heading is there, that of the information agent "
+            "no more than others.",
+            {"eta": 5.5},
+            Proof("polarisation", "below", 0.25, 150),
+        ),
+    ),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from agents.engine.block import Wish, adjacent
 from agents.engine.layers import search_layers
 from agents.models.declare import Rule, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.vicsek import Vicsek
 from worlds.compiled import compiled
 
@@ -101,4 +102,29 @@ WVEM = Rule(
     weigh=weigh,
     informed=1,
     converges=True,
+    tries=(
+        Try(
+            "Take ten times as many agents, as close together as before.",
+            "Those far from the information agent never hear of it: at tick 60 a hundred agree "
+            "with it, a thousand are in patches.",
+            {"agents": 1000},
+            Proof("polarisation", "falls", 0.1, 60),
+            anew=True,
+        ),
+        Try(
+            "Let all neighbours weigh the same.",
+            "This is the Vicsek model with one agent that does not turn: the flock takes "
+            "longer to come to its heading.",
+            {"k_alpha": 1.0, "k_beta": 1.0},
+            Proof("consistency", "falls", 0.004, 60),
+            anew=True,
+        ),
+        Try(
+            "Raise the noise to 5.5 rad, nearly a full turn.",
+            "Weights do not help against this: every heading is there, and the polarisation "
+            "falls to about 0.1.",
+            {"eta": 5.5},
+            Proof("polarisation", "below", 0.25, 150),
+        ),
+    ),
 )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from agents.engine.block import Wish
 from agents.models.declare import Parameters, Rule, Zone, parameter
+from agents.models.tries import Proof, Try
 from agents.rules.couzin import missed
 from agents.rules.terms.nearest import Nearest
 from agents.rules.terms.potential_field import bent
@@ -178,4 +179,28 @@ ZONES = Rule(
     view="alpha",
     sees_obstacles=True,
     led=False,
+    tries=(
+        Try(
+            "Let them see all round.",
+            "They keep apart, since now they also notice who comes from behind, and are one "
+            "flock or two.",
+            {"alpha": 360.0},
+            Proof("nearest-neighbour", "above", 0.25, 300),
+        ),
+        Try(
+            "Let bodies be solid all the time.",
+            "Most of the flock crashes: what the thesis counts at the start only goes on all "
+            "along.",
+            {"contact": "always"},
+            Proof("crashes", "above", 25, 300),
+            anew=True,
+        ),
+        Try(
+            "Take the zone of attraction away.",
+            "Nothing brings them back together: some thirty groups of one or a few.",
+            {"d_a": 2.5},
+            Proof("groups", "above", 18, 300),
+            anew=True,
+        ),
+    ),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 from app.cli.choices import (
@@ -61,6 +62,10 @@ def model(name: str) -> Thing:
     row["parameters"] = [
         {**{key: getattr(one, key) for key in columns}, "source": one.source}
         for one in declared(found.parameters)
+    ]
+    row["tries"] = [
+        {**asdict(one), "set": dict(one.set), "changes": one.changes, "found": one.proof.in_words}
+        for one in found.to_try
     ]
     return row
 
@@ -131,6 +136,10 @@ def about_model(one: Thing) -> list[str]:
     made.append("parameters (--set NAME=VALUE):")
     for row in one["parameters"]:
         made += about_value(row)
+    made += ["try this:"] if one["tries"] else []
+    for row in one["tries"]:
+        made += wrapped(f"{row['words']} ({row['changes']})", 2)
+        made += wrapped(row["see"], 6)
     return [
         *made,
         f"Run it: flockscope run {one['name']}; look at it: flockscope lab {one['name']}",

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 import viser
 
+from agents.catalogue import MODELS
+from app.viewer.lab.panels.tries import is_done, now
+from tests.browser.conftest import START
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
@@ -100,6 +103,29 @@ def test_keys_step_and_open_the_guide(window):
     window.page.get_by_text("Neighbours count by how few hops").wait_for()
     window.press("Close")
     until(lambda: "Neighbours count by how few hops" not in window.text())
+
+
+@pytest.mark.parametrize("anew", [False, True])
+def test_the_guide_does_what_it_proposes_and_takes_it_back(window, laboratory, anew):
+    simulation, page = laboratory.simulation, window.page
+    offered = MODELS[START.model].to_try
+    number, one = next((n, one) for n, one in enumerate(offered) if one.anew == anew)
+    run, before = simulation.state.run, {name: now(simulation.state, name) for name in one.set}
+    assert not is_done(simulation.state, one)
+    page.keyboard.press("h")
+    window.tab("Try this")
+    page.get_by_text(one.see).wait_for()
+    page.get_by_role("button", name="Do it", exact=True).nth(number).click()
+    until(lambda: is_done(simulation.state, one), what="what is proposed")
+    until(lambda: simulation.state.running and simulation.frame.tick > 0, what="a flock that runs")
+    assert (simulation.state.run > run) == anew
+    page.get_by_role("button", name="Take it back", exact=True).click()
+    until(lambda: {name: now(simulation.state, name) for name in one.set} == before)
+    page.get_by_role("button", name="Do it", exact=True).nth(len(offered) - 1).wait_for()
+    page.keyboard.press("Escape")
+    until(lambda: page.locator(".fs-page").count() == 0, what="the guide to be closed")
+    assert simulation.state.values["eta"] == START.parameters["eta"]
+    until(lambda: "Takes effect at Setup" in laboratory.setup.note.content)
 
 
 def test_an_agent_is_inspected_until_its_window_is_closed(window, laboratory):

@@ -17,7 +17,7 @@ from worlds.compiled import compiled
 def decide(me, near, surroundings, p):
     return Wish(1.0, 0.0, 0.0)
 
-RULE = dataclasses.replace(VEM, name="eastwards", decide=decide, dimensions=(2,))
+RULE = dataclasses.replace(VEM, name="eastwards", decide=decide, dimensions=(2,), tries=())
 """
 
 

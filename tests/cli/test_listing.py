@@ -48,6 +48,18 @@ def test_a_model_is_shown_with_all_that_its_parameters_declare(name):
         assert {"symbol", "unit", "low", "high", "default", "source"} <= row.keys()
 
 
+@pytest.mark.parametrize("name", ["hwvem", "squashing-best"])
+def test_a_model_is_shown_with_what_there_is_to_try(name):
+    text = " ".join(shown(name).split())
+    listed = json.loads(shown(name, "--json"))["model"]["tries"]
+    for one, row in zip(MODELS[name].to_try, listed, strict=True):
+        assert one.words in text
+        assert one.see in text
+        assert row["set"] == one.set
+        assert row["proof"]["observable"] == one.proof.observable
+        assert row["anew"] == one.anew
+
+
 def test_one_thing_of_every_kind_is_shown():
     for name, words, kind in (
         ("obstacles", "flockscope world show obstacles", "world"),

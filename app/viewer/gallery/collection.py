@@ -58,7 +58,8 @@ def find_scene(name: str) -> SavedScene:
         return unpacked(name)
     if name.startswith(MODEL):
         model = find_model(name.removeprefix(MODEL))
-        return SavedScene(model.title, at_home(model.name))
+        tries = "".join(f"{one.words} {one.see}" for one in model.to_try[:1])
+        return SavedScene(model.title, at_home(model.name), watch=model.summary, tries=tries)
     if name.startswith(WORLD):
         return in_world(name.removeprefix(WORLD))
     if name not in scene_names():

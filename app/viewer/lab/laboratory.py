@@ -25,6 +25,7 @@ from app.viewer.lab.panels.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
+from app.viewer.lab.panels.tries import Tries
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world import WorldPanel
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
@@ -151,7 +152,7 @@ class Laboratory:
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
         dock(gui, left)
-        self.guide = Guide()
+        self.guide = Guide(Tries(self.simulation, self.parameters, self.setup))
         self.inspector = Inspector(gui, lambda: self.select(None))
 
     def listen(self) -> None:

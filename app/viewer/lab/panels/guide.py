@@ -8,19 +8,18 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.models.declare import declared
-from app.beside import STATIC
+from app.viewer.lab.panels.tries import Tries
 from app.viewer.panels.hotkeys import KEYS, OWN_KEYS
 from app.viewer.panels.notation import equation_svg
 from app.viewer.panels.parameters import worded
 from app.viewer.panels.style import CSS, block
 
-TRIES = (STATIC / "try.html").read_text()
-
 
 class Guide:
     """Opens the guide in the browser that asks for it, once at a time."""
 
-    def __init__(self) -> None:
+    def __init__(self, tries: Tries) -> None:
+        self.tries = tries
         self.open: set[int] = set()
         """Browsers in which it is open."""
 
@@ -30,14 +29,15 @@ class Guide:
             return
         self.open.add(client.client_id)
         gui = client.gui
-        modal = gui.add_modal(f"Guide · {MODELS[model_name].rule.title}")
+        modal = gui.add_modal(f"Guide · {MODELS[model_name].title}")
         with modal:
             gui.add_html(CSS)
             tabs = gui.add_tab_group()
             with tabs.add_tab("Model"):
                 gui.add_html(page(about(model_name)))
-            with tabs.add_tab("Try this"):
-                gui.add_html(page(TRIES))
+            if MODELS[model_name].to_try:
+                with tabs.add_tab("Try this"):
+                    self.tries.show(gui, model_name)
             with tabs.add_tab("Parameters"):
                 gui.add_html(page(parameters(model_name)))
             with tabs.add_tab("Keys"):
@@ -58,16 +58,18 @@ def page(content: str) -> str:
 
 
 def about(model_name: str) -> str:
-    """What the model is: summary, equation, source."""
-    rule = MODELS[model_name].rule
+    """What the model is: summary, equation, where the rule and the body are from."""
+    model = MODELS[model_name]
+    rule, body = model.rule, model.body
     lines = rule.equation.split(r"\qquad")
     drawn = "".join(
         f'<div style="padding:6px 0">{svg or f"<code>{html.escape(line)}</code>"}</div>'
         for svg, line in zip(equation_svg(rule.equation), lines, strict=False)
     )
     return (
-        f"<p>{html.escape(rule.summary)}</p>{drawn}"
-        f'<p class="fs-quiet">{html.escape(rule.source)}</p>'
+        f"<p>{html.escape(model.summary)}</p>{drawn}"
+        f'<p class="fs-quiet">Rule: {html.escape(rule.source)}.<br>'
+        f"Body: {html.escape(f'{body.title} ({body.source})')}.</p>"
     )
 
 
