@@ -68,10 +68,10 @@ class ParametersPanel:
         own = declared(MODELS[state.spec.model].parameters)
         changed = [one for one in own if state.values.get(one.name) != one.default]
         text = differing(changed, state.values)
-        if text != self.changed.content:
-            self.changes = {one.name: one.default for one in changed}
-            self.changed.content = text
+        self.changes = {one.name: one.default for one in changed}
         self.back.visible = bool(self.changes or self.past)
+        if text != self.changed.content:
+            self.changed.content = text
 
     async def go_back(self, _event: viser.GuiEvent) -> None:
         """Undo the last change, or give every parameter its default."""
