@@ -44,6 +44,9 @@ COMMANDS = {
     "recording": Entry(
         ".take.recording", "recording", "What a recording holds, and its numbers as CSV."
     ),
+    "picture": Entry(
+        ".take.picture", "picture", "A picture of a flock in its world, with legend and scale."
+    ),
     "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
 }
 
