@@ -47,6 +47,7 @@ COMMANDS = {
     "picture": Entry(
         ".take.picture", "picture", "A picture of a flock in its world, with legend and scale."
     ),
+    "film": Entry(".take.film", "film", "A film of a flock in its world: MP4, WebM or GIF."),
     "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
 }
 

@@ -78,18 +78,22 @@ def has_wheel(shot: Shot) -> bool:
     return shot.made.look.colour == "heading"
 
 
+def entries(shot: Shot) -> list[tuple[str, str]]:
+    """What colours mean, but for those that a wheel explains: words and CSS colours."""
+    if has_wheel(shot):
+        return [one for one in shot.entries if not one[0].startswith("heading ")]
+    return shot.entries
+
+
 def signs(shot: Shot, of_world: list[Any]) -> list[Any]:
     """The signs of the legend: colours that a wheel does not explain, then the world."""
     from matplotlib.lines import Line2D
 
-    entries = shot.entries
-    if has_wheel(shot):
-        entries = [one for one in entries if not one[0].startswith("heading ")]
     mark = "s" if shot.made.frame.cars is not None else ">"
     made: list[Any] = [
         Line2D([], [], color=colour, marker=mark, markersize=8, linestyle="none",
                markeredgecolor="white", markeredgewidth=0.4, label=words)
-        for words, colour in entries
+        for words, colour in entries(shot)
     ]  # fmt: skip
     return made + of_world
 

@@ -9,7 +9,7 @@ import numpy as np
 from app.pictures.shot import Shot
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.seam import nearest_image
-from app.worlds.colours import GOAL, SOLID, SOLID_EDGE, START
+from app.worlds.colours import FLOOR, GOAL, SOLID, SOLID_EDGE, START
 from app.worlds.footprint import footprint
 from app.worlds.mission import draw_path
 from app.worlds.plan import edge_signs, edges, fill, floor, view
@@ -41,15 +41,16 @@ class Plane:
         self.cabins: Any = PolyCollection([], zorder=9, closed=True, linewidths=0)
         (self.goal,) = axes.plot([], [], "*", color=GOAL, markersize=14, markeredgecolor="white",
                                  markeredgewidth=0.8, zorder=10)  # fmt: skip
+        self.ring = ring(axes)
         for one in (self.bodies, self.cabins):
             axes.add_collection(one, autolim=False)
-        self.moving: list[Any] = [self.bodies, self.cabins, self.goal]
+        self.moving: list[Any] = [self.bodies, self.cabins, self.ring, self.goal]
         """What changes from tick to tick; with a camera that follows, all does."""
         low, high = self.frame()
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[],
                  yticks=[])  # fmt: skip
         axes.spines[:].set_visible(False)
-        axes.set_facecolor("none")
+        axes.set_facecolor(FLOOR if follow is not None and world.wraps.any() else "none")
 
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
         """The corners of what is shown."""
@@ -98,7 +99,9 @@ class Plane:
         """Move the agents to where they are."""
         position, heading = shot.position, shot.now.heading
         if self.follow is not None:
-            position = self.centre_on(shot, shot.row_of(self.follow))
+            row = shot.row_of(self.follow)
+            position = self.centre_on(shot, row)
+            self.ring.set_data(*position[row, :, None])
         order = np.argsort(shot.made.size, kind="stable")
         colour = shot.made.colour[order]
         cars = shot.made.frame.cars
@@ -134,10 +137,18 @@ class Plane:
         apart[:, :2] = shot.position - centre
         low, high = self.frame()
         shape = (high - low) / max(high - low)
-        half = AROUND * max(self.world.size) * shape / min(shape)
+        half = AROUND * max(self.world.size) * shape / np.sqrt(min(shape))
         self.axes.set_xlim(centre[0] - half[0], centre[0] + half[0])
         self.axes.set_ylim(centre[1] - half[1], centre[1] + half[1])
         return centre + nearest_image(apart, period)[:, :2]
+
+
+def ring(axes: Any) -> Any:
+    """What is drawn around a followed agent."""
+    (made,) = axes.plot([], [], "o", markersize=30, markerfacecolor="none",
+                        markeredgecolor=palette.css(palette.SELECTED), markeredgewidth=1.2,
+                        zorder=9)  # fmt: skip
+    return made
 
 
 def turned(

@@ -10,8 +10,10 @@ import numpy as np
 from app.figure import write_figure
 from app.pictures import key
 from app.pictures.plane import Plane
+from app.pictures.plots import TALL, Plots
 from app.pictures.shot import Shot
 from app.pictures.space import Space
+from app.viewer.scene.shown.look import MEASURED
 from app.worlds.colours import INK, LOOK
 
 USUAL = 1200.0 * 800.0
@@ -20,6 +22,8 @@ SIDE, ABOVE, BELOW = 0.34, 0.84, 0.62
 """Inches around the scene."""
 COLUMN, ENTRY, ROW, SIGN = 2.35, 2.0, 0.23, 1.25
 """Inches: the column of the legend, the width of an entry below the scene, its height, a wheel."""
+SCALES = ("speed", MEASURED)
+"""Colourings whose numbers change from tick to tick."""
 SPACE_ASPECT = 1.12
 """Width over height of what is shown in space, about."""
 
@@ -27,12 +31,16 @@ SPACE_ASPECT = 1.12
 class Sheet:
     """A figure of `size` pixels on which shots of one run are shown, one after the other.
 
-    `follow`: the identity of an agent that the camera follows. `room`: inches left free below, for
-    plots. Raises Refusal.
+    `follow`: the identity of an agent that the camera follows. `plots` are drawn below. Raises
+    Refusal.
     """
 
     def __init__(
-        self, first: Shot, size: tuple[int, int], follow: int | None = None, room: float = 0.0
+        self,
+        first: Shot,
+        size: tuple[int, int],
+        follow: int | None = None,
+        plots: Plots | None = None,
     ):
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -41,13 +49,16 @@ class Sheet:
         self.size, self.follow = size, follow
         self.dots = max(20, round(100.0 * (size[0] * size[1] / USUAL) ** 0.5))
         self.inches = np.array([(side + 0.01) / self.dots for side in size])
-        self.room = room
+        self.plots, self.room = plots, TALL if plots else 0.0
+        self.background: Any = None
+        """What does not move, as it was drawn last."""
         self.look = {**LOOK, "svg.fonttype": "path"}
-        self.shown: list[Any] = []
         with matplotlib.rc_context(self.look):  # type: ignore[arg-type]
             self.figure: Any = Figure(figsize=tuple(self.inches), dpi=self.dots)
             self.canvas = FigureCanvasAgg(self.figure)
             self.lay_out(first)
+            if plots:
+                plots.draw(self.figure, first.now)
             self.show(first)
 
     def lay_out(self, first: Shot) -> None:
@@ -86,6 +97,8 @@ class Sheet:
             self.legend(signs, first, (left, bottom - BELOW + 0.08), columns)
         self.head(first)
         axes.apply_aspect()
+        if self.follow is not None:
+            self.scene.show(first)
         self.rule(first, bottom)
 
     def legend(self, signs: list[Any], first: Shot, at: tuple[float, float], columns: int) -> None:
@@ -101,13 +114,15 @@ class Sheet:
             box = (x / wide, (y - SIGN) / tall, SIGN / wide, SIGN / tall)
             key.draw_wheel(figure.add_axes(box), first.now.world.dim)
             x, y = (x, y - SIGN - 0.05) if columns == 1 else (x + SIGN + 0.1, y)
+        self.explained, self.words = len(key.entries(first)), []
         if signs:
-            figure.legend(
+            made = figure.legend(
                 handles=signs, loc="upper left", bbox_to_anchor=(x / wide, y / tall),
                 ncols=min(columns, len(signs)), fontsize=9.5, labelcolor=INK, borderpad=0.0,
                 borderaxespad=0.0, handletextpad=0.5, handlelength=1.5, columnspacing=1.6,
                 labelspacing=0.45,
             )  # fmt: skip
+            self.words = list(made.get_texts())[: self.explained]
 
     def head(self, first: Shot) -> None:
         """Title and caption, and on the right the moment."""
@@ -132,12 +147,41 @@ class Sheet:
     @property
     def moving(self) -> list[Any]:
         """What has to be drawn again for each shot."""
-        return [*self.scene.moving, self.moment, *self.shown]
+        return [*self.scene.moving, self.moment, *(self.plots.lines if self.plots else ())]
 
     def show(self, shot: Shot) -> None:
         """Show another shot of the run. Raises Refusal if the followed agent is gone."""
         self.scene.show(shot)
         self.moment.set_text(key.moment(shot))
+        words = [words for words, _ in self.entries(shot)]
+        for text, word in zip(self.words, words, strict=False):
+            if text.get_text() != word and shot.made.look.colour in SCALES:
+                text.set_text(word)
+                self.background = None
+
+    def entries(self, shot: Shot) -> list[tuple[str, str]]:
+        """What its legend says of colours."""
+        return key.entries(shot)
+
+    def is_outgrown_by(self, shot: Shot) -> bool:
+        """Whether a shot has more colours to explain than the legend has."""
+        return len(self.entries(shot)) > self.explained
+
+    def pixels(self) -> np.ndarray:
+        """The sheet as it is, (height, width, 3) uint8; what does not move is drawn once."""
+        import matplotlib
+
+        with matplotlib.rc_context(self.look):  # type: ignore[arg-type]
+            if self.background is None or self.follow is not None:
+                for one in self.moving:
+                    one.set_animated(True)
+                self.canvas.draw()
+                self.background = self.canvas.copy_from_bbox(self.figure.bbox)
+            else:
+                self.canvas.restore_region(self.background)
+            for one in sorted(self.moving, key=lambda one: one.get_zorder()):
+                self.figure.draw_artist(one)
+        return np.asarray(self.canvas.buffer_rgba())[..., :3]
 
     def write(self, path: Path) -> None:
         """Write it as its ending says: PNG, SVG or PDF. Raises Refusal."""

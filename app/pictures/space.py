@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from app.pictures.plane import ring
 from app.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, View, view
 from app.viewer.scene.draw import palette
@@ -55,6 +56,22 @@ class Eye(NamedTuple):
         across = np.stack([apart @ self.right, apart @ self.over], axis=-1)
         return across / (away * np.tan(0.5 * self.view.fov))[..., None], away
 
+    def ahead(self, points: np.ndarray) -> np.ndarray:
+        """How far points (..., 3) are before the nearest that is drawn, (...)."""
+        return -((points - self.view.position) @ self.back) - self.view.near
+
+    def lines(self, segments: np.ndarray) -> np.ndarray:
+        """Segments (K, 2, 3) as they are seen (M, 2, 2), cut off where the camera is."""
+        ahead = self.ahead(segments)
+        segments, ahead = segments[(ahead > 0.0).any(axis=1)], ahead[(ahead > 0.0).any(axis=1)]
+        cut = segments.copy()
+        for end, other in ((0, 1), (1, 0)):
+            behind = ahead[:, end] < 0.0
+            share = ahead[behind, other] / (ahead[behind, other] - ahead[behind, end])
+            begin = segments[behind, other]
+            cut[behind, end] = begin + share[:, None] * (segments[behind, end] - begin)
+        return self.seen(cut)[0]
+
 
 class Space:
     """The scene on its axes. `signs` explain what of the world is drawn."""
@@ -76,12 +93,13 @@ class Space:
         self.faces: Any = PolyCollection([], zorder=8, closed=True)
         (self.goal,) = axes.plot([], [], "*", color=GOAL, markersize=14, markeredgecolor="white",
                                  markeredgewidth=0.8, zorder=9)  # fmt: skip
+        self.ring = ring(axes)
         self.before: Any = LineCollection([], colors="#64748b", linewidths=1.1, zorder=10)
         for one in (self.floor, self.lines, self.shadows, self.behind, self.way, self.faces,
                     self.before):  # fmt: skip
             axes.add_collection(one, autolim=False)
         self.moving: list[Any] = [self.shadows, self.behind, self.way, self.faces, self.goal,
-                                  self.before]  # fmt: skip
+                                  self.ring, self.before]  # fmt: skip
         """What changes from tick to tick; with a camera that follows, all does."""
         axes.set(xlim=(-ZOOM * aspect, ZOOM * aspect), ylim=(-ZOOM, ZOOM), aspect="equal")
         axes.set(xticks=[], yticks=[])
@@ -114,7 +132,8 @@ class Space:
         """Floor, its lines, the edges of the box, and the path, as the camera sees them now."""
         half, eye = self.stage.half, self.eye
         corners = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1]]) * half
-        self.floor.set_verts([eye.seen(corners)[0]])
+        whole = bool((eye.ahead(corners) > 0.0).all())
+        self.floor.set_verts([eye.seen(corners)[0]] if whole else [])
         step = 2.0 * max(half[:2]) / LINES
         rows = []
         for axis, other in ((0, 1), (1, 0)):
@@ -123,16 +142,16 @@ class Space:
                 ends[:, axis] = min(at, half[axis])
                 ends[:, other] = -half[other], half[other]
                 rows.append(ends)
-        self.lines.set_segments(eye.seen(np.array(rows))[0])
+        self.lines.set_segments(eye.lines(np.array(rows)))
         near, far = box_edges_by_depth(half, eye)
-        self.before.set_segments(eye.seen(near)[0])
-        self.behind.set_segments(eye.seen(far)[0])
+        self.before.set_segments(eye.lines(near))
+        self.behind.set_segments(eye.lines(far))
         mission = self.world.mission or Mission()
         if mission.path:
             points = np.array(mission.path.waypoints, float)
             shown = self.stage.shown(points[:, :3]) if points.shape[1] == 3 else None
             if shown is not None:
-                self.way.set_segments([eye.seen(shown)[0]])
+                self.way.set_segments(eye.lines(np.stack([shown[:-1], shown[1:]], axis=1)))
 
     def rule(self, length: float, words: str) -> None:
         """A bar of a length along the nearest edge of the floor, with words."""
@@ -172,13 +191,18 @@ class Space:
         self.faces.set_linewidth(0.25)
         under = corners[:, [0, 1, 3, 2]].copy()
         under[..., 2] = -self.stage.half[2]
+        under = under[(self.eye.ahead(under) > 0.0).all(axis=1)]
         self.shadows.set_verts(self.eye.seen(under)[0])
+        if self.follow is not None:
+            self.ring.set_data(*self.eye.seen(at[[shot.row_of(self.follow)]])[0].T)
         goal = made.frame.progress.goal
         seen: Any = ([], []) if goal is None else self.eye.seen(self.stage.shown(goal)[None])[0].T
         self.goal.set_data(*seen)
 
     def lit(self, triangles: np.ndarray, colour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Triangles (T, 3, 3) that face the camera, the farthest first, and their colours."""
+        there = (self.eye.ahead(triangles) > 0.0).all(axis=1)
+        triangles, colour = triangles[there], colour[there]
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         length = np.linalg.norm(normal, axis=1)
         normal /= np.where(length > 0.0, length, 1.0)[:, None]
