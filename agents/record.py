@@ -1,4 +1,4 @@
-"""Recordings: positions and headings per tick as Parquet, with the run's spec in the metadata.
+"""Recordings: positions and headings per tick as Parquet; the metadata has spec, units and world.
 
 While a run lasts its frames go to `NAME.part`, an Arrow stream that holds every frame written even
 if the process is killed; at the end it becomes the Parquet file, or the CSV file, in one move.
@@ -12,11 +12,12 @@ import os
 from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from agents.catalogue import model
+from agents.columns import AXES, LEG, PAST, columns_of, crash_columns
 from agents.engine.arrays import Arrays
 from agents.home import find_world
 from agents.models.declare import checked
@@ -27,18 +28,17 @@ from agents.state.rows import no_crashes
 from worlds.counting import counted
 from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
+from worlds.world import World
 from worlds.writing import demand_writable, writing
 
 KEY = b"flockscope"
-FORMAT = 1
-AXES = "xyz"
+FORMAT = 2
+"""1 had no units, no time of a tick and only the name of a built-in world."""
 STATES = (".parquet", ".pq")
 """Endings of states, which hold the run's spec too."""
 SHEET = ".csv"
 """The ending of a recording as plain numbers, without the spec: no run can go on from it."""
 RECORDINGS = (*STATES, SHEET)
-PAST = "past"
-"""The column of a saved state that holds what messages on their way tell."""
 FLUSH_ROWS = 20_000
 """Rows that may be in flight before they are written to the disk."""
 
@@ -87,10 +87,9 @@ class Recorder:
         import pyarrow as pa
 
         now = self.snapshot()
-        meta = {"format": FORMAT, "spec": self.flock.spec.to_toml(), "next_id": now.next_id}
-        schema = batch_of(now, self.with_past).schema.with_metadata(
-            {KEY: json.dumps(meta).encode()}
-        )
+        schema = batch_of(now, self.with_past).schema
+        meta = metadata(self.flock.spec, now, schema.names)
+        schema = schema.with_metadata({KEY: json.dumps(meta).encode()})
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
             raise Refusal(
@@ -194,7 +193,7 @@ def batch_of(flock: Snapshot, with_past: bool = False):
     columns["speed"] = flock.speed.copy()
     columns["informed"] = flock.informed.copy()
     if flock.world.mission is not None and flock.world.mission.path is not None:
-        columns["leg"] = flock.arrays.leg.copy()
+        columns[LEG] = flock.arrays.leg.copy()
     if flock.can_crash:
         crash_record = flock.arrays.crash_record
         columns |= {
@@ -209,9 +208,31 @@ def batch_of(flock: Snapshot, with_past: bool = False):
     return pa.RecordBatch.from_pydict(columns)
 
 
-def crash_columns(dim: int) -> list[str]:
-    """Columns of a crash record: the tick of the crash or -1, what it touched, and where."""
-    return ["crash_tick", "crash_cause", *("crash_" + letter for letter in AXES[:dim])]
+def metadata(spec: Spec, now: Snapshot, names: Collection[str]) -> dict[str, Any]:
+    """What a reader needs beside the columns of these names: run, time, units, world."""
+    return {
+        "format": FORMAT,
+        "spec": spec.to_toml(),
+        "next_id": now.next_id,
+        **described(now.model, now.world, now.dt, PAST in names),
+    }
+
+
+def described(one: Model, world: World, dt: float, with_past: bool) -> dict[str, Any]:
+    """Model, time, units and world of a recording, as JSON has them."""
+    return {
+        "model": one.name,
+        "title": one.title,
+        "time_per_tick": dt,
+        "time_unit": one.body.unit,
+        "length_unit": one.in_units("length"),
+        "columns": {
+            name: {"unit": unit, "meaning": meaning}
+            for name, unit, meaning in columns_of(one, world, with_past)
+        },
+        "world_name": world.name,
+        "world": world.to_layout(),
+    }
 
 
 def refused(path: Path, error: OSError) -> Refusal:
@@ -332,7 +353,7 @@ def arrays_of(table, dim: int, one: Model, path) -> Arrays:
             column["speed"].copy(),
             column["informed"].astype(np.bool_),
             column["id"].copy(),
-            column.get("leg", np.zeros(table.num_rows, np.int32)).astype(np.int32),
+            column.get(LEG, np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
             np.column_stack(crash_record) if mortal else no_crashes(0, dim),
             past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(one.signals)),

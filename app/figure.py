@@ -9,12 +9,12 @@ from worlds.writing import writing
 
 DOTS = 160
 """Dots per inch of a PNG."""
+UNDATED: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+"""What takes the date out of a file, so that the same figure is the same file."""
 
 
 def write_figure(figure: Any, path: Path, dots: int = DOTS) -> None:
-    """Write a figure as its ending says, PNG or SVG; a file is replaced. Raises Refusal."""
+    """Write a figure as its ending says, PNG, SVG or PDF; a file is replaced. Raises Refusal."""
     kind = path.suffix.lower().lstrip(".")
     with writing("picture", path) as file:
-        figure.savefig(
-            file, format=kind, dpi=dots, metadata={"Date": None} if kind == "svg" else None
-        )
+        figure.savefig(file, format=kind, dpi=dots, metadata=UNDATED.get(kind))

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from flockscope._flocks import fly as fly
     from flockscope._flocks import follow as follow
     from flockscope._models import MODELS as MODELS
+    from flockscope._models import Recording as Recording
     from flockscope._models import Spec as Spec
     from flockscope._models import from_file as from_file
     from flockscope._models import model as model
@@ -65,6 +66,7 @@ __all__ = [
     "Path",
     "Polygon",
     "Prism",
+    "Recording",
     "Refusal",
     "Ring",
     "Series",

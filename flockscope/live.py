@@ -29,6 +29,7 @@ from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
     from app.live.links.links import open_link
+    from app.live.recording.replay import read as read_recording
 
 __all__ = [
     "FULL",
@@ -50,6 +51,7 @@ __all__ = [
     "open_link",
     "open_source",
     "open_wire",
+    "read_recording",
     "seen",
     "shortage",
     "unseen",
@@ -57,9 +59,13 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """`open_link`, when asked for: it collects the links of plug-ins, which import this module."""
+    """What is imported when asked for: links of plug-ins, which import this module; recordings."""
     if name == "open_link":
         from app.live.links.links import open_link
 
         return open_link
+    if name == "read_recording":
+        from app.live.recording.replay import read
+
+        return read
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -251,6 +251,13 @@ BODY = Body(
     touches=touches,
     measures=("clearance",),
     measure=measure,
+    units={
+        SIGNALS[STEERING]: "rad",
+        SIGNALS[PACE]: "m/s",
+        SIGNALS[STUCK]: "s",
+        **dict.fromkeys((name for name in SIGNALS if name.startswith("wheel")), "rad"),
+        "clearance": "m",
+    },
     sees_obstacles=True,
     stops=True,
     lasts=lambda p: p.dt,

@@ -6,8 +6,8 @@ declarations; nothing about a rule is written twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
@@ -240,6 +240,9 @@ class Rule:
     """Compiled: (me, near, p, out). Signals for the next tick."""
     memory: tuple[str, ...] = ()
     """What an agent keeps to itself, in the order of `me.memory`; 0 at the start."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Units of its signals and its memory by name, of points and vectors NAME_x, NAME_y, ... by
+    NAME; what has none is a pure number."""
     places: tuple[str, ...] = ()
     """Points in that memory, NAME_x and NAME_y of each; an agent heads for the last of them."""
     places_while: str = ""
@@ -343,6 +346,8 @@ class Body:
     """What is measured of each agent within the pass."""
     measure: Callable | None = None
     """Compiled: (me, near, p, out). Measures it, on the flock as the tick finds it."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """Units of its signals and of what is measured, as those of a rule."""
     begins: Callable[[Any, np.random.Generator, int], np.ndarray] | None = None
     """Speeds (n,) at the start, from the parameters; None: 0."""
     speed: Callable[[Any], float] | None = None

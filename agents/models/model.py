@@ -133,6 +133,12 @@ class Model:
         time = "tick" if self.body.unit == "ticks" else self.body.unit
         return unit.replace("length", length).replace("/time", f"/{time}")
 
+    def unit_of(self, column: str) -> str:
+        """The unit of one of `columns`, 1 for a pure number."""
+        units = {**self.rule.units, **self.body.units}
+        point = column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
+        return self.in_units(units.get(column, units.get(point, "1")))
+
     @property
     def informed(self) -> int:
         """Information agents unless the user says otherwise."""

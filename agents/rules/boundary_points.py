@@ -296,6 +296,7 @@ RULE = Rule(
     wish="acceleration",
     dimensions=(2,),
     memory=MEMORY,
+    units={"split": "m", "rejoin": "m", "aim": "m", "phase": "rad"},
     places=("split", "rejoin", "aim"),
     places_while="following",
     perceive=perceive,

@@ -265,6 +265,13 @@ GUARDED = Rule(
     show=show,
     remember=remember,
     memory=("wish_x", "wish_y", "wish_z", "next_x", "next_y", "next_z", "next_radius"),
+    units={
+        "room": "length",
+        "room_radius": "length",
+        "wish": "length/time",
+        "next": "length",
+        "next_radius": "length",
+    },
     perceive=perceive,
     weigh=weigh,
     zones=REPELLED_ALL_ROUND,

@@ -359,6 +359,7 @@ SQUASHING = Rule(
     show=show,
     remember=remember,
     memory=("last_x", "last_y", "known", "rate_x", "rate_y", "sum_x", "sum_y"),
+    units={"error": "m", "rate": "1/s", "sum": "s"},
     perceive=perceive,
     weigh=weigh,
     forces=FORCES,

@@ -41,6 +41,13 @@ COMMANDS = {
     "check": Entry(".check", "check", "Check a model: what every model keeps to."),
     "warm": Entry(".warm", "warm", "Compile models ahead, so that nobody waits for them."),
     "cite": Entry(".cite", "cite", "The papers that a model comes from, as BibTeX."),
+    "recording": Entry(
+        ".take.recording", "recording", "What a recording holds, and its numbers as CSV."
+    ),
+    "picture": Entry(
+        ".take.picture", "picture", "A picture of a flock in its world, with legend and scale."
+    ),
+    "film": Entry(".take.film", "film", "A film of a flock in its world: MP4, WebM or GIF."),
     "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
 }
 

@@ -29,12 +29,14 @@ from typing import Any
 from agents.record import refused
 from agents.spec import versions
 from app.live.control.tick_record import TickRecord
+from app.live.laboratory.lab import lab_from_toml
 from app.live.laboratory.parts import MB, RESERVE, Part, RecordingLimits, part_of, parts_of
+from app.live.recording.columns import described, units_of
 from app.live.recording.stream import Stream, finish
 from worlds.refusal import Refusal
 
-FORMAT = 3
-"""1 had no simulated cars, 2 no parts."""
+FORMAT = 4
+"""1 had no simulated cars, 2 no parts, 3 neither units nor the time of a tick."""
 EVERY = 0.1
 """Seconds between which the tables are brought to the disk."""
 AT_ONCE = 100
@@ -132,6 +134,7 @@ class Recording:
                 "began": time.time(),
                 "began_on_the_clock": time.monotonic(),
                 "versions": versions(),
+                **described(lab_from_toml(self.laboratory, "laboratory")),
             }
             self.begin(self.part)
         except OSError as error:
@@ -202,7 +205,8 @@ class Recording:
         try:
             part.folder.mkdir(exist_ok=True)
             self.streams = {
-                name: Stream(part.table(name), columns, meta) for name, columns in TABLES.items()
+                name: Stream(part.table(name), columns, meta | {"units": units_of(name)})
+                for name, columns in TABLES.items()
             }
         except OSError:
             if part.number > 1:

@@ -11,18 +11,23 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from agents.record import KEY
+from agents.record import KEY, SHEET, table_writer
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.control import Control, Step
 from app.live.control.driver import Companion, Driver
 from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
+from app.live.recording.columns import columns_of, described
 from app.live.recording.record import TABLES
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal
+from worlds.refusal import Refusal, unknown
+from worlds.writing import writing
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 BATCH = 10_000
 """Rows that are read at once."""
@@ -79,6 +84,51 @@ class StoredRecording:
     def events(self) -> list[Row]:
         """All that happened."""
         return [row for part in self.parts for row in rows(part.table("events"))]
+
+    def demand_table(self, name: str) -> None:
+        """Refuse the name of a table that it does not have. Raises Refusal."""
+        if name not in self.tables:
+            raise unknown("table", name, self.tables, str(self.folder))
+
+    def rows(self, name: str) -> int:
+        """How many rows a table has in all parts."""
+        import pyarrow.parquet as pq
+
+        return sum(pq.read_metadata(part.table(name)).num_rows for part in self.parts)
+
+    def table(self, name: str) -> Any:
+        """A table with the rows of all parts, as a pyarrow Table. Raises Refusal."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        self.demand_table(name)
+        return pa.concat_tables(pq.read_table(part.table(name)) for part in self.parts)
+
+    def to_dataframe(self, name: str) -> pd.DataFrame:
+        """A table as a data frame of pandas; `attrs` has units, meanings, the time of a tick, the
+        capture area as a world's layout, and the laboratory as TOML. Raises Refusal.
+        """
+        frame = self.table(name).to_pandas(ignore_metadata=True)
+        columns = columns_of(name)
+        frame.attrs.update(
+            described(self.lab),
+            table=name,
+            units={one: column["unit"] for one, column in columns.items()},
+            meanings={one: column["meaning"] for one, column in columns.items()},
+            began=self.began,
+            laboratory=self.lab.to_toml(),
+        )
+        return frame
+
+    def to_csv(self, name: str, path: str | Path, overwrite: bool = False) -> int:
+        """Write a table as CSV; returns the rows. Raises Refusal."""
+        table = self.table(name)
+        with (
+            writing("--csv", path, overwrite, (SHEET,)) as out,
+            table_writer(Path(path), out, table.schema) as writer,
+        ):
+            writer.write_table(table)
+        return int(table.num_rows)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""What one takes along of a run: its recording as tables, pictures and films."""

@@ -1,0 +1,94 @@
+"""`flockscope picture`: a flock in its world at a tick, as PNG, SVG or PDF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.given import Asked, with_options
+from app.cli.keeping import run_ticks
+from app.cli.outcome import as_json, tell_written
+from app.cli.progress import Progress
+from app.cli.refusals import INTERRUPTED
+from app.cli.rule_option import Rules
+from app.cli.take.source import flock_of, is_recording, pixels, recording_of
+from app.settings import at_least
+from worlds.writing import demand_writable
+
+if TYPE_CHECKING:
+    from agents.snapshot import Snapshot
+
+ENDINGS = (".png", ".svg", ".pdf")
+TICK = 100
+"""Of a run, unless another is asked for."""
+
+
+@with_options
+def picture(
+    spec: Annotated[
+        str | None,
+        typer.Argument(help="A model, a spec (TOML), a recording or saved state, or a FILE.py."),
+    ] = None,
+    rule: Rules = None,
+    *,
+    asked: Asked,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
+    ] = None,
+    tick: Annotated[
+        int | None,
+        typer.Option(help="Which tick to draw. \\[default: 100; of a recording its last]"),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="PNG, SVG or PDF file, by its ending.")] = Path(
+        "flock.png"
+    ),
+    size_text: Annotated[
+        str, typer.Option("--pixels", help="Width and height of a PNG.")
+    ] = "1600x1000",
+    colour: Annotated[
+        str | None,
+        typer.Option(
+            help="heading, layer, group, speed, energy saved, plain, neighbours, or a signal of "
+            "the model. \\[default: layer where an information agent leads, else heading]"
+        ),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Let --out replace a file.")
+    ] = False,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+) -> None:
+    """Draw a flock in its world at a tick, with what colours mean, a scale and a caption.
+
+    What `flockscope run` takes to say which run it is, this takes too.
+    """
+    at_least("--tick", tick, 0)
+    size = pixels(size_text)
+    demand_writable("--out", out, overwrite, ENDINGS)
+    now = taken(spec, rule, asked, settings or [], tick, quiet)
+    from app.pictures.sheet import Sheet
+    from app.pictures.shot import look_of, shot
+
+    Sheet(shot(now, look_of(now, colour)), size).write(out)
+    if json_asked:
+        made = {"picture": str(out), "model": now.model.name, "tick": now.tick, "time": now.elapsed}
+        typer.echo(as_json(made))
+    if not quiet:
+        tell_written(out)
+
+
+def taken(
+    spec: str | None, rule: Rules, asked: Asked, settings: list[str], tick: int | None, quiet: bool
+) -> Snapshot:
+    """The flock to draw, of a recording or of a run that is made. Raises Refusal."""
+    if is_recording(spec):
+        assert spec is not None
+        return recording_of(spec, asked, settings, rule).at(tick)
+    flock = flock_of(spec, asked, settings, rule, quiet)
+    wanted = TICK if tick is None else tick
+    with Progress(f"{flock.model.name} to tick {wanted}", quiet) as progress:
+        if wanted and not run_ticks(flock, wanted, progress):
+            raise typer.Exit(INTERRUPTED)
+    return flock.snapshot(signals=True)

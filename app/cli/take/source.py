@@ -1,0 +1,64 @@
+"""What a picture or a film is made of: a recording, a saved state, or a run that is made for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.given import Asked, named
+from app.cli.rule_option import by_name, first_of
+from app.cli.run import built, tell
+from app.experiments.workers.kernels import compile_loop
+from worlds.refusal import Refusal
+
+if TYPE_CHECKING:
+    from agents import Flock
+    from agents.recording import Recording
+
+STATES = (".parquet", ".pq")
+"""Endings of recordings and saved states."""
+
+
+def is_recording(what: str | None) -> bool:
+    """Whether it names a recording or a saved state."""
+    return what is not None and Path(what).suffix.lower() in STATES
+
+
+def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Recording:
+    """The recording that is named; what a run takes beside it is refused. Raises Refusal."""
+    for name, value in {**asked, "set": settings or None, "rule": rule or None}.items():
+        if value is not None:
+            raise Refusal(
+                f"{named(name)} {value} is not allowed: {what} is a recording, its run is done"
+            )
+    from agents.recording import Recording
+
+    return Recording(what)
+
+
+def flock_of(what: str | None, asked: Asked, settings: list[str], rule: Any, quiet: bool) -> Flock:
+    """The flock of a model's name, of a FILE.py or of a spec (TOML), compiled. Raises Refusal."""
+    spec = Path(what) if what is not None and Path(what).suffix.lower() == ".toml" else None
+    model = None if spec else first_of(by_name(what), rule)
+    if spec is not None and not spec.exists():
+        raise Refusal(f"spec {str(spec)!r} cannot be read: there is no such file")
+    flock = built(spec, model, asked, settings, 1, False, quiet)
+    if flock.warning and not quiet:
+        tell(f"flockscope: {flock.warning}")
+    compile_loop(flock, None if quiet else tell)
+    return flock
+
+
+def pixels(text: str) -> tuple[int, int]:
+    """Width and height of a text WIDTHxHEIGHT. Raises Refusal."""
+    wide, times, tall = text.lower().partition("x")
+    if not (times and wide.isdigit() and tall.isdigit()):
+        raise Refusal(f"--pixels {text!r} is not a size: WIDTHxHEIGHT, as 1600x1000")
+    for side in (wide, tall):
+        if not LEAST <= int(side[:9]) <= MOST:
+            raise Refusal(f"--pixels {text}: {side} is outside [{LEAST}, {MOST}]")
+    return int(wide), int(tall)
+
+
+LEAST, MOST = 320, 8000
+"""Pixels of a side."""

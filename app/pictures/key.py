@@ -1,0 +1,144 @@
+"""What a picture says beside the scene: what colours mean, a scale, which run it is."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from app.pictures.shot import Shot
+from app.viewer.scene.draw import palette
+from app.viewer.scene.shown.look import MEASURED
+from app.worlds.colours import INK
+from worlds.counting import counted
+
+GREY = "#5b6673"
+WHEEL = 180
+"""Sectors of the wheel of headings."""
+
+
+def title(shot: Shot) -> str:
+    """The model, for people."""
+    return shot.now.model.title
+
+
+def caption(shot: Shot) -> str:
+    """Model, world, agents and seed, on one line."""
+    now, unit = shot.now, length_unit(shot)
+    size = " × ".join(f"{side:.4g}" for side in now.world.size)
+    informed = int(now.informed.sum())
+    who = counted(len(now.ids) - informed, "agent")
+    who += f" and {counted(informed, 'information agent')}" if informed else ""
+    return f"{now.model.name} in {now.world.name}, {size}{unit} · {who} · seed {now.seed}"
+
+
+def moment(shot: Shot) -> str:
+    """Tick and time."""
+    now, unit = shot.now, shot.now.model.body.unit
+    return f"tick {now.tick}" + ("" if unit == "ticks" else f" · {now.elapsed:.2f} {unit}")
+
+
+def length_unit(shot: Shot) -> str:
+    """The unit of lengths behind a number, "" where the model's paper names none."""
+    unit = shot.now.model.in_units("length")
+    return "" if unit == "length" else f" {unit}"
+
+
+def nice(length: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is no longer.
+
+    >>> nice(0.83), nice(49.0), nice(2.0)
+    (0.5, 20.0, 2.0)
+    """
+    power = 10.0 ** math.floor(math.log10(length) + 1e-12)
+    return float(next(k * power for k in (5, 2, 1) if k * power <= length * (1.0 + 1e-9)))
+
+
+def ruler(shot: Shot, longest: float) -> tuple[float, str]:
+    """A nice length that is no longer, and its words."""
+    length = nice(longest)
+    unit = length_unit(shot) or (" lengths" if length != 1.0 else " length")
+    return length, f"{length:g}{unit}"
+
+
+def coloured_by(shot: Shot) -> str:
+    """What the colours stand for."""
+    look = shot.made.look
+    if look.colour == "plain":
+        return ""
+    if look.colour != MEASURED:
+        return look.colour if look.colour != "energy saved" else "drag saved"
+    unit = shot.now.model.unit_of(look.measured) if look.measured in shot.now.model.columns else "1"
+    return look.measured.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
+
+
+def has_wheel(shot: Shot) -> bool:
+    """Whether headings are explained by a wheel."""
+    return shot.made.look.colour == "heading"
+
+
+def entries(shot: Shot) -> list[tuple[str, str]]:
+    """What colours mean, but for those that a wheel explains: words and CSS colours."""
+    if has_wheel(shot):
+        return [one for one in shot.entries if not one[0].startswith("heading ")]
+    return shot.entries
+
+
+def signs(shot: Shot, of_world: list[Any]) -> list[Any]:
+    """The signs of the legend: colours that a wheel does not explain, then the world."""
+    from matplotlib.lines import Line2D
+
+    mark = "s" if shot.made.frame.cars is not None else ">"
+    made: list[Any] = [
+        Line2D([], [], color=colour, marker=mark, markersize=8, linestyle="none",
+               markeredgecolor="white", markeredgewidth=0.4, label=words)
+        for words, colour in entries(shot)
+    ]  # fmt: skip
+    return made + of_world
+
+
+def draw_wheel(axes: Any, dim: int) -> None:
+    """The colours of headings in the plane, as a compass; in space a word on climbing."""
+    from matplotlib.collections import PolyCollection
+
+    angle = np.linspace(0.0, 2.0 * np.pi, WHEEL + 1)
+    rim = np.column_stack([np.cos(angle), np.sin(angle)])
+    sectors = np.stack([0.52 * rim[:-1], rim[:-1], rim[1:], 0.52 * rim[1:]], axis=1)
+    middle = 0.5 * (angle[:-1] + angle[1:])
+    colour = palette.by_heading(np.column_stack([np.cos(middle), np.sin(middle)]))
+    axes.add_collection(
+        PolyCollection(list(sectors), facecolors=colour, edgecolors=colour, linewidths=0.3)
+    )
+    for words, x, y in (("+x", 1.32, 0), ("+y", 0, 1.3), ("−x", -1.36, 0), ("−y", 0, -1.3)):
+        axes.text(x, y, words, ha="center", va="center", fontsize=8, color=GREY)
+    if dim == 3:
+        axes.text(0, -1.72, "lighter: climbing", ha="center", va="center", fontsize=8, color=GREY)
+    axes.set(xlim=(-1.6, 1.6), ylim=(-1.9, 1.5), aspect="equal", xticks=[], yticks=[])
+    axes.spines[:].set_visible(False)
+    axes.set_facecolor("none")
+
+
+def draw_ruler(figure: Any, axes: Any, shot: Shot, y: float) -> None:
+    """The scale bar of a plan, below the left edge of the world, at y, a share of the figure."""
+    low, high = axes.get_xlim()
+    length, words = ruler(shot, 0.22 * (high - low))
+    begin = max(low, min(shot.now.world.low[0], high - length))
+    ends = axes.transData.transform([(begin, 0.0), (begin + length, 0.0)])[:, 0]
+    left, right = ends / figure.bbox.width
+    bar(figure, (left, right), y, words)
+
+
+def bar(figure: Any, x: tuple[float, float], y: float, words: str) -> None:
+    """A bar with end marks from x to x at y, shares of the figure, and words behind it."""
+    from matplotlib.lines import Line2D
+
+    tall = 4.0 * figure.dpi / 72.0 / figure.bbox.height
+    for xs, ys in (
+        (x, (y, y)),
+        ((x[0], x[0]), (y - tall, y + tall)),
+        ((x[1], x[1]), (y - tall, y + tall)),
+    ):
+        figure.add_artist(Line2D(xs, ys, color=INK, linewidth=1.6, solid_capstyle="butt"))
+    gap = 6.0 * figure.dpi / 72.0 / figure.bbox.width
+    figure.text(x[1] + gap, y, words, va="center", ha="left", fontsize=10, color=INK)

@@ -1,0 +1,160 @@
+"""A flock in the plane, seen from above: the world stays, the agents are moved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from app.pictures.shot import Shot
+from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.seam import nearest_image
+from app.worlds.colours import FLOOR, GOAL, SOLID, SOLID_EDGE, START
+from app.worlds.footprint import footprint
+from app.worlds.mission import draw_path
+from app.worlds.plan import edge_signs, edges, fill, floor, view
+from worlds.mission import Mission
+from worlds.world import World
+
+DART = np.array([[0.60, 0.0], [-0.40, 0.36], [-0.22, 0.0], [-0.40, -0.36]])
+"""Outline of an agent of length 1 that heads along +x, as that of the page."""
+HULL = np.array([[-0.5, -0.46], [-0.5, 0.46], [0.26, 0.46], [0.5, 0.32], [0.5, -0.32],
+                 [0.26, -0.46]])  # fmt: skip
+"""Of a car of length and width 1."""
+CABIN = np.array([[-0.30, -0.32], [-0.30, 0.32], [0.12, 0.32], [0.22, 0.24], [0.22, -0.24],
+                  [0.12, -0.32]])  # fmt: skip
+SEEN = 8.0
+"""Points of an agent's length from which on it has an outline."""
+AROUND = 0.16
+"""Half of what is shown around a followed agent, as a share of the world's longest side."""
+
+
+class Plane:
+    """The scene on its axes. `signs` explain what of the world is drawn."""
+
+    def __init__(self, axes: Any, world: World, follow: int | None = None):
+        from matplotlib.collections import PolyCollection
+
+        self.axes, self.world, self.follow = axes, world, follow
+        self.signs = self.draw_world()
+        self.bodies: Any = PolyCollection([], zorder=8, closed=True)
+        self.cabins: Any = PolyCollection([], zorder=9, closed=True, linewidths=0)
+        (self.goal,) = axes.plot([], [], "*", color=GOAL, markersize=14, markeredgecolor="white",
+                                 markeredgewidth=0.8, zorder=10)  # fmt: skip
+        self.ring = ring(axes)
+        for one in (self.bodies, self.cabins):
+            axes.add_collection(one, autolim=False)
+        self.moving: list[Any] = [self.bodies, self.cabins, self.ring, self.goal]
+        """What changes from tick to tick; with a camera that follows, all does."""
+        low, high = self.frame()
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[],
+                 yticks=[])  # fmt: skip
+        axes.spines[:].set_visible(False)
+        axes.set_facecolor(FLOOR if follow is not None and world.wraps.any() else "none")
+
+    def frame(self) -> tuple[np.ndarray, np.ndarray]:
+        """The corners of what is shown."""
+        return view(self.world)
+
+    def draw_world(self) -> list[Any]:
+        """Floor, edges, obstacles, path and the goal's route; the signs that explain them."""
+        from matplotlib.lines import Line2D
+        from matplotlib.patches import Patch
+
+        axes, world = self.axes, self.world
+        floor(axes, world)
+        signs: list[Any] = []
+        outline = footprint(world)
+        if not outline.is_empty:
+            fill(axes, outline, SOLID, SOLID_EDGE)
+            signs.append(Patch(facecolor=SOLID, edgecolor=SOLID_EDGE, label="obstacle"))
+        edges(axes, world)
+        signs += edge_signs(world)
+        mission = world.mission or Mission()
+        if mission.path:
+            signs.append(draw_path(axes, mission.path, [0, 1]))
+        if mission.goal:
+            route = np.array(mission.goal.route)[:, :2]
+            if len(route) > 1:
+                line = np.vstack([route, route[:1]]) if mission.goal.closed else route
+                axes.plot(*line.T, color=GOAL, linewidth=1.2, linestyle=(0, (1, 1.5)), zorder=5)
+            signs.append(Line2D([], [], color=GOAL, marker="*", markersize=11, linestyle="none",
+                                label="goal"))  # fmt: skip
+        return signs
+
+    def begin(self, shot: Shot) -> None:
+        """Draw where the mission starts, which depends on how many there are."""
+        from matplotlib.patches import Patch, Rectangle
+
+        if shot.made.frame.room is None:
+            return
+        low, high = shot.made.frame.room
+        style: dict[str, Any] = {"edgecolor": START, "linestyle": (0, (3, 2)), "linewidth": 1.2}
+        self.axes.add_patch(
+            Rectangle(tuple(low[:2]), *(high - low)[:2], fill=False, zorder=3, **style)
+        )
+        self.signs.append(Patch(fill=False, label="start", **style))
+
+    def show(self, shot: Shot) -> None:
+        """Move the agents to where they are."""
+        position, heading = shot.position, shot.now.heading
+        if self.follow is not None:
+            row = shot.row_of(self.follow)
+            position = self.centre_on(shot, row)
+            self.ring.set_data(*position[row, :, None])
+        order = np.argsort(shot.made.size, kind="stable")
+        colour = shot.made.colour[order]
+        cars = shot.made.frame.cars
+        shapes, stretch = [DART], np.ones(2)
+        if cars is not None:
+            shapes, stretch = [HULL, CABIN], np.array([1.0, cars.width / cars.length])
+        placed = [
+            turned(one * stretch, position[order], heading[order], shot.length[order])
+            for one in shapes
+        ]
+        large = self.points_of(float(np.median(shot.length))) > SEEN
+        self.bodies.set_verts(placed[0])
+        self.bodies.set_facecolor(colour)
+        self.bodies.set_edgecolor("white" if large else "none")
+        self.bodies.set_linewidth(0.6 if large else 0.0)
+        if cars is not None:
+            self.cabins.set_verts(placed[1])
+            self.cabins.set_facecolor(palette.GLASS)
+        goal = shot.made.frame.progress.goal
+        self.goal.set_data(*(([], []) if goal is None else goal[:2, None]))
+
+    def points_of(self, length: float) -> float:
+        """How many points a length is on paper."""
+        (low, _), (high, _) = self.axes.transData.transform([(0.0, 0.0), (length, 0.0)])
+        return 72.0 * abs(high - low) / self.axes.figure.dpi
+
+    def centre_on(self, shot: Shot, row: int) -> np.ndarray:
+        """Look at an agent; the positions of the others as it has them, nearest images."""
+        centre = shot.position[row]
+        period = np.full(3, np.inf)
+        period[:2][self.world.wraps] = np.array(self.world.size)[self.world.wraps]
+        apart = np.zeros((len(shot.position), 3))
+        apart[:, :2] = shot.position - centre
+        low, high = self.frame()
+        shape = (high - low) / max(high - low)
+        half = AROUND * max(self.world.size) * shape / np.sqrt(min(shape))
+        self.axes.set_xlim(centre[0] - half[0], centre[0] + half[0])
+        self.axes.set_ylim(centre[1] - half[1], centre[1] + half[1])
+        return centre + nearest_image(apart, period)[:, :2]
+
+
+def ring(axes: Any) -> Any:
+    """What is drawn around a followed agent."""
+    (made,) = axes.plot([], [], "o", markersize=30, markerfacecolor="none",
+                        markeredgecolor=palette.css(palette.SELECTED), markeredgewidth=1.2,
+                        zorder=9)  # fmt: skip
+    return made
+
+
+def turned(
+    shape: np.ndarray, position: np.ndarray, heading: np.ndarray, length: np.ndarray
+) -> np.ndarray:
+    """A shape (K, 2) at each place, turned along each heading, of each length: (N, K, 2)."""
+    ux, uy = heading[:, 0], heading[:, 1]
+    turn = np.stack([np.stack([ux, -uy], -1), np.stack([uy, ux], -1)], 1)
+    return position[:, None, :] + length[:, None, None] * np.einsum("nij,kj->nki", turn, shape)

@@ -1,0 +1,122 @@
+"""A flock at a tick as the page draws it: the same colours and sizes, without a page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from agents.inspection import shells
+from agents.observables.of_agents import OF_AGENTS, measurable, measured
+from agents.observables.of_flocks import SAVED
+from agents.snapshot import Snapshot
+from agents.state.start import start_box
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.cars import cars
+from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.look import COLOURINGS, MEASURED, Look
+from worlds.refusal import Refusal, unknown
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A snapshot with the picture that is made of it."""
+
+    now: Snapshot
+    made: Picture
+
+    @property
+    def position(self) -> np.ndarray:
+        """(N, dim), length."""
+        return self.now.position
+
+    @property
+    def length(self) -> np.ndarray:
+        """Of each agent as it is drawn, (N,), length."""
+        return self.made.length * self.made.size / self.made.stage.scale
+
+    @property
+    def entries(self) -> list[tuple[str, str]]:
+        """What the colours mean: words and CSS colours."""
+        return legend(self.made.look, self.made.frame)
+
+    def row_of(self, identity: int) -> int:
+        """The row of the agent with an identity. Raises Refusal if there is none."""
+        found = np.flatnonzero(self.now.ids == identity)
+        if not len(found):
+            raise Refusal(f"agent {identity} is not there at tick {self.now.tick}")
+        return int(found[0])
+
+
+def look_of(now: Snapshot, colour: str | None) -> Look:
+    """How it is drawn, coloured by a name of `colourings`; None: as suits it. Raises Refusal."""
+    if colour is None:
+        return Look(colour="layer" if now.informed.any() else "heading")
+    if colour in COLOURINGS:
+        return Look(colour=colour)
+    if colour not in colourings(now):
+        raise unknown("colour", colour, colourings(now))
+    return Look(colour=MEASURED, measured=colour)
+
+
+def colourings(now: Snapshot) -> tuple[str, ...]:
+    """What the agents of a flock may be coloured by."""
+    return (*COLOURINGS, *measurable(now.model.columns))
+
+
+def shot(now: Snapshot, look: Look, fastest: float = 0.0) -> Shot:
+    """A snapshot, taken with signals, as it is drawn; `fastest` has full colour by speed."""
+    frame = frame_of(now, look, fastest)
+    return Shot(now, picture(frame, look, Stage.of(frame)))
+
+
+def frame_of(now: Snapshot, look: Look, fastest: float) -> Frame:
+    """What the page's drawing needs of a snapshot."""
+    by_number = look.colour == MEASURED
+    inner = shells(now)[:1]
+    anyone: Any = now  # a snapshot answers as a flock does
+    known = by_number and (look.measured in OF_AGENTS or look.measured in now.model.columns)
+    return Frame(
+        run=0,
+        tick=now.tick,
+        world=now.world,
+        reach=now.reach,
+        speed_scale=max(fastest, float(np.max(now.speed, initial=1e-12, where=now.active))),
+        position=now.position,
+        heading=now.heading,
+        speed=now.speed,
+        informed=now.informed,
+        ids=now.ids,
+        kept=inner[0].radius if inner else float("inf"),
+        dt=now.dt,
+        unit=now.model.body.unit,
+        room=room(now),
+        progress=progress(now),
+        layer=now.layers() if look.colour == "layer" else None,
+        group=now.group_labels() if look.colour == "group" else None,
+        measured=measured(now, look.measured) if known else None,
+        active=now.active if now.can_crash else None,
+        crashes=now.crashes if now.can_crash else None,
+        saved=now.signal(SAVED) if SAVED in now.model.columns else None,
+        cars=cars(anyone),
+    )
+
+
+def room(now: Snapshot) -> tuple[np.ndarray, np.ndarray] | None:
+    """The corners of the region in which the flock's mission starts."""
+    mission = now.world.mission
+    if mission is None or mission.start is None:
+        return None
+    low, size = start_box(mission.start, len(now.ids))
+    return low, low + size
+
+
+def progress(now: Snapshot) -> Progress:
+    """Where the goal is."""
+    mission = now.world.mission
+    if mission is None or mission.goal is None:
+        return Progress()
+    return Progress(np.array(now.goal_at([now.tick])[0], float))

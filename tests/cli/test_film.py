@@ -1,0 +1,141 @@
+"""`flockscope film`: as many pictures as it says, of the right ticks; whole or not at all."""
+
+import json
+import os
+import signal
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from imageio_ffmpeg import count_frames_and_secs, read_frames
+
+from agents import Flock
+from agents.record import Recorder
+from app.cli.take.film import planned
+from app.pictures.film import Encoder, pictures
+from app.pictures.plots import Plots
+from app.pictures.sheet import Sheet
+from app.pictures.shot import look_of, shot
+from cli.calling import call, refusal, start, wait_until
+from worlds.refusal import Refusal
+
+SMALL = ("--pixels", "400x320")
+RUN = ("hwvem", "--agents", 20, "--seed", 2)
+
+
+def snapshots(ticks, name="hwvem", **words):
+    """A flock at ticks."""
+    flock = Flock(name, agents=20, rng=2, **words)
+    for tick in ticks:
+        flock.run(tick - flock.tick)
+        yield flock.snapshot(signals=True)
+
+
+@pytest.mark.parametrize("ending", ["mp4", "webm", "gif"])
+def test_a_film_has_the_pictures_it_says(tmp_path, ending):
+    out = tmp_path / f"flock.{ending}"
+    result = call("film", *RUN, "--from", 4, "--to", 20, "--every", 4, "--speed", 40, "--out", out,
+                  *SMALL, "--json")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    made = json.loads(result.stdout)
+    assert made["pictures"] == 5
+    assert (made["first_tick"], made["last_tick"], made["fps"]) == (4, 20, 10.0)
+    assert count_frames_and_secs(str(out))[0] == 5
+    assert next(read_frames(str(out)))["size"] == (400, 320)
+    assert "exists already" in refusal("film", *RUN, "--out", out)
+
+
+def test_a_film_of_a_recording_shows_recorded_ticks(tmp_path):
+    flock = Flock("hwvem", agents=20, rng=2)
+    with Recorder(tmp_path / "run.parquet", flock) as recorder:
+        for tick in range(0, 41, 5):
+            flock.run(tick - flock.tick)
+            recorder.write()
+    result = call("film", tmp_path / "run.parquet", "--from", 10, "--out", tmp_path / "a.mp4",
+                  "--speed", 50, *SMALL, "--plot", "polarisation,groups", "--json")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    made = json.loads(result.stdout)
+    assert (made["pictures"], made["fps"], made["last_tick"]) == (7, 10.0, 40)
+    assert count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 7
+
+
+def test_which_ticks_are_shown():
+    ticks = list(range(301))
+    assert planned(ticks, 0, 300, None, 30.0, 30.0).ticks == ticks
+    plan = planned(ticks, 0, 300, None, 300.0, 30.0)
+    assert (plan.ticks, plan.fps) == (list(range(0, 301, 10)), 30.0)
+    plan = planned(ticks, 50, 100, 25, 50.0, 30.0)
+    assert (plan.ticks, plan.fps) == ([50, 75, 100], 2.0)
+    assert planned([0, 20, 40], 0, 40, None, 60.0, 30.0).fps == 3.0
+    with pytest.raises(Refusal, match="no tick from 41 to 50"):
+        planned([0, 20, 40], 41, 50, None, 60.0, 30.0)
+
+
+@pytest.mark.parametrize(("dim", "follow"), [(2, None), (2, 5), (3, None), (3, 5)])
+def test_a_picture_of_a_film_is_the_picture_of_its_tick(dim, follow):
+    """What does not move is drawn once; nothing of the pictures before is left on the next."""
+    *_, last = pictures(snapshots((0, 3, 9), dim=dim), (400, 320), "heading", follow)
+    (now,) = snapshots((9,), dim=dim)
+    alone = Sheet(shot(now, look_of(now, "heading")), (400, 320), follow).pixels()
+    assert last.shape == (320, 400, 3)
+    assert np.array_equal(last, alone)
+
+
+def test_a_followed_agent_is_in_the_middle():
+    (now,) = snapshots((4,))
+    sheet = Sheet(shot(now, look_of(now, None)), (400, 320), 7)
+    axes = sheet.scene.axes
+    place = now.position[now.ids == 7][0]
+    assert np.allclose([np.mean(axes.get_xlim()), np.mean(axes.get_ylim())], place)
+    assert np.allclose(np.ravel(sheet.scene.ring.get_data()), place)
+
+
+def test_plots_are_what_is_observed():
+    plots = Plots(["polarisation", "mean-neighbours"], 0.0, 9.0)
+    list(pictures(snapshots((0, 3, 9)), (400, 320), plots=plots))
+    assert plots.times == [0.0, 3.0, 9.0]
+    flock = Flock("hwvem", agents=20, rng=2)
+    flock.run(9)
+    assert plots.values["mean-neighbours"][-1] == flock.observe("mean-neighbours")
+    assert plots.lines[0].get_ydata()[-1] == flock.observe("polarisation")
+    assert plots.lines[0].axes.get_xlim() == (0.0, 9.0)
+
+
+def test_what_goes_wrong_leaves_nothing(tmp_path):
+    out = tmp_path / "half.mp4"
+    with suppress(ZeroDivisionError), Encoder(out, (320, 320), 10.0) as encoder:
+        encoder.add(np.zeros((320, 320, 3), np.uint8))
+        _ = 1 / 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_ctrl_c_leaves_no_half_film_and_the_old_one(tmp_path):
+    out = tmp_path / "flock.mp4"
+    out.write_text("mine")
+    process = start("film", *RUN, "--to", 10**6, "--out", out, "--overwrite", *SMALL,
+                    env=environment(tmp_path))  # fmt: skip
+    wait_until(lambda: list(tmp_path.glob("flockscope-film-*/film.mp4")), process)
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=30)
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr.splitlines()[-1] == "flockscope: stopped; no film was written"
+    assert [path.name for path in tmp_path.iterdir()] == ["flock.mp4"]
+    assert out.read_text() == "mine"
+
+
+def environment(folder):
+    """That of this process, with a folder for what is in the making."""
+    return {**os.environ, "TMPDIR": str(folder)}
+
+
+def test_bad_input_is_one_line(tmp_path):
+    out = ("--out", tmp_path / "a.mp4", *SMALL)
+    assert "ends in .mp4 or .webm or .gif" in refusal("film", *RUN, "--out", tmp_path / "a.avi")
+    assert "--fps 500 is outside [0.1, 120]" in refusal("film", *RUN, *out, "--fps", 500)
+    assert "--speed 0 is outside" in refusal("film", *RUN, *out, "--speed", 0)
+    assert "--to 3 is not allowed" in refusal("film", *RUN, *out, "--from", 5, "--to", 3)
+    short = (*RUN, *out, "--to", 1, "--quiet")
+    assert "unknown observable 'polarization'" in refusal("film", *short, "--plot", "polarization")
+    assert "--plot layers is not one number" in refusal("film", *short, "--plot", "layers")
+    assert "agent 99 is not there at tick 0" in refusal("film", *short, "--follow", 99)
+    assert list(tmp_path.iterdir()) == []
