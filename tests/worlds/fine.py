@@ -34,12 +34,20 @@ def footprint(one, corners):
     return one.footprint()
 
 
+GRID = 1e-10
+"""Rounding of places in it, length."""
+
+
 def united(obstacles, corners=CORNERS):
-    """The union of obstacles on the plan, and how far it may be from exact, length."""
+    """The union of obstacles on the plan, and how far it may be from exact, length.
+
+    What fits together exactly leaves no gap: rounding would, of 1e-15.
+    """
     radii = [r for one in obstacles for _, r in one.circles()]
     slack = max(radii, default=0.0) * (1.0 - np.cos(np.pi / corners))
     slack /= SHALLOW
-    return shapely.union_all([footprint(one, corners) for one in obstacles]), slack
+    shapes = [footprint(one, corners) for one in obstacles]
+    return shapely.union_all(shapes, grid_size=GRID), slack + GRID
 
 
 def demand_round(world, margin):

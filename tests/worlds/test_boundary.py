@@ -7,13 +7,13 @@ import pytest
 import shapely
 from asking import within
 from fine import demand_round, united
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from scenes import crowds
 from scipy.spatial import cKDTree
 
 from worlds.mission import Goal, Mission
-from worlds.obstacles import Box, Disc, Sphere
+from worlds.obstacles import Box, Disc, Ring, Sphere
 from worlds.queries.boundary import seen_from
 from worlds.queries.outlines import solids
 from worlds.queries.survey import survey
@@ -31,6 +31,14 @@ def points_of(surroundings):
 
 @settings(max_examples=40, deadline=None)
 @given(crowds, st.sampled_from([0.2, 0.5, 2.0]))
+@example(
+    obstacles=(
+        Disc(centre=(0.0, 0.0), radius=2.0),
+        Disc(centre=(0.0, 1.0), radius=2.0),
+        Ring(centre=(0.0, 0.0), radius=4.438000000000001, width=2.438),
+    ),
+    spacing=0.2,
+)
 def test_they_lie_on_the_united_outline_and_leave_no_gap(obstacles, spacing):
     demand_round(flat(*obstacles), 3.0)
     solid, slack = united(obstacles)
