@@ -50,6 +50,12 @@ def united(obstacles, corners=CORNERS):
     return shapely.union_all(shapes, grid_size=GRID), slack + GRID
 
 
+def demand_clear(world):
+    """Leave out a scene in which a corner is on a side: where it is then is up to rounding."""
+    solid = shapely.union_all([footprint(one, 64) for one in world.obstacles])
+    assume(shapely.get_num_coordinates(solid.simplify(GRID)) == shapely.get_num_coordinates(solid))
+
+
 def demand_round(world, margin):
     """Leave out a scene in which an outline is kept as a polygon: a corner just under an arc."""
     round_ = circles(world, margin)

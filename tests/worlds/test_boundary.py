@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from asking import within
-from fine import demand_round, united
+from fine import demand_clear, demand_round, united
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from scenes import crowds
@@ -107,6 +107,7 @@ def test_they_turn_and_move_with_the_scene_wherever_its_rings_begin(scene, led):
     other = replace(other, obstacles=tuple(moved), mission=mission)
     for one in (world, other):
         demand_round(one, 3.0)
+        demand_clear(one)
     if not led:  # a round shape alone in the middle of all has no side of its own
         outlines = [one for _, parts in solids(world, 3.0) for one in parts]
         middle = seen_from(world, outlines)
