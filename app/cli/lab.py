@@ -128,7 +128,7 @@ def scene_of(
 ) -> SavedScene | None:
     """The scene that is asked for; the first one where nothing is. Raises Refusal."""
     from app.viewer.gallery.collection import FIRST, find_scene
-    from app.viewer.lab.panels.scene_files import read_scene
+    from app.viewer.gallery.saved_scene import read_scene
 
     given = [name for name, value in asked.items() if value is not None]
     others = [*(["MODEL"] if model else []), *(["--beside"] if beside else []), *map(named, given)]

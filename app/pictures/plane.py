@@ -9,10 +9,9 @@ import numpy as np
 from app.pictures.shot import Shot
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.seam import nearest_image
-from app.worlds.colours import FLOOR, GOAL, SOLID, SOLID_EDGE, START
-from app.worlds.footprint import footprint
+from app.worlds.colours import FLOOR, GOAL, START
 from app.worlds.mission import draw_path
-from app.worlds.plan import edge_signs, edges, fill, floor, view
+from app.worlds.plan import draw_solid, view
 from worlds.mission import Mission
 from worlds.world import World
 
@@ -59,17 +58,9 @@ class Plane:
     def draw_world(self) -> list[Any]:
         """Floor, edges, obstacles, path and the goal's route; the signs that explain them."""
         from matplotlib.lines import Line2D
-        from matplotlib.patches import Patch
 
         axes, world = self.axes, self.world
-        floor(axes, world)
-        signs: list[Any] = []
-        outline = footprint(world)
-        if not outline.is_empty:
-            fill(axes, outline, SOLID, SOLID_EDGE)
-            signs.append(Patch(facecolor=SOLID, edgecolor=SOLID_EDGE, label="obstacle"))
-        edges(axes, world)
-        signs += edge_signs(world)
+        signs = draw_solid(axes, world)
         mission = world.mission or Mission()
         if mission.path:
             signs.append(draw_path(axes, mission.path, [0, 1]))

@@ -21,16 +21,8 @@ EDGE = 3.2
 def draw_plan(axes: Any, world: World, points: np.ndarray | None = None) -> list[Any]:
     """Draw a world from above; returns the signs of the legend."""
     from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
 
-    floor(axes, world)
-    signs: list[Any] = []
-    outline = footprint(world)
-    if not outline.is_empty:
-        fill(axes, outline, SOLID, SOLID_EDGE)
-        signs.append(Patch(facecolor=SOLID, edgecolor=SOLID_EDGE, label="obstacle"))
-    edges(axes, world)
-    signs += edge_signs(world)
+    signs = draw_solid(axes, world)
     if points is not None and len(points):
         axes.plot(*points.T, ".", color=POINTS, markersize=2.4, zorder=5)
         signs.append(
@@ -40,6 +32,20 @@ def draw_plan(axes: Any, world: World, points: np.ndarray | None = None) -> list
     low, high = view(world)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     return signs
+
+
+def draw_solid(axes: Any, world: World) -> list[Any]:
+    """Draw floor, obstacles and edges; returns their signs in the legend."""
+    from matplotlib.patches import Patch
+
+    floor(axes, world)
+    signs: list[Any] = []
+    outline = footprint(world)
+    if not outline.is_empty:
+        fill(axes, outline, SOLID, SOLID_EDGE)
+        signs.append(Patch(facecolor=SOLID, edgecolor=SOLID_EDGE, label="obstacle"))
+    edges(axes, world)
+    return signs + edge_signs(world)
 
 
 def view(world: World) -> tuple[np.ndarray, np.ndarray]:

@@ -12,9 +12,8 @@ from PIL import Image
 from agents.catalogue import MODELS
 from app.viewer.gallery.address import packed
 from app.viewer.gallery.collection import built_in, cards
-from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.saved_scene import LARGEST, SavedScene, read_scene
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.lab.panels.scene_files import LARGEST, read_scene
 from app.viewer.lab.panels.setup import NOBODY
 from app.viewer.run.home import at_home
 from tests.viewer.http_client import ask

@@ -6,6 +6,7 @@ import math
 import re
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
@@ -68,13 +69,18 @@ def from_toml(name: str, content: bytes) -> World:
     except UnicodeDecodeError as error:
         raise Refusal(f"{name} is not TOML: {error}") from None
     layout = toml(text, name)
-    obstacles = layout.get("obstacle", [])
-    if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
-        raise too_many(name, len(obstacles))
+    demand_few(layout, name)
     if "size" not in layout:
         raise Refusal(f"{name} has no size: the laboratory needs the sides of its box")
     own = Path(name).stem
     return world_from_layout(layout, f"{own}-file" if own in layout_names() else own)
+
+
+def demand_few(layout: dict[str, Any], name: str) -> None:
+    """Raise Refusal for a layout with too many obstacles, before any of them is made."""
+    obstacles = layout.get("obstacle", [])
+    if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
+        raise too_many(name, len(obstacles))
 
 
 def from_drawing(name: str, content: bytes) -> World:

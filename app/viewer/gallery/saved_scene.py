@@ -6,7 +6,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import tomlkit
@@ -14,7 +14,7 @@ import tomlkit
 from agents.catalogue import model as find_model
 from agents.models.declare import checked
 from agents.spec import OPTIONS, Spec
-from app.viewer.editing.layout_file import demand_small
+from app.viewer.editing.layout_file import demand_few, demand_small
 from app.viewer.run.home import MOST_AGENTS, at_home
 from app.viewer.scene.shown.control import Control, controls_of
 from app.viewer.scene.shown.look import CAMERAS, Look
@@ -30,6 +30,8 @@ KEYS = (*TEXTS, "speed", "camera", "plots", "run", "beside", "look")
 MOST_SIDE = 1000.0
 """Side of a world from a browser, length."""
 MOST_PLOTS = 3
+LARGEST = 1_000_000
+"""Bytes of a scene's file."""
 LONGEST = 200
 """Letters of a plot's name."""
 LOOKS = controls_of(Look)
@@ -129,9 +131,17 @@ class SavedScene:
             raise Refusal(told if origin in told else f"{told} ({origin})") from None
         return scene
 
-    def titled(self, title: str) -> SavedScene:
-        """The same under another name."""
-        return replace(self, title=title)
+
+def read_scene(name: str, data: bytes) -> SavedScene:
+    """The scene of a file, or of a spec. Raises Refusal."""
+    if len(data) > LARGEST:
+        raise Refusal(f"{name} has {len(data)} bytes: a scene has {LARGEST} at most")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise Refusal(f"{name} is not a text file") from None
+    values = toml(text, name)
+    return SavedScene.from_values(values if "run" in values else {"run": values}, name)
 
 
 def text_of(values: Mapping[str, Any], key: str) -> str:
@@ -188,6 +198,7 @@ def world_of(layout: Any, name: str) -> World:
     """A world that a scene carries with it. Raises Refusal."""
     if not isinstance(layout, dict):
         raise Refusal(f"layout = {shortened(layout)} is not a table")
+    demand_few(layout, "layout")
     world = world_from_layout(layout, f"{name}-scene" if name in layout_names() else name)
     demand_small(world, "layout")
     demand_sound(world)

@@ -7,12 +7,8 @@ from collections.abc import Callable
 
 import viser
 
-from app.viewer.gallery.saved_scene import TEXTS, SavedScene
-from worlds.reading import toml
+from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from worlds.refusal import Refusal
-
-LARGEST = 1_000_000
-"""Bytes of such a file."""
 
 
 class SceneFiles:
@@ -57,15 +53,3 @@ class SceneFiles:
             event.client.send_file_download(
                 f"{name}.toml", scene.to_toml().encode(), save_immediately=True
             )
-
-
-def read_scene(name: str, data: bytes) -> SavedScene:
-    """The scene of a file, or of a spec. Raises Refusal."""
-    if len(data) > LARGEST:
-        raise Refusal(f"{name} has {len(data)} bytes: a scene has {LARGEST} at most")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise Refusal(f"{name} is not a text file") from None
-    values = toml(text, name)
-    return SavedScene.from_values(values if "run" in values else {"run": values}, name)
