@@ -81,8 +81,9 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
 
 def test_a_run_that_is_shared_comes_back_as_it_is(laboratory):
     simulation = laboratory.simulation
+    before = simulation.state.run
     opened(laboratory, "model:vem")
-    until(lambda: runs(laboratory, "vem"))
+    until(lambda: simulation.state.run > before and runs(laboratory, "vem"))
     simulation.set("eta", 1.5).result(20)
     said = json.loads(ask(laboratory.port, "/scene.json", OPENS).text)
     assert said["command"].endswith("--speed 15")
