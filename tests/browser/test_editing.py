@@ -66,14 +66,24 @@ class Builder:
         self.page.mouse.click(*self.at(x, y))
 
     def drag(self, start: tuple[float, float], by: tuple[float, float]) -> None:
-        """Drag with the mouse, pixels."""
+        """Drag with the mouse, pixels, no faster than the page draws."""
         mouse = self.page.mouse
         mouse.move(*start)
+        self.drawn(2)
         mouse.down()
         for step in np.linspace(0.0, 1.0, 12)[1:]:
             mouse.move(start[0] + step * by[0], start[1] + step * by[1])
-            self.page.wait_for_timeout(25)
+            self.drawn()
         mouse.up()
+
+    def drawn(self, times: int = 1) -> None:
+        """Wait until the page has drawn its picture some times more."""
+        self.page.evaluate(
+            """times => new Promise(done => {
+                const next = () => times-- > 0 ? requestAnimationFrame(next) : done();
+                next(); })""",
+            times,
+        )
 
 
 @pytest.fixture
@@ -109,6 +119,7 @@ def test_a_disc_is_placed_dragged_deleted_and_all_of_it_undone(builder):
     until(lambda: builder.laboratory.world.obstacle == disc)
     builder.page.get_by_text("Drag it by its handles").wait_for()
     builder.page.wait_for_timeout(600)
+    builder.drawn(10)
     x, y = builder.at(44.0, 20.0)
     builder.drag((x + 20, y - 20), (60.0, -40.0))
     until(lambda: builder.obstacles[-1] != disc)
