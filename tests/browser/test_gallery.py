@@ -19,11 +19,11 @@ def runs(laboratory, model: str) -> bool:
 
 @pytest.fixture
 def anew(laboratory):
-    """The laboratory, whose view and panels are as usual again afterwards."""
+    """The laboratory, whose flock stands and looks as usual again afterwards."""
     yield laboratory
     laboratory.open(SavedScene("start", at_home(agents=60, seed=3, parameters={"eta": 0.3})))
     until(lambda: runs(laboratory, "hwvem"))
-    laboratory.simulation.pause()
+    laboratory.simulation.pause().result(60)
 
 
 def test_a_scene_is_found_in_the_gallery_and_opened(window, anew):

@@ -67,6 +67,19 @@ def test_a_pause_comes_before_all_that_waits_and_leaves_steps_out(held):
     assert simulation.run.flock.tick == 0
 
 
+def test_a_pause_holds_though_a_go_waited_before_it(held):
+    simulation, go_on = held
+    simulation.tell(lambda: None)
+    went = simulation.go()
+    paused = simulation.pause()
+    go_on.set()
+    assert went.exception(60) is None
+    assert paused.exception(60) is None
+    until(lambda: not simulation.commands.waiting)
+    simulation.tell(lambda: None).result(60)
+    assert not simulation.state.running
+
+
 def test_toggles_that_wait_go_and_pause_in_turn(held):
     simulation, go_on = held
     simulation.toggle()

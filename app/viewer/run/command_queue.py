@@ -16,6 +16,7 @@ MOST = 64
 others from setting up."""
 MOST_TICKS = 10
 """Ticks that may wait to be stepped, unless one command asks for more."""
+GO = "go"
 STEP = "step"
 
 
@@ -62,11 +63,12 @@ class CommandQueue:
             return self.add(Waiting(work, STEP, False, ticks))
 
     def pause(self, work: Callable[[], Any]) -> Future:
-        """Have the flock stand still before anything else is done; steps that wait are left out."""
+        """Have the flock stand still before anything else is done; what waits and would move it
+        is left out."""
         with self.changed:
-            steps = [one for one in self.waiting if one.key == STEP]
-            self.waiting = deque(one for one in self.waiting if one.key != STEP)
-            for one in steps:
+            moving = [one for one in self.waiting if one.key in (GO, STEP)]
+            self.waiting = deque(one for one in self.waiting if one.key not in (GO, STEP))
+            for one in moving:
                 one.answer.set_result(None)
             first = self.waiting[0] if self.waiting else None
             if first is not None and first.key == "pause":

@@ -19,7 +19,7 @@ from agents.spec import Spec
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.beside import Pair, companion
-from app.viewer.run.command_queue import CommandQueue, Waiting
+from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.pace import Pace
@@ -138,7 +138,7 @@ class Simulation:
 
     def go(self) -> Future:
         """Run."""
-        return self.tell(lambda: self.switch(True), "go", runs=True)
+        return self.tell(lambda: self.switch(True), GO, runs=True)
 
     def pause(self) -> Future:
         """Stop running, before anything else that waits, until told to go."""
