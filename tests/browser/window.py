@@ -59,6 +59,13 @@ class Window:
         """Type a number beside a slider."""
         self.number(control).fill(value)
 
+    def close_notices(self) -> None:
+        """Close what lies over the picture and would catch the mouse."""
+        notices = self.page.locator(".mantine-Notification-closeButton")
+        while count := notices.count():
+            notices.first.click()
+            until(lambda count=count: notices.count() < count)
+
     def pixels(self) -> np.ndarray:
         """The picture between the panels, (height, width, 3)."""
         drawn = Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
