@@ -192,10 +192,10 @@ RULE = Rule(
     "mills where C l^2 < 1: {dorsogna2006#1} (`uv run flockscope paper dorsogna2006`)",
     tries=(
         Try(
-            "Give the particles five times the drive.",
-            "They are faster, and the ring in which they go round gets more than twice as wide.",
-            {"alpha": 4.0},
-            Proof("gyration-radius", "rises", 0.4, 1500),
+            "Give the particles three times the drive.",
+            "They are faster, and the ring in which they go round gets wider by a third.",
+            {"alpha": 2.4},
+            Proof("gyration-radius", "rises", 0.12, 1500),
         ),
         Try(
             "Take the attraction away.",
