@@ -1,0 +1,175 @@
+"""Acts as three users of the page, from start to result: `python docs/make_walks.py FOLDER [NAMES]`.
+
+A teacher, a researcher and a roboticist (needs Chromium). What each of them takes home is saved in
+the folder, and at each station a sheet with the page at four widths in both themes.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from make_looks import SIZES, THEMES
+from make_screenshots import ARGUMENTS
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+HIGH, GAP = 540, 12
+"""Height of a picture on a sheet, and what is between two, pixels."""
+WIDE, TALL = 1440, 900
+"""The window in which a walk is walked, pixels."""
+PATIENCE = 240_000
+"""Milliseconds for what may have to be compiled."""
+
+
+class Walk:
+    """One user before the page of a command."""
+
+    def __init__(self, page: Page, folder: Path):
+        self.page, self.folder, self.number = page, folder, 0
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def open(self, address: str) -> None:
+        """Open the page, and put away the word of the browser that it draws without a GPU."""
+        self.page.goto(address)
+        self.page.get_by_text("Software WebGL").wait_for(timeout=PATIENCE)
+        self.page.locator(".mantine-Notification-closeButton").first.click()
+
+    def press(self, name: str) -> None:
+        """Press a button."""
+        self.page.get_by_role("button", name=name, exact=True).first.click()
+
+    def tab(self, name: str) -> None:
+        """Open a tab."""
+        self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def choose(self, label: str, option: str) -> None:
+        """Choose from a list."""
+        self.page.get_by_label(label, exact=True).click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+
+    def take(self, act: Callable[[], None]) -> Path:
+        """Do what gives a file, and keep that."""
+        with self.page.expect_download(timeout=PATIENCE) as coming:
+            act()
+        kept = self.folder / coming.value.suggested_filename
+        coming.value.save_as(kept)
+        print(f"{kept.name}: {kept.stat().st_size} bytes")
+        return kept
+
+    def look(self, name: str) -> None:
+        """A sheet of the page as it is, at all sizes and in all themes."""
+        self.number += 1
+        rows = [[self.shot(theme, size) for size in SIZES] for theme in THEMES]
+        self.page.emulate_media(color_scheme=THEMES[0])
+        self.page.set_viewport_size({"width": WIDE, "height": TALL})
+        width = sum(one.width + GAP for one in rows[0])
+        made = Image.new("RGB", (width, (HIGH + GAP) * len(rows)), "#b00080")
+        for down, row in enumerate(rows):
+            left = 0
+            for one in row:
+                made.paste(one, (left, (HIGH + GAP) * down))
+                left += one.width + GAP
+        made.save(self.folder / f"{self.number:02d}-{name}.png")
+        print(f"{self.folder.name} {self.number}: {name}", flush=True)
+
+    def shot(self, theme: str, size: tuple[int, int]) -> Image.Image:
+        """The page in a theme and a size, as high as a row of a sheet."""
+        self.page.emulate_media(color_scheme=theme)
+        self.page.set_viewport_size({"width": size[0], "height": size[1]})
+        self.page.wait_for_timeout(1200)
+        seen = Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
+        return seen.resize((round(size[0] * HIGH / size[1]), HIGH))
+
+
+@contextmanager
+def served(*command: str) -> Iterator[str]:
+    """A command that serves a page; the page's address."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "flockscope", *command, "--port", "0", "--no-open"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout is not None
+    try:
+        for line in process.stdout:
+            if found := re.search(r"http://\S+", line):
+                yield found[0]
+                break
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def teacher(walk: Walk) -> None:
+    """Gallery, scene, three experiments, a picture for the blackboard."""
+    page = walk.page
+    with served("lab") as address:
+        walk.open(address)
+        page.get_by_text("running").first.wait_for(timeout=PATIENCE)
+        walk.look("opens")
+        walk.press("Gallery")
+        page.locator(".fs-choice").first.wait_for()
+        walk.look("gallery")
+        page.locator(".fs-sheet input").fill("mill")
+        page.locator(".fs-choice:visible").first.click()
+        page.locator(".fs-sheet").wait_for(state="detached")
+        page.wait_for_timeout(6000)
+        walk.look("scene")
+        for number in range(3):
+            page.keyboard.press("h")
+            walk.tab("Try this")
+            walk.press("Do it")
+            if number == 0:
+                walk.look("guide")
+            walk.press("Close")
+            page.wait_for_timeout(5000)
+            walk.look(f"experiment-{number + 1}")
+
+
+def researcher(walk: Walk) -> None:
+    """Two models beside each other, the numbers of both, a film, the spec."""
+    with served("lab", "boundary-points", "--beside", "olfati-saber", "--seed", "3") as address:
+        walk.open(address)
+        walk.page.get_by_text("running").first.wait_for(timeout=PATIENCE)
+        walk.page.wait_for_timeout(8000)
+        walk.look("beside")
+
+
+def roboticist(walk: Walk) -> None:
+    """Emulated cars: armed, driven, stopped, looked at once more."""
+    with served("live", "lab") as address:
+        walk.open(address)
+        walk.look("room")
+
+
+WALKS = {"teacher": teacher, "researcher": researcher, "roboticist": roboticist}
+
+
+def main(folder: Path, names: tuple[str, ...]) -> None:
+    """All walks, or those of these names."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=ARGUMENTS
+        )
+        for name in names or tuple(WALKS):
+            page = browser.new_page(
+                viewport={"width": WIDE, "height": TALL}, color_scheme=THEMES[0]
+            )
+            WALKS[name](Walk(page, folder / name))
+            page.close()
+        browser.close()
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or set(sys.argv[2:]) - set(WALKS):
+        sys.exit(f"usage: python docs/make_walks.py FOLDER [{' | '.join(WALKS)} ...]")
+    main(Path(sys.argv[1]), tuple(sys.argv[2:]))
