@@ -12,10 +12,10 @@ from imageio_ffmpeg import count_frames_and_secs, read_frames
 from agents import Flock
 from agents.record import Recorder
 from app.cli.take.film import planned
-from app.pictures.film import Encoder, pictures
-from app.pictures.plots import Plots
-from app.pictures.sheet import Sheet
-from app.pictures.shot import look_of, shot
+from app.viewer.pictures.film import Encoder, pictures
+from app.viewer.pictures.plots import Plots
+from app.viewer.pictures.sheet import Sheet
+from app.viewer.pictures.shot import look_of, shot
 from cli.calling import call, refusal, start, wait_until
 from worlds.refusal import Refusal
 

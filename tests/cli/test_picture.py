@@ -8,11 +8,11 @@ import pytest
 from PIL import Image
 
 from agents import Flock
-from app.pictures.key import caption, nice, ruler
-from app.pictures.plane import DART, turned
-from app.pictures.sheet import Sheet
-from app.pictures.shot import look_of, shot
-from app.pictures.space import Eye, split
+from app.viewer.pictures.key import caption, nice, ruler
+from app.viewer.pictures.plane import DART, turned
+from app.viewer.pictures.sheet import Sheet
+from app.viewer.pictures.shot import look_of, shot
+from app.viewer.pictures.space import Eye, split
 from app.viewer.scene.cameras.camera import view
 from app.viewer.scene.draw import palette
 from cli.calling import call, refusal

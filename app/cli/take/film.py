@@ -100,8 +100,8 @@ def film(
 
     What `flockscope run` takes to say which run it is, this takes too.
     """
-    from app.pictures.film import CODECS, Encoder, demand_film, pictures
-    from app.pictures.plots import Plots
+    from app.viewer.pictures.film import CODECS, Encoder, demand_film, pictures
+    from app.viewer.pictures.plots import Plots
 
     at_least("--from", first, 0)
     at_least("--to", last, first)

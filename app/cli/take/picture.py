@@ -68,8 +68,8 @@ def picture(
     size = pixels(size_text)
     demand_writable("--out", out, overwrite, ENDINGS)
     now = taken(spec, rule, asked, settings or [], tick, quiet)
-    from app.pictures.sheet import Sheet
-    from app.pictures.shot import look_of, shot
+    from app.viewer.pictures.sheet import Sheet
+    from app.viewer.pictures.shot import look_of, shot
 
     Sheet(shot(now, look_of(now, colour)), size).write(out)
     if json_asked:

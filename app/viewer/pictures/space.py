@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.pictures.plane import ring
-from app.pictures.shot import Shot
+from app.viewer.pictures.plane import ring
+from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, View, view
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.shapes import Mesh, ball, dart

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from app.pictures.shot import Shot
+from app.viewer.pictures.shot import Shot
 from app.viewer.scene.draw import palette
 from app.viewer.scene.shown.look import MEASURED
 from app.worlds.colours import INK

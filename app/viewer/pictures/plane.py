@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from app.pictures.shot import Shot
+from app.viewer.pictures.shot import Shot
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.seam import nearest_image
 from app.worlds.colours import FLOOR, GOAL, START

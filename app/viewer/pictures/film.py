@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from agents.snapshot import Snapshot
-from app.pictures.plots import Plots
-from app.pictures.sheet import Sheet
-from app.pictures.shot import look_of, shot
+from app.viewer.pictures.plots import Plots
+from app.viewer.pictures.sheet import Sheet
+from app.viewer.pictures.shot import look_of, shot
 from worlds.extra import demand
 from worlds.refusal import Refusal
 from worlds.writing import writing

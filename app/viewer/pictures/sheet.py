@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from app.figure import write_figure
-from app.pictures import key
-from app.pictures.plane import Plane
-from app.pictures.plots import TALL, Plots
-from app.pictures.shot import Shot
-from app.pictures.space import Space
+from app.viewer.pictures import key
+from app.viewer.pictures.plane import Plane
+from app.viewer.pictures.plots import TALL, Plots
+from app.viewer.pictures.shot import Shot
+from app.viewer.pictures.space import Space
 from app.viewer.scene.shown.look import MEASURED
 from app.worlds.colours import INK, LOOK
 
