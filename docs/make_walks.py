@@ -1,4 +1,4 @@
-"""Acts as three users of the page, from start to result: `python docs/make_walks.py FOLDER [NAMES]`.
+"""Acts as three users of the page, from start to result: `make_walks.py FOLDER [NAMES]`.
 
 A teacher, a researcher and a roboticist (needs Chromium). What each of them takes home is saved in
 the folder, and at each station a sheet with the page at four widths in both themes.
@@ -14,7 +14,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from make_looks import SIZES, THEMES
 from make_screenshots import ARGUMENTS
