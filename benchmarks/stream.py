@@ -2,12 +2,13 @@
 
 Runs the laboratory in a process of its own, with clients that read every frame as fast as they can
 (programs, not browsers, so that their drawing does not count). Prints the frames that arrive and
-the processor time that the server takes, beside and in the simulation's thread.
+the processor time that the server takes, beside and in the simulation's thread, and its memory.
 """
 
 from __future__ import annotations
 
 import multiprocessing
+import resource
 import sys
 import threading
 import time
@@ -34,7 +35,10 @@ CAMERA = {
 
 
 def serve(agents: int, speed: float, pipe: Connection) -> None:
-    """The laboratory; answers every message of the pipe with the processor times so far, s."""
+    """The laboratory; answers every message of the pipe with how it stands.
+
+    Processor times so far, s; the tick; the most memory so far, MB.
+    """
     from app.viewer.lab.laboratory import Laboratory
     from app.viewer.run.home import at_home
 
@@ -45,7 +49,12 @@ def serve(agents: int, speed: float, pipe: Connection) -> None:
     pipe.send(laboratory.server.get_port())
     while pipe.recv():
         pipe.send(
-            (time.process_time(), time.clock_gettime(clock), laboratory.simulation.frame.tick)
+            (
+                time.process_time(),
+                time.clock_gettime(clock),
+                laboratory.simulation.frame.tick,
+                1.024e-3 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+            )
         )
     laboratory.close()
 
@@ -89,21 +98,22 @@ def main(agents: int = 5000, browsers: int = 1, speed: float = 30.0) -> None:
     last = asked(here)
     frames = [reader.frames - before for reader, (before, _) in zip(readers, counted, strict=True)]
     sent = sum(reader.bytes - before for reader, (_, before) in zip(readers, counted, strict=True))
-    total, simulation, ticks = (b - a for a, b in zip(first, last, strict=True))
+    total, simulation, ticks, _ = (b - a for a, b in zip(first, last, strict=True))
     print(f"{agents} agents, {browsers} clients, {speed:g} ticks/s wanted")
     print(f"  ticks/s            {ticks / SECONDS:8.1f}")
     print(f"  frames/s a client  {sum(frames) / len(frames) / SECONDS:8.1f}")
     print(f"  sent, Mbit/s       {8e-6 * sent / SECONDS:8.1f}")
     print(f"  server, cores      {(total - simulation) / SECONDS:8.2f}  beside the simulation")
     print(f"  simulation, cores  {simulation / SECONDS:8.2f}")
+    print(f"  memory, MB         {last[3]:8.0f}")
     here.send(False)
     server.join(10)
 
 
-def asked(pipe: Connection) -> tuple[float, float, float]:
-    """Processor time of the server, of its simulation (s), and ticks run."""
+def asked(pipe: Connection) -> tuple[float, float, float, float]:
+    """Processor time of the server, of its simulation (s), ticks run, and memory (MB)."""
     pipe.send(True)
-    answer: tuple[float, float, float] = pipe.recv()
+    answer: tuple[float, float, float, float] = pipe.recv()
     return answer
 
 
