@@ -206,6 +206,15 @@ def take(
     laboratory.close()
 
 
+def arm(page: Any, room: LivePage) -> None:
+    """Arm the cars of a room in a browser, and wait until they drive."""
+    page.get_by_role("button", name="Arm …").click()
+    page.locator(".mantine-Modal-body input").fill(room.session.code.digits)
+    page.wait_for_timeout(100)
+    page.get_by_role("button", name="Arm", exact=True).click()
+    page.locator(".fs-running").wait_for(timeout=180_000)
+
+
 def take_live() -> None:
     """Two emulated cars and two simulated ones drive for a while, armed in the browser."""
     lab = example()
@@ -220,11 +229,7 @@ def take_live() -> None:
         page.goto(laboratory.address)
         page.get_by_text("Software WebGL").wait_for()
         page.locator(".mantine-Notification-closeButton").first.click()
-        page.get_by_role("button", name="Arm …").click()
-        page.locator(".mantine-Modal-body input").fill(laboratory.session.code.digits)
-        page.wait_for_timeout(100)
-        page.get_by_role("button", name="Arm", exact=True).click()
-        page.locator(".fs-running").wait_for()
+        arm(page, laboratory)
         time.sleep(12.0)
         page.screenshot(path=HERE / LIVE)
         browser.close()
