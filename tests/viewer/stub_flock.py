@@ -71,7 +71,7 @@ class StubFlock:
         self.ids = np.arange(n)
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
-            rule=SimpleNamespace(converges=False, zones=(), view="", hunters=""),
+            rule=SimpleNamespace(converges=False, zones=(), view="", hunters="", sees_points=False),
             body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             nearest=lambda _: 0,
             columns=(),

@@ -12,12 +12,12 @@ from app.viewer.run.picture import Camera
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
-from app.viewer.scene.draw.picture import BIRDS_UP_TO, KEPT, POINTS_BEYOND
+from app.viewer.scene.draw.picture import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards
 from app.viewer.scene.marks.flock.flight import FLAT, FOLDED, Flight
 from app.viewer.scene.parts import Parts
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import BIRDS_UP_TO, Look
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand

@@ -207,10 +207,8 @@ class Laboratory:
 
     def look_at(self, scene: SavedScene) -> None:
         """Have the view and the plots as a scene has them."""
-        model = MODELS[scene.spec.model]
-        self.view.offer(measurable(model.columns))
         self.view.take(scene.look)
-        self.plots.asked = model, scene.plots
+        self.plots.asked = MODELS[scene.spec.model], scene.plots
         self.scene.open_on(scene.camera)
         self.pointing = self.simulation.state.run, scene.camera
 
@@ -346,7 +344,8 @@ class Laboratory:
         frame, look = self.drawing.drawn
         self.point_all(frame)
         self.measure(state, frame, readings)
-        self.view.offer(measurable(MODELS[state.spec.model].columns))
+        if self.pointing is None:  # else another flock, whose look is there already, is coming
+            self.view.fit(frame, measurable(MODELS[state.spec.model].columns))
         self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
         if self.selected_beside and frame.beside is None:
             self.select(None)

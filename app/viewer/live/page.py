@@ -194,6 +194,7 @@ class LivePage:
         frame, drawn_as = self.drawing.drawn
         names = [*(car.name for car in status.cars), *(one.name for one in status.companions)]
         self.monitors.show(contents(status, frame, readings, self.browsers(), self.selected))
+        self.view.fit(frame)
         self.monitors.colours(drawn_as.colour, self.scene.legend(drawn_as, frame))
         if frame.cars is not None:
             self.plots.refresh(readings, names, frame.cars.length)

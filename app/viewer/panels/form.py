@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -12,13 +12,20 @@ from app.viewer.scene.shown.control import Control
 
 
 class Form[T]:
-    """A control for each field in `controls`, in their order; other fields keep their values."""
+    """A control for each field in `controls`, in groups; other fields keep their values.
+
+    One that does not apply is out of sight, as is a group without any; it keeps its value.
+    """
 
     def __init__(self, gui: viser.GuiApi, value: T, controls: Mapping[str, Control]):
         self.value = value
-        self.handles = {
-            name: handle(gui, control, getattr(value, name)) for name, control in controls.items()
-        }
+        self.controls = controls
+        self.folders = {one.group: gui.add_folder(one.group) for one in controls.values()}
+        self.handles: dict[str, Any] = {}
+        for name, control in controls.items():
+            with self.folders[control.group]:
+                self.handles[name] = handle(gui, control, getattr(value, name))
+        self.fit(value, ())
 
     def __getitem__(self, name: str) -> Any:
         """The control of a field."""
@@ -28,6 +35,21 @@ class Form[T]:
         """The dataclass as the controls have it, with other values `instead` of some."""
         values = {name: one.value for name, one in self.handles.items()} | instead
         return replace(self.value, **values)  # type: ignore[type-var]
+
+    def fit(self, value: T, scene: Iterable[Any]) -> None:
+        """Show those controls that apply to anything in the scene, as things are chosen now."""
+        applies = {name: control.is_for(scene, value) for name, control in self.controls.items()}
+        there = {self.controls[name].group for name, shown in applies.items() if shown}
+        for group, folder in self.folders.items():
+            sight(folder, group in there)
+        for name, shown in applies.items():
+            sight(self.handles[name], shown)
+
+
+def sight(control: Any, wanted: bool) -> None:
+    """Show a control, or hide it; browsers are told only what changes."""
+    if control.visible != wanted:
+        control.visible = wanted
 
 
 def handle(gui: viser.GuiApi, control: Control, value: Any) -> Any:

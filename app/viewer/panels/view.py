@@ -9,7 +9,8 @@ import viser
 
 from app.viewer.panels.form import Form
 from app.viewer.scene.shown.control import Control
-from app.viewer.scene.shown.look import CAMERAS, COLOURINGS, LIVE_COLOURINGS, MEASURED, Look
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import CAMERA, CAMERAS, COLOURINGS, LIVE_COLOURINGS, MEASURED, Look
 from app.viewer.web.values import show
 
 Point = Callable[[viser.ClientHandle, str], None]
@@ -17,7 +18,10 @@ Point = Callable[[viser.ClientHandle, str], None]
 
 
 class ViewPanel:
-    """Makes the `Look`; the cameras are each browser's own."""
+    """Makes the `Look`; the cameras are each browser's own.
+
+    A colouring that was chosen comes back when a flock has it again.
+    """
 
     def __init__(
         self,
@@ -30,25 +34,42 @@ class ViewPanel:
         self.point = point
         self.usual = look
         self.form = Form(gui, look, controls)
-        self.camera = gui.add_button_group(
-            "Camera",
-            CAMERAS,
-            hint=f"For this browser only; follow goes after the clicked {followed}",
-        )
-        self.camera.on_click(self.pointed)
+        self.colour = look.colour
+        """The colouring that was chosen, which not every flock has."""
+        self.offering = False
+        self.form["colour"].on_update(self.coloured)
+        self.camera = gui.add_folder(CAMERA)
+        with self.camera:
+            presets = gui.add_button_group(
+                "From", CAMERAS, hint=f"In this browser; follow goes after the clicked {followed}"
+            )
+        presets.on_click(self.pointed)
 
     async def pointed(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.point(event.client, event.target.value)
 
-    def offer(self, numbers: tuple[str, ...]) -> None:
-        """Let agents be coloured by these numbers too."""
+    def coloured(self, event: viser.GuiEvent) -> None:
+        """Remember a colouring that somebody, or a scene, has chosen."""
+        if event.client is not None or not self.offering:
+            self.colour = event.target.value
+
+    def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
+        """Show what applies to a frame; agents can be coloured by these numbers too."""
+        scene = [one for one in (frame, frame.beside) if one is not None]
+        look = self.look()
+        self.form.fit(look, scene)
+        offered = self.form.controls["colour"].offered(scene, look)
+        self.offer((*offered, *(name for name in numbers if name not in offered)))
+
+    def offer(self, choices: tuple[str, ...]) -> None:
+        """Let agents be coloured by these: as was chosen, or else by the first of them."""
         colour = self.form["colour"]
-        choices = (*COLOURINGS, *(name for name in numbers if name not in COLOURINGS))
+        self.offering = True
         if tuple(colour.options) != choices:
-            chosen = colour.value
             colour.options = choices
-            show(colour, chosen if chosen in choices else COLOURINGS[0])
+        show(colour, self.colour if self.colour in choices else choices[0])
+        self.offering = False
 
     def next_colour(self) -> None:
         """Colour by the next quantity."""
@@ -58,12 +79,16 @@ class ViewPanel:
 
     def take(self, look: Mapping[str, Any]) -> None:
         """Show these, by the names of their controls, and all else as usual."""
+        wanted = {name: look.get(name, getattr(self.usual, name)) for name in self.form.handles}
+        self.colour = wanted["colour"]
+        self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
-            show(control, look.get(name, getattr(self.usual, name)))
+            show(control, wanted[name])
 
     def not_usual(self) -> dict[str, Any]:
         """What is not as usual, by the names of the controls."""
         now = {name: control.value for name, control in self.form.handles.items()}
+        now["colour"] = self.colour
         return {name: one for name, one in now.items() if one != getattr(self.usual, name)}
 
     def look(self) -> Look:

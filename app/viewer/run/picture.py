@@ -84,6 +84,7 @@ class Camera:
             unit=flock.model.body.unit,
             room=room(flock),
             progress=progress(flock),
+            sees_points=flock.model.rule.sees_points,
             points=self.points,
             layer=self.layer,
             group=self.group,

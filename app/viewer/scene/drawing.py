@@ -7,10 +7,9 @@ import time
 import traceback
 from collections.abc import Callable
 
-from app.viewer.scene.draw.picture import as_birds
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import Look, as_birds
 
 PANELS = 0.25
 """Time between two refreshments of the panels, s."""
@@ -40,7 +39,7 @@ def period(agents: float, browsers: int) -> float:
 def load(frame: Frame, look: Look) -> float:
     """What a frame takes to send, as a number of agents."""
     count = len(frame.ids)
-    return count * (BIRD_BYTES / AGENT_BYTES if as_birds(count, frame.dim, look) else 1.0)
+    return count * (BIRD_BYTES / AGENT_BYTES if as_birds(frame, look) else 1.0)
 
 
 class Drawing:

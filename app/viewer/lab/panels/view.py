@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import viser
 
+from app.viewer.panels.form import sight
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.view import Point, ViewPanel
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import AGENTS, RIDE, STEP_OFF, Look, is_led
 
 
 class FlockView(ViewPanel):
@@ -15,18 +17,21 @@ class FlockView(ViewPanel):
 
     def __init__(self, gui: viser.GuiApi, look: Look, point: Point):
         super().__init__(gui, look, controls_of(Look), point)
-        self.ride = gui.add_button(
-            "Ride along",
-            icon=viser.Icon.FEATHER,
-            color="gray",
-            hint="A camera on the clicked agent, for this browser only; again, or Esc, to get off",
-        )
+        with self.camera:
+            self.ride = gui.add_button(
+                "Ride along",
+                icon=viser.Icon.FEATHER,
+                color="gray",
+                hint="A camera on the clicked agent, in this browser; again, or Esc, to get off",
+            )
         self.ride.on_click(self.ridden)
-        self.steer = gui.add_checkbox(
-            "Steer",
-            False,
-            hint="Handles on the information agent: drag it about and turn it",
-        )
+        with self.form.folders[AGENTS]:
+            self.steer = gui.add_checkbox(
+                "Steer",
+                False,
+                hint="Handles on the information agent: drag it about and turn it",
+                visible=False,
+            )
         add_hotkeys(
             gui,
             {
@@ -38,3 +43,7 @@ class FlockView(ViewPanel):
     async def ridden(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.point(event.client, RIDE)
+
+    def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
+        super().fit(frame, numbers)
+        sight(self.steer, is_led(frame))

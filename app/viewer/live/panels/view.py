@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from app.viewer.scene.shown.control import Control
-from app.viewer.scene.shown.look import LIVE_COLOURINGS, RIBBON, STATE, TRAILS, Look
+from dataclasses import replace
+from typing import Any
+
+from app.viewer.scene.shown.control import controls_of
+from app.viewer.scene.shown.look import LIVE_COLOURINGS, RIBBON, STATE, Look
 
 LOOK = Look(colour=STATE, trails=RIBBON, trail_length=400)
 """At first."""
-CONTROLS = {
-    "colour": Control("Colour by", "What a car's colour means", LIVE_COLOURINGS),
-    "trails": Control(
-        "Trail",
-        "Where each car has been; rising in time: its way through space and time, time upwards "
-        "(look at it from the side)",
-        TRAILS,
-    ),
-    "trail_length": Control(
-        "Trail length", "How far back, ticks of the loop", low=50, high=2000, step=50
-    ),
-    "fence": Control("Fence", "Where the cars are stopped"),
-    "mission": Control("Injected car", "The car that they follow"),
-    "agent_size": Control("Car size", low=1.0, high=3.0, step=0.1),
-    "shadows": Control("Shadows"),
+FOR_CARS: dict[str, dict[str, Any]] = {
+    "colour": {"hint": "What a car's colour means", "choices": LIVE_COLOURINGS, "only": {}},
+    "trails": {
+        "hint": "Where each car has been; rising in time: its way through space and time, time "
+        "upwards (look at it from the side)"
+    },
+    "trail_length": {"hint": "How far back, ticks of the loop", "low": 50, "step": 50},
+    "agent_size": {"label": "Car size", "low": 1.0},
+    "shadows": {},
+    "fence": {"hint": "Where the cars are stopped"},
+    "mission": {"label": "Injected car", "hint": "The car that they follow"},
 }
+"""Those controls that mean something for real cars, and what is otherwise about each."""
+CONTROLS = {name: replace(controls_of(Look)[name], **more) for name, more in FOR_CARS.items()}

@@ -14,14 +14,10 @@ from app.viewer.scene.draw.shapes import dart_length, spacing
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.live import LOST, Live
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import Look, as_birds
 
 POINTS_BEYOND = 10_000
 """More agents than this are drawn as points."""
-BIRDS_UP_TO = 3_000
-"""More agents than this are darts in space too."""
-SHADOWS_UP_TO = 2_000
-"""More agents than this cast no shadows."""
 
 Changes = list[tuple[Any, str, Any]]
 """Node handle, property, new value: collected first, then assigned in one go."""
@@ -48,7 +44,7 @@ class Picture:
     @property
     def as_birds(self) -> bool:
         """Whether the agents are drawn as birds, which bank and beat their wings."""
-        return as_birds(len(self.at), self.stage.dim, self.look)
+        return as_birds(self.frame, self.look)
 
     @property
     def as_cars(self) -> bool:
@@ -107,11 +103,6 @@ INSPECTED_SIZE = 1.45
 DIMMED = 0.72
 PALE = 0.6
 """Share of the floor in the colour of a car that is lost."""
-
-
-def as_birds(count: int, dim: int, look: Look) -> bool:
-    """Whether a flock of so many agents is drawn as birds: in space, if they are not too many."""
-    return dim == 3 and look.birds and count <= BIRDS_UP_TO
 
 
 def as_cars(frame: Frame) -> bool:

@@ -1,9 +1,13 @@
-"""How a person chooses a value: what it is called, and what may be chosen."""
+"""How a person chooses a value: what it is called, what may be chosen, and when it applies."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
+
+Applies = Callable[[Any, Any], bool]
+"""(what is shown, what is chosen) -> whether a choice makes a difference to it."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +22,24 @@ class Control:
     high: float = 0.0
     step: float = 0.0
     typed: bool = False
+    group: str = ""
+    """What it is about: a heading over all such controls."""
+    applies: Applies | None = None
+    """When there is anything to choose; None: always."""
+    only: Mapping[str, Applies] = field(default_factory=dict)
+    """When some of the `choices` are offered; the others always are."""
+
+    def is_for(self, scene: Iterable[Any], chosen: Any) -> bool:
+        """Whether it applies to anything in a scene."""
+        return self.applies is None or any(self.applies(one, chosen) for one in scene)
+
+    def offered(self, scene: Iterable[Any], chosen: Any) -> tuple[str, ...]:
+        """The choices that apply to anything in a scene."""
+        rest = {
+            choice: Control(choice, applies=applies).is_for(scene, chosen)
+            for choice, applies in self.only.items()
+        }
+        return tuple(choice for choice in self.choices if rest.get(choice, True))
 
 
 def chosen(default: Any, *control: Any, **more: Any) -> Any:

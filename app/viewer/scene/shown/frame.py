@@ -55,6 +55,8 @@ class Frame:
     room: tuple[np.ndarray, np.ndarray] | None = None
     """Corners (dim,) of the region in which the mission starts."""
     progress: Progress = Progress()
+    sees_points: bool = False
+    """Whether boundary points are all that agents perceive of what is solid."""
     points: np.ndarray | None = None
     """Boundary points of what is solid, (M, 2), if asked for; one object while they stay."""
     layer: np.ndarray | None = None

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.viewer.scene.shown.control import chosen
+from app.viewer.scene.shown.frame import Frame
 
 COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
@@ -25,69 +28,158 @@ CAMERAS = ("top-down", "perspective", "side", "follow")
 RIDE, STEP_OFF = "ride along", "step off"
 """A camera on a bird, and back to where the camera was."""
 
+BIRDS_UP_TO = 3_000
+"""More agents than this are darts in space too."""
+SHADOWS_UP_TO = 2_000
+"""More agents than this cast no shadows."""
+NUMBERED_UP_TO = 120
+"""Numbers are written beside at most this many agents; of more, beside the clicked one's
+neighbours."""
+
+GROUPS = AGENTS, WORLD, CAMERA = ("Agents", "World", "Camera")
+"""What the controls of the drawing are about."""
+
+
+def is_led(frame: Frame, _look: object = None) -> bool:
+    """Whether there are information agents."""
+    return bool(frame.informed.any())
+
+
+def as_birds(frame: Frame, look: Look) -> bool:
+    """Whether a flock is drawn as birds: in space, if they are not too many."""
+    return look.birds and may_be_birds(frame)
+
+
+def may_be_birds(frame: Frame, _look: object = None) -> bool:
+    """Whether a flock can be drawn as birds."""
+    return frame.dim == 3 and len(frame.ids) <= BIRDS_UP_TO
+
+
+def leaves_trails(frame: Frame, look: Look) -> bool:
+    """Whether anything is drawn of where agents have been."""
+    return look.trails != OFF or (look.wake and as_birds(frame, look))
+
+
+def can_be_numbered(frame: Frame, _look: object = None) -> bool:
+    """Whether numbers can be written beside agents; names of real cars are written always."""
+    few = len(frame.ids) <= NUMBERED_UP_TO or frame.inspected is not None
+    return few and frame.live is None
+
+
+def has_way(frame: Frame, _look: object = None) -> bool:
+    """Whether there are waypoints or a goal."""
+    mission = frame.world.mission
+    return mission is not None and (mission.path is not None or mission.goal is not None)
+
+
+def is_fenced(frame: Frame, _look: object = None) -> bool:
+    """Whether there are cars in an open area."""
+    return frame.cars is not None and set(frame.world.edges) == {"open"}
+
 
 @dataclass(frozen=True)
 class Look:
-    """How a frame is drawn, with how it is chosen. Nothing in it changes the flock."""
+    """How a frame is drawn, with how it is chosen, and where. Nothing in it changes the flock."""
 
-    colour: str = chosen("heading", "Colour by", "What an agent's colour means", COLOURINGS)
+    colour: str = chosen(
+        "heading",
+        "Colour by",
+        "What an agent's colour means",
+        COLOURINGS,
+        group=AGENTS,
+        only={"layer": is_led, "energy saved": lambda frame, _: frame.saved is not None},
+    )
     """One of `COLOURINGS` or `LIVE_COLOURINGS`, or `MEASURED`."""
     measured: str = ""
     """By which number agents are coloured, where `colour` is `MEASURED`."""
-    links: bool = chosen(False, "Links", "A line between agents that are neighbours")
+    links: bool = chosen(False, "Links", "A line between agents that are neighbours", group=AGENTS)
     trails: str = chosen(
         OFF,
         "Trail",
         "Where each agent has been; rising in time: its way through space and time, time upwards, "
         "in flat worlds (look at it from the side)",
         TRAILS,
-    )
-    trail_length: int = chosen(
-        60, "Trail length", "How far back, ticks", low=10, high=2000, step=10
-    )
-    reach: bool = chosen(
-        False,
-        "Reach",
-        "The interaction radius around the clicked agent, or the information agent",
-    )
-    zones: bool = chosen(
-        True,
-        "Zones",
-        "The clicked agent's field of view and zones, if its rule has them; neighbours take the "
-        "colour of their zone, those it does not see are grey",
+        group=AGENTS,
     )
     wake: bool = chosen(
         False,
         "Wake",
         "The lines that birds' wing tips leave behind them: left cool, right warm",
+        group=AGENTS,
+        applies=as_birds,
     )
-    labels: bool = chosen(False, "Numbers", "Each agent's number")
+    trail_length: int = chosen(
+        60,
+        "Trail length",
+        "How far back, ticks",
+        low=10,
+        high=2000,
+        step=10,
+        group=AGENTS,
+        applies=leaves_trails,
+    )
+    reach: bool = chosen(
+        False,
+        "Reach",
+        "The interaction radius around the clicked agent, or the information agent",
+        group=AGENTS,
+    )
+    zones: bool = chosen(
+        True,
+        "Zones",
+        "The clicked agent's field of view and zones; neighbours take the colour of their zone, "
+        "those it does not see are grey",
+        group=AGENTS,
+        applies=lambda frame, _: np.isfinite(frame.kept),
+    )
+    labels: bool = chosen(
+        False, "Numbers", "Each agent's number", group=AGENTS, applies=can_be_numbered
+    )
     """In small flocks; where there are real cars their names are written always."""
+    birds: bool = chosen(
+        True,
+        "Birds",
+        "Birds that bank and beat their wings; off: darts",
+        group=AGENTS,
+        applies=may_be_birds,
+    )
+    agent_size: float = chosen(1.0, "Agent size", low=0.3, high=3.0, step=0.1, group=AGENTS)
+    """As a multiple of the size that suits their density."""
+    shadows: bool = chosen(
+        True,
+        "Shadows",
+        group=AGENTS,
+        applies=lambda frame, _: len(frame.ids) <= SHADOWS_UP_TO,
+    )
     mission: bool = chosen(
         True,
         "Path & goal",
         "The information agents' waypoints, and the goal that all agents seek",
+        group=WORLD,
+        applies=has_way,
     )
-    start: bool = chosen(True, "Start region", "Where the agents of a mission begin")
+    start: bool = chosen(
+        True,
+        "Start region",
+        "Where the agents of a mission begin",
+        group=WORLD,
+        applies=lambda frame, _: frame.room is not None,
+    )
     fence: bool = chosen(
         True,
         "Fence",
-        "Of cars in an open area: half a metre inside its edge, where real cars are made to stop; "
-        "simulated ones are not",
+        "Half a metre inside the edge of the area, where real cars are made to stop; simulated "
+        "ones are not",
+        group=WORLD,
+        applies=is_fenced,
     )
     points: bool = chosen(
         False,
         "Boundary points",
-        "Points along the obstacles' outlines: all that some models perceive of them",
+        "Points along the obstacles' outlines: all that these agents perceive of them",
+        group=WORLD,
+        applies=lambda frame, _: frame.sees_points and frame.world.is_solid,
     )
-    birds: bool = chosen(
-        True,
-        "Birds",
-        "In space: birds that bank and beat their wings, up to 3 000; off: darts",
-    )
-    agent_size: float = chosen(1.0, "Agent size", low=0.3, high=3.0, step=0.1)
-    """As a multiple of the size that suits their density."""
-    shadows: bool = chosen(True, "Shadows", "Up to 2 000 agents")
 
     def __post_init__(self) -> None:
         known = dict.fromkeys((*COLOURINGS, *LIVE_COLOURINGS, MEASURED))

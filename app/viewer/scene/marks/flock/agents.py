@@ -6,18 +6,13 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene.draw import tone
-from app.viewer.scene.draw.picture import (
-    FEW_LEADERS,
-    POINTS_BEYOND,
-    SHADOWS_UP_TO,
-    Changes,
-    Picture,
-)
+from app.viewer.scene.draw.picture import FEW_LEADERS, POINTS_BEYOND, Changes, Picture
 from app.viewer.scene.draw.shapes import dart
 from app.viewer.scene.marks.flock.birds import Birds
 from app.viewer.scene.marks.flock.fleet import Fleet
 from app.viewer.scene.marks.flock.flight import Flight
 from app.viewer.scene.marks.flock.ghosts import Ghosts
+from app.viewer.scene.shown.look import SHADOWS_UP_TO
 
 POINT_SIZE = {2: 0.6, 3: 0.28}
 """Size of a point as a multiple of the length of a dart, by dimension."""

@@ -7,9 +7,10 @@ from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw import tone
 from app.viewer.scene.draw.bird import SHOULDER, beaten, body, wings
-from app.viewer.scene.draw.picture import SHADOWS_UP_TO, Changes, Picture
+from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.shown.look import SHADOWS_UP_TO
 
 SCALE = 1.15
 """Length of a bird as a multiple of a dart's, which is stouter."""

@@ -6,9 +6,7 @@ import numpy as np
 from viser import LabelHandle, SceneApi
 
 from app.viewer.scene.draw.picture import Changes, Picture
-
-MOST = 120
-"""Identities are written beside at most this many agents."""
+from app.viewer.scene.shown.look import NUMBERED_UP_TO
 
 
 class Labels:
@@ -40,9 +38,9 @@ class Labels:
     def _draw_identities(self, picture: Picture) -> Changes:
         count = len(picture.at)
         asked = picture.look.labels and picture.live is None
-        wanted = min(count, MOST) if asked else 0
-        if asked and count > MOST and picture.frame.inspected is not None:
-            rows = picture.frame.inspected.neighbours[:MOST]
+        wanted = min(count, NUMBERED_UP_TO) if asked else 0
+        if asked and count > NUMBERED_UP_TO and picture.frame.inspected is not None:
+            rows = picture.frame.inspected.neighbours[:NUMBERED_UP_TO]
         else:
             rows = np.arange(wanted)
         while len(self._pool) < len(rows):
