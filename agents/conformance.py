@@ -18,6 +18,7 @@ from agents.flock import Flock
 from agents.models.calling import Fault
 from agents.models.declare import declared
 from agents.models.model import Model
+from agents.models.proposed import demand_proposed
 from agents.models.tries import Try
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import OPTIONS
@@ -264,6 +265,20 @@ def other_dimensions(model: Model) -> None:
         demand_sound(flock, f"in {dim}-D")
 
 
+def proposed(model: Model) -> None:
+    """The range that a slider proposes is within what is allowed, and the default is in it."""
+    for one in declared(model.parameters):
+        if one.proposed is None:
+            demand(one.kind != "number", f"{one.name}: no range for a slider")
+            continue
+        assert one.low is not None
+        assert one.high is not None
+        try:
+            demand_proposed(one.proposed, one.default, one.low, one.high)
+        except ValueError as why:
+            raise Failed(f"{one.name}: {why}") from None
+
+
 def bounds(model: Model) -> None:
     """With any one parameter at an end of its range, positions stay finite."""
     for one in declared(model.parameters):
@@ -328,6 +343,7 @@ CHECKS: dict[str, Callable[[Model], None]] = {
     "one spot": one_spot,
     "dimensions": other_dimensions,
     "bounds": bounds,
+    "proposed": proposed,
     "tries": tries,
 }
 

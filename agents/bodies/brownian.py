@@ -30,6 +30,7 @@ class Brownian(Parameters):
         unit="rad^2/s",
         low=0.0,
         high=20.0,
+        proposed=(0.001, 10.0),
         step=0.01,
         source=f"{SOURCE}; value chosen here",
         noise=True,

@@ -91,6 +91,7 @@ class Car(Tracking):
         unit="rad/s",
         low=0.1,
         high=100.0,
+        proposed=(0.5, 30.0),
         step=0.5,
         source=OURS,
     )
@@ -191,6 +192,7 @@ class Car(Tracking):
         unit="m",
         low=0.0,
         high=1.0,
+        proposed=(0.0, 0.3),
         step=0.01,
         source="added to Jacobs and Koessler",
     )

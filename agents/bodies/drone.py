@@ -52,6 +52,7 @@ class Drone(Parameters):
         unit="m/s^2",
         low=0.01,
         high=50.0,
+        proposed=(0.5, 20.0),
         step=0.05,
         source="robotsim of Vasarhelyi et al. 2018: parameters/unitparams.dat, a_max",
     )
@@ -63,6 +64,7 @@ class Drone(Parameters):
         unit="m/s",
         low=0.01,
         high=50.0,
+        proposed=(0.5, 20.0),
         step=0.1,
         source="robotsim of Vasarhelyi et al. 2018: src/algo_spp_evol.c, V_Max at 4 m/s",
     )

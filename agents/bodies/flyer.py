@@ -33,6 +33,7 @@ class Flyer(Parameters):
         unit="length/s",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 10.0),
         step=0.1,
         source="thesis, table 5.1 (V_max)",
     )
@@ -44,6 +45,7 @@ class Flyer(Parameters):
         unit="length/s",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 10.0),
         step=0.1,
         source="ours: the thesis has none",
     )
@@ -55,6 +57,7 @@ class Flyer(Parameters):
         unit="length/s",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 10.0),
         step=0.1,
         source="thesis, table 5.1",
     )
@@ -77,6 +80,7 @@ class Flyer(Parameters):
         unit="deg/s",
         low=1.0,
         high=1800.0,
+        proposed=(10.0, 500.0),
         step=5.0,
         source="thesis, table 5.1, taken per second",
     )
@@ -99,6 +103,7 @@ class Flyer(Parameters):
         unit="length",
         low=0.0,
         high=5.0,
+        proposed=(0.0, 3.0),
         step=0.05,
         source="thesis, table 5.1",
     )
@@ -118,6 +123,7 @@ class Flyer(Parameters):
         unit="length",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 5.0),
         step=0.1,
         source="thesis, section 5.3.2, without a value; 2 gives the crashes of its tables",
     )
@@ -129,6 +135,7 @@ class Flyer(Parameters):
         unit="length",
         low=0.05,
         high=10.0,
+        proposed=(0.05, 4.0),
         step=0.05,
         source="ours: the body of table 5.1 is as wide",
     )

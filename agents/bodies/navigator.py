@@ -64,6 +64,7 @@ class Navigator(Parameters):
         unit="length",
         low=0.01,
         high=5.0,
+        proposed=(0.05, 2.0),
         step=0.05,
         source="Liu et al. 2021, (24)",
     )
@@ -75,6 +76,7 @@ class Navigator(Parameters):
         unit="length/tick",
         low=0.0,
         high=1.0,
+        proposed=(0.0002, 0.2),
         step=0.001,
         source="Liu et al. 2021, (25)",
     )
@@ -86,6 +88,7 @@ class Navigator(Parameters):
         unit="length",
         low=0.02,
         high=5.0,
+        proposed=(0.05, 3.0),
         step=0.05,
         source="Liu et al. 2021, (23)",
     )

@@ -37,6 +37,7 @@ class Steered(Parameters):
         unit="length/s^2",
         low=0.01,
         high=100.0,
+        proposed=(0.5, 30.0),
         step=0.1,
         source="Reynolds 1999, simple vehicle model; value chosen here",
     )
@@ -48,6 +49,7 @@ class Steered(Parameters):
         unit="length/s",
         low=0.01,
         high=100.0,
+        proposed=(0.2, 10.0),
         step=0.1,
         source="Reynolds 1999, simple vehicle model; value chosen here",
     )
@@ -59,6 +61,7 @@ class Steered(Parameters):
         unit="length/s",
         low=0.0,
         high=100.0,
+        proposed=(0.0, 6.0),
         step=0.1,
         source="added to Reynolds 1999",
     )

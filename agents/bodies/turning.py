@@ -22,6 +22,7 @@ class Turning(Parameters):
         unit="length/s",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 10.0),
         step=0.1,
         source="Couzin et al. 2002, table 1",
     )

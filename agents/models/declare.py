@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from agents.models.proposed import Range, around, demand_proposed
 from agents.models.tries import Try
 from worlds.compiled import Entry
 from worlds.refusal import Refusal, unknown
@@ -31,13 +32,21 @@ def parameter(
     step: float | None = None,
     noise: bool = False,
     words: str = "",
+    proposed: Range | None = None,
 ) -> Any:
     """A parameter's declaration: default, range [low, high], unit, symbol and source.
 
     `words` are what a slider is called, two or three; without them it bears the parameter's name.
-    Booleans and choices (`Literal`) have no range. `step` is the slider's. `noise` says that it is
-    the strength of something random, which 0 takes away.
+    Booleans and choices (`Literal`) have no range. `proposed` is the part of the range that a
+    slider spans, where something is to be seen; a range above 0 of more than two decades is spanned
+    by its logarithm. Without it one is made around the default. `step` is the slider's. `noise`
+    says that it is the strength of something random, which 0 takes away. Raises ValueError for a
+    proposed range that is not within the range or does not hold the default.
     """
+    if proposed is not None:
+        assert low is not None
+        assert high is not None
+        demand_proposed(proposed, default, low, high)
     return Field(
         default,
         ge=low,
@@ -50,6 +59,7 @@ def parameter(
             "step": step,
             "noise": noise,
             "words": words,
+            "proposed": proposed,  # type: ignore[dict-item]
         },
     )
 
@@ -77,6 +87,8 @@ class Declared:
     choices: tuple[str, ...]
     noise: bool
     words: str
+    proposed: Range | None
+    """What a slider spans of it; None of what is no number."""
 
     @property
     def allowed(self) -> str:
@@ -106,6 +118,9 @@ def describe(name: str, field: FieldInfo) -> Declared:
         kind = "switch"
     elif get_origin(field.annotation) is Literal:
         kind, choices = "choice", get_args(field.annotation)
+    proposed: Any = extra["proposed"]
+    if proposed is None and low is not None and high is not None:
+        proposed = around(field.default, low, high, extra["step"])  # type: ignore[arg-type]
     return Declared(
         name,
         str(extra["symbol"]),
@@ -120,6 +135,7 @@ def describe(name: str, field: FieldInfo) -> Declared:
         choices,
         bool(extra["noise"]),
         str(extra["words"] or name.replace("_", " ")),
+        proposed,
     )
 
 

@@ -19,6 +19,7 @@ from agents.engine.cache import reached
 from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
 from agents.engine.layers import UNKNOWN
 from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
+from agents.models.proposed import still_proposed
 from agents.models.tries import Try
 
 NEIGHBOURS, NUMBER = "neighbours", "k"
@@ -188,7 +189,10 @@ class Model:
         for name, value in self.defaults.items():
             base = next(b for b in bases if name in b.model_fields)
             changed = copy(base.model_fields[name])
-            changed.default = value
+            extra: dict[str, Any] = dict(changed.json_schema_extra)  # type: ignore[arg-type]
+            if not still_proposed(extra["proposed"], changed.default, value):
+                extra["proposed"] = None
+            changed.default, changed.json_schema_extra = value, extra
             own[name] = (changed.annotation, changed)
         return create_model(self.name, __base__=bases, **own)
 

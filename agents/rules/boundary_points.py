@@ -67,6 +67,7 @@ class BoundaryPoints(Interaction):
         symbol="\\tau_a",
         low=0.0,
         high=1e6,
+        proposed=(0.001, 100.0),
         step=0.1,
         source="Wu et al. 2023, (12), table 3",
     )
@@ -77,6 +78,7 @@ class BoundaryPoints(Interaction):
         symbol="\\tau_e",
         low=0.0,
         high=1e6,
+        proposed=(0.1, 10000.0),
         step=1.0,
         source="Wu et al. 2023, (12), table 3",
     )
@@ -87,6 +89,7 @@ class BoundaryPoints(Interaction):
         symbol="\\tau_s",
         low=0.0,
         high=1e6,
+        proposed=(10.0, 1000000.0),
         step=100.0,
         source="Wu et al. 2023, (12), table 3",
     )
@@ -109,6 +112,7 @@ class BoundaryPoints(Interaction):
         unit="rad",
         low=0.01,
         high=round(TURN, 3),
+        proposed=(0.1, 3.1),
         step=0.05,
         source="Wu et al. 2023, (15), (16), table 3",
     )

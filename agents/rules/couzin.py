@@ -45,6 +45,7 @@ class Couzin(Parameters):
         unit="length",
         low=0.0,
         high=30.0,
+        proposed=(0.0, 15.0),
         step=0.1,
         source="Couzin et al. 2002, table 1",
     )
@@ -78,6 +79,7 @@ class Couzin(Parameters):
         unit="rad",
         low=0.0,
         high=2.0,
+        proposed=(0.0, 0.5),
         step=0.01,
         source="Couzin et al. 2002, table 1",
         noise=True,

@@ -34,6 +34,7 @@ class CuckerSmale(Parameters):
         unit="m",
         low=0.1,
         high=1e6,
+        proposed=(1.0, 10000.0),
         step=10.0,
         source="added to Cucker and Smale 2007",
     )
@@ -45,6 +46,7 @@ class CuckerSmale(Parameters):
         unit="1/s",
         low=0.0,
         high=100.0,
+        proposed=(0.001, 10.0),
         step=0.01,
         source="Cucker and Smale 2007, (1); value chosen here",
     )

@@ -42,6 +42,7 @@ class Echelon(Zones):
         unit="length",
         low=0.05,
         high=100.0,
+        proposed=(0.5, 40.0),
         step=0.1,
         source="ours",
     )
@@ -53,6 +54,7 @@ class Echelon(Zones):
         unit="length",
         low=0.05,
         high=100.0,
+        proposed=(1.0, 60.0),
         step=0.1,
         source="ours: as far as the end of an arm of nine birds",
     )
@@ -75,6 +77,7 @@ class Echelon(Zones):
         unit="rad",
         low=0.0,
         high=2.0,
+        proposed=(0.0, 0.5),
         step=0.01,
         source="as in Couzin et al. 2002; value ours",
         noise=True,
@@ -87,6 +90,7 @@ class Echelon(Zones):
         unit="deg",
         low=0.0,
         high=90.0,
+        proposed=(0.0, 60.0),
         step=1.0,
         source="ours: wings are of use to others only if they are about level",
     )
@@ -107,6 +111,7 @@ class Echelon(Zones):
         symbol="WTS / b",
         low=-0.5,
         high=3.0,
+        proposed=(-0.5, 1.0),
         step=0.01,
         source="where a vortex pair with cores of 0.04 b saves most; -0.107 in the thesis, (2.8)",
     )

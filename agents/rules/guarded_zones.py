@@ -84,6 +84,7 @@ class GuardedZones(Zones):
         symbol="w_a",
         low=0.0,
         high=5.0,
+        proposed=(0.0, 1.0),
         step=0.05,
         source="ours; 1 in the thesis",
     )

@@ -62,6 +62,7 @@ class Spins(Parameters):
         unit="s^2",
         low=0.001,
         high=100.0,
+        proposed=(0.01, 20.0),
         step=0.05,
         source="Attanasi et al. 2014; value ours",
     )
@@ -73,6 +74,7 @@ class Spins(Parameters):
         unit="s",
         low=0.0,
         high=100.0,
+        proposed=(0.01, 20.0),
         step=0.05,
         source="Cavagna et al. 2015; value ours",
     )
@@ -83,6 +85,7 @@ class Spins(Parameters):
         symbol="T",
         low=0.0,
         high=100.0,
+        proposed=(0.001, 10.0),
         step=0.01,
         source="Cavagna et al. 2015; value ours",
         noise=True,

@@ -28,6 +28,7 @@ class ImprovedVicsekInformed(VicsekAmong):
         symbol="k_{IU}",
         low=0.0,
         high=1000.0,
+        proposed=(1.0, 1000.0),
         step=1.0,
         source="Liu et al. 2021, section 3.1.2",
     )

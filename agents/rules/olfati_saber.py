@@ -55,6 +55,7 @@ class OlfatiSaber(Interaction):
         unit="m",
         low=0.2,
         high=30.0,
+        proposed=(0.5, 15.0),
         step=0.25,
         source="Wu et al. 2023, (10); no value is given, so that of d",
     )

@@ -69,6 +69,7 @@ class Pedestrians(Parameters):
         unit="m/s",
         low=0.1,
         high=10.0,
+        proposed=(0.2, 4.0),
         step=0.05,
         source=PAPER,
     )
@@ -81,6 +82,7 @@ class Pedestrians(Parameters):
         unit="m/s",
         low=0.0,
         high=2.0,
+        proposed=(0.0, 1.0),
         step=0.02,
         source=PAPER,
         noise=True,
@@ -92,6 +94,7 @@ class Pedestrians(Parameters):
         symbol="v^{max} / v^0",
         low=1.0,
         high=5.0,
+        proposed=(1.0, 3.0),
         step=0.05,
         source=PAPER,
     )

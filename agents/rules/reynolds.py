@@ -40,6 +40,7 @@ class Boids(Parameters):
         unit="length",
         low=0.1,
         high=100.0,
+        proposed=(0.5, 15.0),
         step=0.1,
         source="Reynolds 1999, neighbourhood; value chosen here",
     )
@@ -51,6 +52,7 @@ class Boids(Parameters):
         unit="deg",
         low=1.0,
         high=360.0,
+        proposed=(10.0, 360.0),
         step=5.0,
         source="Reynolds 1987, 1999, neighbourhood; value chosen here",
     )
@@ -62,6 +64,7 @@ class Boids(Parameters):
         unit="length",
         low=0.01,
         high=100.0,
+        proposed=(0.1, 10.0),
         step=0.1,
         source="Reynolds 1999, separation; value chosen here",
     )
@@ -73,6 +76,7 @@ class Boids(Parameters):
         unit="length",
         low=0.01,
         high=100.0,
+        proposed=(0.2, 10.0),
         step=0.1,
         source="Reynolds 1999, alignment; value chosen here",
     )
@@ -84,6 +88,7 @@ class Boids(Parameters):
         unit="length",
         low=0.01,
         high=100.0,
+        proposed=(0.2, 10.0),
         step=0.1,
         source="Reynolds 1999, cohesion; value chosen here",
     )
@@ -94,6 +99,7 @@ class Boids(Parameters):
         symbol="w_s",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 8.0),
         step=0.1,
         source="Reynolds 1999, flocking; value chosen here",
     )
@@ -104,6 +110,7 @@ class Boids(Parameters):
         symbol="w_a",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 8.0),
         step=0.1,
         source="Reynolds 1999, flocking; value chosen here",
     )
@@ -114,6 +121,7 @@ class Boids(Parameters):
         symbol="w_c",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 8.0),
         step=0.1,
         source="Reynolds 1999, flocking; value chosen here",
     )
@@ -124,6 +132,7 @@ class Boids(Parameters):
         symbol="w_o",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 10.0),
         step=0.1,
         source="Reynolds 1999, containment; value chosen here",
     )
@@ -135,6 +144,7 @@ class Boids(Parameters):
         unit="length",
         low=0.01,
         high=100.0,
+        proposed=(0.2, 10.0),
         step=0.1,
         source="Reynolds 1999, obstacle avoidance; value chosen here",
     )
@@ -156,6 +166,7 @@ class Boids(Parameters):
         symbol="w_g",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 5.0),
         step=0.1,
         source="Reynolds 1999, seek; value chosen here",
     )

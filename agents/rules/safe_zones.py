@@ -35,6 +35,7 @@ class SafeZones(Nearest, Zones):
         unit="length",
         low=0.0,
         high=30.0,
+        proposed=(0.0, 20.0),
         step=0.1,
         source="ours",
     )
@@ -46,6 +47,7 @@ class SafeZones(Nearest, Zones):
         unit="s",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 5.0),
         step=0.1,
         source="ours",
     )

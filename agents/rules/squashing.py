@@ -50,6 +50,7 @@ class Squashing(Tracking):
         symbol="\\beta",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 10.0),
         step=0.1,
         source=PAPER,
     )
@@ -60,6 +61,7 @@ class Squashing(Tracking):
         symbol="C",
         low=0.0,
         high=5.0,
+        proposed=(0.0, 2.0),
         step=0.01,
         source=PAPER,
     )
@@ -71,6 +73,7 @@ class Squashing(Tracking):
         unit="m",
         low=0.001,
         high=10.0,
+        proposed=(0.02, 2.0),
         step=0.001,
         source=PAPER,
     )
@@ -94,6 +97,7 @@ class Squashing(Tracking):
         unit="m",
         low=0.0,
         high=5.0,
+        proposed=(0.0, 2.0),
         step=0.05,
         source="the paper's future work: a smaller slope near 0; 0 in the paper",
     )
@@ -105,6 +109,7 @@ class Squashing(Tracking):
         unit="m",
         low=0.1,
         high=200.0,
+        proposed=(0.5, 50.0),
         step=0.1,
         source="ours: the computer of the paper knows where all cars are",
     )
@@ -135,6 +140,7 @@ class Squashing(Tracking):
         symbol="c_{align}",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 2.0),
         step=0.05,
         source="the paper's abstract has heading alignment, its equations have none",
     )
@@ -146,6 +152,7 @@ class Squashing(Tracking):
         unit="s",
         low=0.0,
         high=2.0,
+        proposed=(0.0, 1.0),
         step=0.01,
         source="the paper's future work: integral and derivative terms",
     )
@@ -157,6 +164,7 @@ class Squashing(Tracking):
         unit="1/s",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 2.0),
         step=0.05,
         source="the paper's future work: integral and derivative terms",
     )
@@ -187,6 +195,7 @@ class Squashing(Tracking):
         unit="deg",
         low=10.0,
         high=360.0,
+        proposed=(10.0, 360.0),
         step=10.0,
         source="the paper's future work, without a value",
     )
@@ -197,6 +206,7 @@ class Squashing(Tracking):
         symbol="\\sigma_r",
         low=0.0,
         high=1.0,
+        proposed=(0.0, 0.5),
         step=0.01,
         source="ours",
         noise=True,
@@ -209,6 +219,7 @@ class Squashing(Tracking):
         unit="rad",
         low=0.0,
         high=1.0,
+        proposed=(0.0, 0.5),
         step=0.01,
         source="ours",
         noise=True,
@@ -230,6 +241,7 @@ class Squashing(Tracking):
         symbol="\\beta_p",
         low=0.0,
         high=20.0,
+        proposed=(0.0, 5.0),
         step=0.05,
         source="ours: with C above 1 it never fades, so that its scale has to be small",
     )
@@ -240,6 +252,7 @@ class Squashing(Tracking):
         symbol="C_p",
         low=0.0,
         high=5.0,
+        proposed=(0.0, 3.0),
         step=0.05,
         source="the paper's future work: C greater than 1",
     )

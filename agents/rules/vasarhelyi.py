@@ -41,6 +41,7 @@ class Drones(Parameters):
         unit="m",
         low=1.0,
         high=500.0,
+        proposed=(10.0, 300.0),
         step=1.0,
         source=f"{ROBOTSIM}/unitparams.dat, R_C",
     )
@@ -52,6 +53,7 @@ class Drones(Parameters):
         unit="m/s",
         low=0.0,
         high=32.0,
+        proposed=(0.0, 16.0),
         step=0.1,
         source=f"Vasarhelyi et al. 2018 (flights at 4, 6, 8 m/s); {ROBOTSIM}/flockingparams.dat",
     )
@@ -63,6 +65,7 @@ class Drones(Parameters):
         unit="m",
         low=0.0,
         high=200.0,
+        proposed=(0.0, 100.0),
         step=0.1,
         source=f"{ROBOTSIM}/flockingparams.dat, R_0 (at 4 m/s); SwarmLab has 25",
     )
@@ -74,6 +77,7 @@ class Drones(Parameters):
         unit="1/s",
         low=0.0,
         high=5.0,
+        proposed=(0.0, 1.0),
         step=0.01,
         source="DANCERS (github.com/Chroma-CITI/DANCERS), config_robotsim_default.yaml, whose "
         "braking curve of the alignment is SwarmLab's; SwarmLab has 0.03; not checked against the "
@@ -87,6 +91,7 @@ class Drones(Parameters):
         unit="m",
         low=0.0,
         high=500.0,
+        proposed=(0.0, 200.0),
         step=0.1,
         source=SWARMLAB,
     )
@@ -97,6 +102,7 @@ class Drones(Parameters):
         symbol="C^{frict}",
         low=0.0,
         high=2.0,
+        proposed=(0.0, 0.5),
         step=0.01,
         source=SWARMLAB,
     )
@@ -108,6 +114,7 @@ class Drones(Parameters):
         unit="m/s",
         low=0.0,
         high=10.0,
+        proposed=(0.0, 5.0),
         step=0.01,
         source=SWARMLAB,
     )
@@ -119,6 +126,7 @@ class Drones(Parameters):
         unit="1/s",
         low=0.01,
         high=20.0,
+        proposed=(0.2, 10.0),
         step=0.1,
         source=SWARMLAB,
     )
@@ -130,6 +138,7 @@ class Drones(Parameters):
         unit="m/s^2",
         low=0.01,
         high=50.0,
+        proposed=(0.2, 12.0),
         step=0.01,
         source=SWARMLAB,
     )
@@ -152,6 +161,7 @@ class Drones(Parameters):
         unit="m/s",
         low=0.0,
         high=100.0,
+        proposed=(0.0, 40.0),
         step=0.1,
         source=SWARMLAB,
     )
@@ -163,6 +173,7 @@ class Drones(Parameters):
         unit="1/s",
         low=0.01,
         high=20.0,
+        proposed=(0.2, 10.0),
         step=0.1,
         source=SWARMLAB,
     )
@@ -174,6 +185,7 @@ class Drones(Parameters):
         unit="m/s^2",
         low=0.01,
         high=50.0,
+        proposed=(0.2, 12.0),
         step=0.01,
         source=SWARMLAB,
     )

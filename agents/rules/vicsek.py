@@ -41,6 +41,7 @@ class Vicsek(Parameters):
         unit="rad",
         low=0.0,
         high=round(2 * math.pi, 4),
+        proposed=(0.0, 6.2832),
         step=0.05,
         source="Liu et al. 2021, (6); vectorial: Grégoire and Chaté 2004",
         noise=True,

@@ -38,6 +38,7 @@ class Vicsek1995(Parameters):
         unit="rad",
         low=0.0,
         high=round(2 * math.pi, 4),
+        proposed=(0.0, 6.2832),
         step=0.05,
         source="Vicsek et al. 1995, (2); vectorial: Grégoire and Chaté 2004",
         noise=True,

@@ -22,6 +22,7 @@ class WeightedVicsek(Vicsek):
         symbol="k_\\alpha",
         low=0.0,
         high=200.0,
+        proposed=(0.0, 100.0),
         step=1.0,
         source="Liu et al. 2021, section 3.1.2",
     )
@@ -32,6 +33,7 @@ class WeightedVicsek(Vicsek):
         symbol="k_\\beta",
         low=0.0,
         high=200.0,
+        proposed=(0.0, 100.0),
         step=1.0,
         source="Liu et al. 2021, section 3.1.2",
     )
@@ -42,6 +44,7 @@ class WeightedVicsek(Vicsek):
         symbol="k_\\gamma",
         low=0.0,
         high=200.0,
+        proposed=(0.0, 10.0),
         step=0.5,
         source="Liu et al. 2021, section 3.1.2",
     )

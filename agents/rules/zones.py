@@ -27,6 +27,7 @@ class Zones(Parameters):
         unit="length",
         low=0.05,
         high=30.0,
+        proposed=(0.1, 8.0),
         step=0.02,
         source="thesis, table 5.1",
     )
@@ -38,6 +39,7 @@ class Zones(Parameters):
         unit="length",
         low=0.05,
         high=30.0,
+        proposed=(0.1, 10.0),
         step=0.1,
         source="thesis, table 5.1",
     )
@@ -49,6 +51,7 @@ class Zones(Parameters):
         unit="length",
         low=0.05,
         high=30.0,
+        proposed=(0.2, 20.0),
         step=0.1,
         source="thesis, table 5.1",
     )
@@ -71,6 +74,7 @@ class Zones(Parameters):
         unit="rad",
         low=0.0,
         high=2.0,
+        proposed=(0.0, 1.0),
         step=0.01,
         source="the thesis has none; as in Couzin et al. 2002",
     )
@@ -93,6 +97,7 @@ class Zones(Parameters):
         unit="length",
         low=0.05,
         high=30.0,
+        proposed=(0.2, 15.0),
         step=0.1,
         source="thesis (4.1), which gives no value; this one works",
     )

@@ -30,6 +30,7 @@ class Nearest(Parameters):
         symbol="n_c",
         low=1.0,
         high=100.0,
+        proposed=(1.0, 20.0),
         step=1.0,
         source="Ballerini et al. 2008: 6.5 +- 0.9",
     )

@@ -37,6 +37,7 @@ class Interaction(Parameters):
         unit="m",
         low=0.5,
         high=30.0,
+        proposed=(1.0, 20.0),
         step=0.5,
         source="Wu et al. 2023, (3), table 3",
     )
@@ -48,6 +49,7 @@ class Interaction(Parameters):
         unit="m",
         low=0.2,
         high=30.0,
+        proposed=(0.5, 15.0),
         step=0.25,
         source="Wu et al. 2023, (8), table 3",
     )
@@ -79,6 +81,7 @@ class Interaction(Parameters):
         unit="m/s^2",
         low=0.1,
         high=100.0,
+        proposed=(0.1, 10.0),
         step=0.5,
         source="Wu et al. 2023, (8), table 3",
     )
@@ -90,6 +93,7 @@ class Interaction(Parameters):
         unit="m/s^2",
         low=0.1,
         high=100.0,
+        proposed=(1.0, 100.0),
         step=0.5,
         source="Wu et al. 2023, (8), table 3",
     )

@@ -16,6 +16,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import Declared, declared
 from agents.models.model import Model
+from app.viewer.panels.dials import Dials, allowed, decimals, step_of
 from app.viewer.panels.notation import plain
 from app.viewer.panels.style import block
 from app.viewer.run.beside import shared_by
@@ -51,6 +52,7 @@ class ParametersPanel:
         self.past: list[Step] = []
         self.changes: dict[str, Any] = {}
         """Parameters that are not at their default -> the default, as they are shown."""
+        self.dials = Dials(gui)
         self.folder = gui.add_folder(None)
         self.controls: dict[str, Any] = {}
         self.beside_controls: dict[str, Any] = {}
@@ -72,6 +74,7 @@ class ParametersPanel:
         self.back.visible = bool(self.changes or self.past)
         if text != self.changed.content:
             self.changed.content = text
+        self.dials.refresh()
 
     async def go_back(self, _event: viser.GuiEvent) -> None:
         """Undo the last change, or give every parameter its default."""
@@ -122,6 +125,7 @@ class ParametersPanel:
         """Controls for the model's parameters, and for those that only the one beside it has."""
         for child in tuple(self.folder._children.values()):
             child.remove()
+        self.dials.clear()
         name, beside = state.models
         model = MODELS[name]
         own = declared(model.parameters)
@@ -152,6 +156,7 @@ class ParametersPanel:
     def control(self, one: Declared, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
         made = add_control(self.gui, one, value)
+        self.dials.add(one, made)
         models = self.models
 
         async def changed(event: viser.GuiEvent) -> None:
@@ -172,17 +177,16 @@ class ParametersPanel:
 
 
 def add_control(gui: viser.GuiApi, one: Declared, value: Any) -> Any:
-    """A switch, a choice, or a slider over the declared range, for one parameter."""
+    """A switch, a choice, or a slider with a box, which takes all that is allowed."""
     label, hint = worded(one)
     if one.kind == "switch":
         return gui.add_checkbox(label, bool(value), hint=hint)
     if one.kind == "choice":
         return gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
-    assert one.low is not None
-    assert one.high is not None
-    kind = int if isinstance(one.default, int) else float
-    step = one.step or (1 if kind is int else (one.high - one.low) / 200)
-    return gui.add_slider(label, kind(one.low), kind(one.high), kind(step), kind(value), hint=hint)
+    low, high = allowed(one)
+    made = gui.add_slider(label, float(low), float(high), step_of(one), float(value), hint=hint)
+    made.precision = decimals(one)
+    return made
 
 
 def sides(model: Model, own: list[Declared]) -> tuple[list[Declared], list[Declared]]:
@@ -196,6 +200,7 @@ def worded(one: Declared) -> tuple[str, str]:
     hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
     if one.kind != "number":
         return one.words, hint
+    hint += f" Double click: back to {in_short(one.default)}."
     unit = "" if one.unit == "1" else f", {re.sub(r'\^(\d)', raised, one.unit)}"
     return f"{one.words} {plain(one.symbol)}{unit}", hint
 

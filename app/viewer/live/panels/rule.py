@@ -14,6 +14,7 @@ from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state import whose
 from app.viewer.live.session import Session
 from app.viewer.live.session_state import SessionState
+from app.viewer.panels.dials import Dials
 from app.viewer.panels.parameters import add_control, sides
 from app.viewer.panels.style import block
 from app.viewer.web.values import show
@@ -34,6 +35,7 @@ class RulePanel:
         )
         self.rule.on_update(self.chosen)
         self.about = gui.add_html("", visible=False)
+        self.dials = Dials(gui)
         self.folder = gui.add_folder(None)
         self.controls: dict[str, Any] = {}
         self.shown: tuple[int, str] = (-1, "")
@@ -59,12 +61,14 @@ class RulePanel:
             if name in state.values and self.shown_values.get(name) != state.values[name]:
                 show(control, state.values[name])
         self.shown_values = dict(state.values)
+        self.dials.refresh()
 
     def rebuild(self, state: SessionState) -> None:
         """Controls for what of the model's parameters may be changed in a real room."""
         assert state.model is not None
         for child in tuple(self.folder._children.values()):
             child.remove()
+        self.dials.clear()
         own = [
             one
             for one in declared(state.model.parameters)
@@ -87,6 +91,7 @@ class RulePanel:
     def control(self, one: Declared, value: Any) -> Any:
         """The control of one parameter; it goes back to what the loop has if that refuses."""
         made = add_control(self.gui, one, value)
+        self.dials.add(one, made)
 
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
