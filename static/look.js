@@ -1,7 +1,8 @@
 /* How the page looks in this browser: light or dark, how large its text is, and whether the panels
-   are there. The browser keeps what was chosen. viser's client takes light or dark from a message
-   of the server, which knows no browser's choice: it is written into that message as it comes in,
-   and the message is given to the client again when the choice changes. */
+   are there, as the browser keeps it; and buttons on the picture for all that and for the cameras.
+   viser's client takes light or dark from a message of the server, which knows no browser's choice:
+   it is written into that message as it comes in, and the message is given to the client again when
+   the choice changes. */
 {
   const root = document.documentElement;
   const choices = { theme: ["light", "dark"], text: ["M", "L", "S"], panels: ["shown", "hidden"] };
@@ -16,6 +17,13 @@
     theme: () => drawn("M12 3a9 9 0 1 0 0 18V3M12 3a9 9 0 0 1 0 18M12 8h6M12 12h8M12 16h6"),
     text: (now) => drawn("M5 20 12 4l7 16M8 14h8") + now,
     panels: () => drawn("M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5"),
+  };
+  const cameras = {
+    1: "M4 4h16v16H4zM4 12h16M12 4v16",
+    2: "M12 3l8 4.5v9L12 21l-8-4.5v-9zM12 12l8-4.5M12 12v9M12 12L4 7.5",
+    3: "M2 16h20l-4-6H6zM12 10v6",
+    F: "M12 8a4 4 0 1 0 0 8a4 4 0 0 0 0-8M12 2v4M12 18v4M2 12h4M18 12h4",
+    B: "M4 20 12 4l8 16-8-5z",
   };
   const buttons = {};
   const kept = (name) => { try { return localStorage.getItem(`flockscope-${name}`); } catch { return null; } };
@@ -54,6 +62,7 @@
     const data = event.data;
     if (!data || data.type !== "message_batch") return;
     for (const message of data.messages) {
+      if (message.type === "RegisterCommandMessage") offerCamera(message.props);
       if (message.type !== "ThemeConfigurationMessage") continue;
       client = event.currentTarget;
       message.dark_mode = now("theme") === "dark";
@@ -83,6 +92,24 @@
     tools.append(button);
     set(name, now(name));
   }
+  /* Above them, a button for each camera that this page has a key for: it does what the key does. */
+  const views = document.createElement("div");
+  views.className = "fs-tools fs-views";
+  const offerCamera = ({ hotkey, label }) => {
+    if (!(hotkey in cameras) || hotkey in buttons) return;
+    const button = buttons[hotkey] = document.createElement("button"), digit = /\d/.test(hotkey);
+    button.type = "button";
+    button.innerHTML = drawn(cameras[hotkey]);
+    button.title = `${label} (key ${hotkey})`;
+    button.setAttribute("aria-label", button.title);
+    const pressed = { key: hotkey.toLowerCase(), code: (digit ? "Digit" : "Key") + hotkey, bubbles: true };
+    button.addEventListener("click", (event) => {
+      document.body.dispatchEvent(new KeyboardEvent("keydown", pressed));
+      if (event.detail > 0) button.blur();
+    });
+    views.append(button);
+    views.append(...Object.keys(cameras).filter((key) => key in buttons).map((key) => buttons[key]));
+  };
   /* What stands at the top of the panels, while they are hidden. */
   const caption = document.createElement("div");
   caption.className = "fs-caption";
@@ -111,7 +138,7 @@
   };
   const looking = new MutationObserver(find);
   document.addEventListener("DOMContentLoaded", () => {
-    document.body.append(tools, caption);
+    document.body.append(tools, views, caption);
     looking.observe(document.body, { childList: true, subtree: true });
   });
 }

@@ -16,7 +16,7 @@ from app.viewer.panels.view import ViewPanel
 from app.viewer.run.home import at_home
 from app.viewer.run.picture import Camera
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import AGENTS, BIRDS_UP_TO, NUMBERED_UP_TO, WORLD, Look
+from app.viewer.scene.shown.look import AGENTS, BIRDS_UP_TO, CAMERA, NUMBERED_UP_TO, WORLD, Look
 from tests.viewer import fleet
 from tests.viewer.live_fleet import live_frame
 from tests.viewer.sky import frame, heading
@@ -84,7 +84,11 @@ def test_every_model_at_home_shows_what_its_scene_has(view, name):
     assert ("energy saved" in offered) == ("saved" in flock.model.columns)
 
 
-def test_each_control_has_a_group():
+def test_each_control_stands_in_its_group_and_each_group_once(server, monkeypatch):
+    made, add = [], server.gui.add_folder
+    monkeypatch.setattr(server.gui, "add_folder", lambda label: made.append(label) or add(label))
+    FlockView(server.gui, Look(), lambda *_: None)
+    assert made == [AGENTS, WORLD, CAMERA]
     assert {control.group for control in SEEN.values()} == {AGENTS, WORLD}
     assert {control.group for control in CONTROLS.values()} == {AGENTS, WORLD}
 

@@ -20,7 +20,8 @@ class Form[T]:
     def __init__(self, gui: viser.GuiApi, value: T, controls: Mapping[str, Control]):
         self.value = value
         self.controls = controls
-        self.folders = {one.group: gui.add_folder(one.group) for one in controls.values()}
+        groups = dict.fromkeys(one.group for one in controls.values())
+        self.folders = {group: gui.add_folder(group) for group in groups}
         self.handles: dict[str, Any] = {}
         for name, control in controls.items():
             with self.folders[control.group]:
