@@ -17,6 +17,7 @@ STATES = ("tracked", "late", "lost", "simulated", "simulated")
 def live(**changes: Any) -> Live:
     made = Live(
         names=("red", "blue", "green", "sim 1", "sim 2"),
+        roster=("red", "blue", "green", "sim 1", "sim 2"),
         states=STATES,
         ages=np.array([0.004, 0.064, 1.38, 0.0, 0.0]),
         fence=0.4,

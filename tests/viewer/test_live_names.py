@@ -65,9 +65,8 @@ def test_a_name_is_clear_of_its_car(name_at):
 
 def crowd(count: int) -> tuple[Live, dict]:
     late = tuple("late" if row % 10 == 0 else "tracked" for row in range(count))
-    state = Live(
-        tuple(f"car {row}" for row in range(count)), late, np.full(count, 0.05), 0.4, "safe"
-    )
+    names = tuple(f"car {row}" for row in range(count))
+    state = Live(names, names, late, np.full(count, 0.05), 0.4, "safe")
     changes = {
         "position": np.column_stack([np.linspace(-2.0, 2.0, count), np.zeros(count)]),
         "heading": np.tile((1.0, 0.0), (count, 1)),

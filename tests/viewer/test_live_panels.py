@@ -28,6 +28,7 @@ from app.viewer.live.panels.room import injected, limited
 from app.viewer.live.panels.state import banner_html
 from app.viewer.live.readings import RoomReadings
 from app.viewer.live.session_state import SessionState
+from app.viewer.scene.draw import palette
 from app.viewer.web.server import close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at
 
@@ -141,6 +142,10 @@ def test_the_table_has_every_car_with_its_state():
     assert "60 ms" in shown
     assert "−0.40" in shown
     assert shown.count("fs-chosen") == 1
+    for car in status.cars:
+        own, outline = palette.css(palette.OWN[car.name]), palette.css(palette.STATES[car.state])
+        dot = f'<i class="fs-dot fs-small fs-car" style="background:{own};color:{outline}"></i>'
+        assert f'<td title="{car.state}">{dot}{car.name}</td>' in shown
     assert 'title="simulated"' in shown
     told = numbers(status, readings, 3)
     assert (told["loop"], told["browsers"], told["ticks missed"]) == ("10.0 ms", "3", "0")
@@ -168,6 +173,8 @@ def test_plots_reach_back_a_minute(server):
     assert plots.lags.plot.data[2][-1] == pytest.approx(90.0)
     plots.refresh(readings, ["red"], 0.22)
     assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 2
+    drawn = [one["stroke"] for one in plots.lags.plot.series[1:]]
+    assert drawn == [colours(names)["red"]] == [palette.css(palette.OWN["red"])]
     assert len(set(colours(names).values())) == 3
 
 

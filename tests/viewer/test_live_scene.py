@@ -11,11 +11,12 @@ import viser
 
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.car import hull, outline
-from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.draw.colouring import legend, outlines
 from app.viewer.scene.marks.flock.agents import Agents
 from app.viewer.scene.marks.flock.flight import Flight
 from app.viewer.scene.marks.flock.labels import Labels
-from app.viewer.scene.marks.flock.live_rings import RADIUS, LiveRings
+from app.viewer.scene.marks.flock.live_outlines import CLEAR, LiveOutlines
+from app.viewer.scene.marks.flock.live_outlines import THICK as STATE_LINES
 from app.viewer.scene.marks.flock.stuck import StuckMarks
 from app.viewer.scene.marks.world.area import THICK, CaptureArea, frame_mesh
 from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
@@ -23,33 +24,49 @@ from app.viewer.scene.marks.world.injected import InjectedCar
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.live import Live
-from app.viewer.scene.shown.look import COLOURINGS, LIVE_COLOURINGS, Look
-from tests.viewer.fleet import AREA, frame, node, shown
+from app.viewer.scene.shown.look import COLOURINGS, LIVE_COLOURINGS, OWN, Look
+from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.live_fleet import STATES, live, live_frame, nobody
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand, draw
 
-LIVE_NODES = ("/area/", "/simulated/", "/late", "/lost", "/names/")
+LIVE_NODES = ("/area/", "/simulated/", "/flock/outlines/", "/names/")
+CALLED = ("red", "blue", "green")
+"""Cars that are called by a colour."""
 
 
 def seen(state: Live, look: Look | None = None, **changes: Any):
     return shown(live_frame(state=state, **changes), look)
 
 
-def test_the_colour_of_a_car_may_be_its_state():
-    states = ("tracked", "late", "lost", "stopped", "simulated")
-    colour = seen(live(states=states), Look(colour="state")).colour
-    lost = 2
-    for row, state in enumerate(states):
-        if row != lost:
-            assert colour[row] == pytest.approx(palette.STATES[state])
-    assert np.linalg.norm(colour[lost] - palette.FLOOR) < np.linalg.norm(
-        palette.STATES["lost"] - palette.FLOOR
-    )
-    entries = legend(Look(colour="state"), live_frame())
-    assert entries == [(state, palette.css(palette.STATES[state])) for state in states]
+def test_each_car_has_its_own_colour_whether_it_is_seen_or_not():
+    look = Look(colour=OWN)
+    colour = seen(live(states=("tracked",) * 5), look).colour
+    assert colour[:3] == pytest.approx(np.array([palette.OWN[one] for one in CALLED]))
+    assert len(np.unique(colour, axis=0)) == 5
+    fewer = live(names=("green", "sim 2"), states=("tracked",) * 2, ages=np.zeros(2))
+    one = live_frame(state=fewer)
+    rows = [2, 4]
+    kept = replace(
+        one, ids=one.ids[rows], position=one.position[rows], heading=one.heading[rows],
+        speed=one.speed[rows], informed=one.informed[rows], cars=known(2),
+    )  # fmt: skip
+    assert shown(kept, look).colour == pytest.approx(colour[rows])
+    pale = seen(live(), look).colour[2]
+    assert np.linalg.norm(pale - palette.FLOOR) < np.linalg.norm(colour[2] - palette.FLOOR)
+    names = [*live().names, "injected car"]
+    entries = legend(look, live_frame())
+    assert [name for name, _ in entries] == names
+    assert [css for _, css in entries][:5] == [palette.css(one) for one in colour]
+    assert entries[-1][1] == palette.css(palette.GOAL)
+
+
+def test_the_key_to_the_outlines_has_every_state_that_may_be():
+    entries = outlines(live_frame())
+    assert entries == [(state, palette.css(colour)) for state, colour in palette.STATES.items()]
     alone = live_frame(state=live(states=("tracked",) * 5))
-    assert "simulated" not in dict(legend(Look(colour="state"), alone))
+    assert "simulated" not in dict(outlines(alone))
+    assert outlines(frame()) == []
 
 
 def test_states_can_be_told_apart():
@@ -59,20 +76,14 @@ def test_states_can_be_told_apart():
             assert np.linalg.norm(one - other) > 0.25
 
 
-def test_only_rooms_with_real_cars_offer_the_state():
-    assert "state" not in COLOURINGS
-    assert LIVE_COLOURINGS[0] == "state"
-    assert shown(frame(), Look(colour="state")).colour == pytest.approx(
-        np.tile(palette.UNKNOWN, (3, 1))
-    )
-    assert legend(Look(colour="state"), frame()) == [
-        ("only real cars have a state", palette.css(palette.UNKNOWN))
-    ]
-    with pytest.raises(ValueError, match=r"colour = 'mood' is not one of heading, .*, state"):
+def test_the_first_colouring_of_real_cars_is_each_its_own():
+    assert LIVE_COLOURINGS[0] == OWN
+    assert set(LIVE_COLOURINGS) < set(COLOURINGS)
+    with pytest.raises(ValueError, match=r"colour = 'mood' is not one of heading, .*, plain"):
         Look(colour="mood")
 
 
-@pytest.mark.parametrize("colour", COLOURINGS)
+@pytest.mark.parametrize("colour", [one for one in COLOURINGS if one != OWN])
 def test_every_other_colouring_colours_real_cars_as_it_does_simulated_ones(colour):
     look, one = Look(colour=colour), live_frame()
     before = shown(replace(one, live=None), look).colour
@@ -128,20 +139,30 @@ def test_a_lost_car_is_pale_as_a_whole_and_no_other_is():
     assert wheels.batched_colors[:8].tolist() == [tone.lit(palette.TYRE[None])[0].tolist()] * 8
 
 
-def test_rings_are_around_cars_that_are_late_or_lost():
+def test_an_outline_of_its_state_is_around_each_real_car():
     scene = Stand()
-    part = LiveRings(scene)
-    one = shown(live_frame())
+    part = LiveOutlines(scene)
+    one = shown(live_frame(heading=np.tile((0.0, 1.0), (5, 1))))
     draw(part, one)
-    for state, row in (("late", 1), ("lost", 2)):
+    half = np.array([0.5 * 0.12 / 0.22 + CLEAR, 0.5 + CLEAR]) * one.length
+    for row, state in enumerate(("tracked", "late", "lost")):
         lines = node(scene, f"/{state}")
-        away = np.linalg.norm(lines.points[..., :2] - one.at[row, :2], axis=-1)
-        assert away == pytest.approx(RADIUS * one.length)
+        away = np.abs(lines.points[..., :2] - one.at[row, :2])
+        assert away.max(axis=(0, 1)) == pytest.approx(half)
+        assert np.all((away > half - CLEAR * one.length - 1e-6).any(axis=-1))
+        assert lines.points[:, 1] == pytest.approx(np.roll(lines.points[:, 0], -1, axis=0))
         assert tuple(lines.colors) == tone.single(palette.STATES[state])
+    assert not node(scene, "/stopped").visible
     draw(part, seen(live(states=("tracked", "stopped", "late", "simulated", "simulated"))))
-    assert (node(scene, "/late").visible, node(scene, "/lost").visible) == (True, False)
+    there = {state: node(scene, f"/{state}").visible for state in STATE_LINES}
+    assert there == {"tracked": True, "stopped": True, "late": True, "lost": False}
     draw(part, shown(frame()))
     assert not node(scene, "/late").visible
+
+
+def test_the_worse_a_state_the_thicker_its_outline():
+    assert STATE_LINES["tracked"] < STATE_LINES["stopped"] < STATE_LINES["late"]
+    assert STATE_LINES["late"] < STATE_LINES["lost"]
 
 
 @pytest.mark.parametrize("inside", [0.4, 0.9])
@@ -276,7 +297,7 @@ def test_a_room_is_shown_from_before_the_first_car_is_seen_to_the_end():
     server = viser.ViserServer(host="localhost", port=0, verbose=False)
     try:
         scene = Scene(server)
-        for look in (Look(colour="state"), Look(colour="heading", trails="rising in time")):
+        for look in (Look(colour=OWN), Look(colour="heading", trails="rising in time")):
             for tick, one in enumerate((nobody(live_frame()), live_frame(), frame())):
                 scene.show(replace(one, tick=tick, run=tick), look)
     finally:

@@ -97,12 +97,18 @@ def frame_of(
         ),
         live=Live(
             names=tuple(car.name for car in cars),
+            roster=roster(status),
             states=tuple(car.state for car in cars),
             ages=np.array([car.age for car in cars]),
             fence=lab.area.fence,
             arm=status.arm,
         ),
     )
+
+
+def roster(status: Status) -> tuple[str, ...]:
+    """The names of all cars of a room, the real ones first."""
+    return (*(car.name for car in status.cars), *(one.name for one in status.companions))
 
 
 def drawn(status: Status, past: Sequence[Status]) -> list[Drawn]:

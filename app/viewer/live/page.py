@@ -11,6 +11,7 @@ import viser
 
 from app.live.operating.choices import Choices
 from app.viewer.live.drag_handle import DragHandle
+from app.viewer.live.framing import roster
 from app.viewer.live.panels.log import LogPanel
 from app.viewer.live.panels.monitors import BLOCKS, contents
 from app.viewer.live.panels.plots import LivePlots
@@ -192,12 +193,11 @@ class LivePage:
         if self.drawing.drawn is None or status is None:
             return
         frame, drawn_as = self.drawing.drawn
-        names = [*(car.name for car in status.cars), *(one.name for one in status.companions)]
         self.monitors.show(contents(status, frame, readings, self.browsers(), self.selected))
         self.view.fit(frame)
         self.monitors.colours(drawn_as.colour, self.scene.legend(drawn_as, frame))
         if frame.cars is not None:
-            self.plots.refresh(readings, names, frame.cars.length)
+            self.plots.refresh(readings, roster(status), frame.cars.length)
 
     def browsers(self) -> int:
         """Number of browsers that watch."""

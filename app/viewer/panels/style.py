@@ -35,10 +35,14 @@ def grid(values: dict[str, str], across: int = 3) -> str:
     return f'<div class="fs-cards"{columns}>{made}</div>'
 
 
-def key(entries: list[tuple[str, str]], drawn: bool = False) -> str:
-    """A key to colours: (label, css colour), of what is `drawn` in the scene or of curves."""
+def key(entries: list[tuple[str, str]], drawn: bool = False, hollow: bool = False) -> str:
+    """A key to colours: (label, css colour), of what is `drawn` in the scene or of curves.
+
+    `hollow`: of outlines.
+    """
+    shown = "border:2px solid" if hollow else "background:"
     made = "".join(
-        f'<span><i style="background:{colour}"></i>{label}</span>' for label, colour in entries
+        f'<span><i style="{shown} {colour}"></i>{label}</span>' for label, colour in entries
     )
     return f'<div class="fs-key{" fs-drawn" if drawn else ""}">{made}</div>'
 

@@ -10,7 +10,7 @@ import viser
 from app.viewer.panels.form import Form
 from app.viewer.scene.shown.control import Control
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERA, CAMERAS, COLOURINGS, LIVE_COLOURINGS, MEASURED, Look
+from app.viewer.scene.shown.look import CAMERA, CAMERAS, COLOURINGS, MEASURED, Look
 from app.viewer.web.values import show
 
 Point = Callable[[viser.ClientHandle, str], None]
@@ -94,6 +94,6 @@ class ViewPanel:
     def look(self) -> Look:
         """The drawing as the controls have it."""
         chosen = self.form["colour"].value
-        if chosen in (*COLOURINGS, *LIVE_COLOURINGS):
+        if chosen in COLOURINGS:
             return self.form.read()
         return self.form.read(colour=MEASURED, measured=chosen)

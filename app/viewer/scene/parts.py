@@ -12,7 +12,7 @@ from app.viewer.scene.marks.flock.halos import Halos
 from app.viewer.scene.marks.flock.labels import Labels
 from app.viewer.scene.marks.flock.links import Links
 from app.viewer.scene.marks.flock.live_labels import LiveLabels
-from app.viewer.scene.marks.flock.live_rings import LiveRings
+from app.viewer.scene.marks.flock.live_outlines import LiveOutlines
 from app.viewer.scene.marks.flock.stuck import StuckMarks
 from app.viewer.scene.marks.inspected.inspection import InspectionMarks
 from app.viewer.scene.marks.inspected.reasons import Reasons
@@ -53,7 +53,7 @@ class Parts:
             CrashMarks(scene, root),
             StuckMarks(scene, root),
             Fence(scene, root),
-            LiveRings(scene, root),
+            LiveOutlines(scene, root),
             LiveLabels(scene, root),
             InspectionMarks(scene, root),
             ZoneMarks(scene, root),

@@ -6,17 +6,19 @@ import html
 import math
 
 from app.live.control.status import Status
+from app.viewer.live.framing import roster
 from app.viewer.live.panels.plots import colours
 from app.viewer.live.readings import RoomReadings
 from app.viewer.panels.monitors import CARDS, KEY
-from app.viewer.panels.style import grid
+from app.viewer.panels.style import grid, key
 from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.colouring import outlines
 from app.viewer.scene.shown.frame import Frame
 
 DASH = "–"
 
 
-BLOCKS = (CARDS, "cars", KEY)
+BLOCKS = (CARDS, "cars", KEY, "outlines")
 """From the top down."""
 
 
@@ -31,6 +33,7 @@ def contents(
     return {
         CARDS: grid(numbers(status, readings, browsers)),
         "cars": cars(status, frame, readings, chosen),
+        "outlines": outlined(frame),
     }
 
 
@@ -53,15 +56,16 @@ def numbers(status: Status, readings: RoomReadings, browsers: int) -> dict[str, 
 
 
 def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | None) -> str:
-    """A table of all cars: state, age of the pose, speed, what is sent, lag."""
+    """A table of all cars: own colour and state, age of the pose, speed, what is sent, lag."""
     live = frame.live
     rows = {} if live is None else {name: row for row, name in enumerate(live.names)}
-    ink = colours([*(car.name for car in status.cars), *(one.name for one in status.companions)])
+    ink = colours(roster(status))
 
     def line(name: str, state: str, *cells: str) -> str:
         row = rows.get(name)
         marked = ' class="fs-chosen"' if row is not None and row == chosen else ""
-        dot = f'<i class="fs-dot fs-small" style="background:{palette.css(palette.STATES[state])}">'
+        outline = palette.css(palette.STATES[state])
+        dot = f'<i class="fs-dot fs-small fs-car" style="background:{ink[name]};color:{outline}">'
         speed = DASH if row is None else f"{frame.speed[row]:.2f}"
         age, *sent = cells
         told = [age, speed, *sent]
@@ -81,6 +85,12 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
         f"<th>m/s</th><th>steer</th><th>thr.</th>{'<th>lag</th>' if readings.lags else ''}</tr>"
         f"{''.join(made)}</table>"
     )
+
+
+def outlined(frame: Frame) -> str:
+    """What the outlines around the cars mean."""
+    entries = outlines(frame)
+    return '<div class="fs-head">Outline: state</div>' + key(entries, drawn=True, hollow=True)
 
 
 def milliseconds(seconds: float) -> str:

@@ -12,12 +12,11 @@ from viser import uplot
 from app.viewer.live.readings import RoomReadings
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.panels.chart import Chart, Curve
-from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, VIOLET, key
+from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, key
+from app.viewer.scene.draw import own, palette
 
 WINDOW = 60.0
 """Seconds that are plotted."""
-CURVES = (BLUE, ORANGE, GREEN, VIOLET, RED, "#0c8599", "#d6336c", "#66870d")
-"""Colours of the cars' curves, in turn."""
 LIMIT = (True, 1.2)
 """How what stays the same is drawn: dashed, and thin."""
 X = uplot.Scale(time=False)
@@ -128,9 +127,9 @@ def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
 
 
 def colours(names: Sequence[str]) -> dict[str, str]:
-    """The colour of each car's curve, CSS.
+    """The colour of each car's curve: its own, as in the scene, CSS.
 
     >>> colours(["red", "blue"])["red"]
-    '#1c7ed6'
+    '#e30010'
     """
-    return {name: CURVES[place % len(CURVES)] for place, name in enumerate(names)}
+    return {name: palette.css(colour) for name, colour in own.by_name(names).items()}

@@ -6,12 +6,16 @@ from dataclasses import replace
 from typing import Any
 
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import LIVE_COLOURINGS, RIBBON, STATE, Look
+from app.viewer.scene.shown.look import LIVE_COLOURINGS, OWN, RIBBON, Look
 
-LOOK = Look(colour=STATE, trails=RIBBON, trail_length=400)
+LOOK = Look(colour=OWN, trails=RIBBON, trail_length=400)
 """At first."""
 FOR_CARS: dict[str, dict[str, Any]] = {
-    "colour": {"hint": "What a car's colour means", "choices": LIVE_COLOURINGS, "only": {}},
+    "colour": {
+        "hint": "What a car's colour means; its state is the outline around it",
+        "choices": LIVE_COLOURINGS,
+        "only": {},
+    },
     "trails": {
         "hint": "Where each car has been; rising in time: its way through space and time, time "
         "upwards (look at it from the side)"

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.viewer.scene.draw import palette
+from app.viewer.scene.draw import own, palette
 from app.viewer.scene.shown import look as look_module
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.live import SIMULATED
 from app.viewer.scene.shown.look import Look
 
+MOST_NAMED = 24
+"""Of more agents none is named beside its own colour."""
 MOST_SAVED = 1.0
 """Share of the induced drag, saved or paid, from which on colours are full."""
 
@@ -36,10 +38,8 @@ def _colours(frame: Frame, look: Look) -> np.ndarray:
             return _known(frame.layer, palette.by_layer, count)
         case "group":
             return _known(frame.group, palette.by_group, count)
-        case "state" if frame.live is not None:
-            return palette.by_state(frame.live.states)
-        case "state":
-            return np.tile(palette.UNKNOWN, (count, 1))
+        case look_module.OWN:
+            return own.of_frame(frame)
         case look_module.MEASURED:
             return _known(frame.measured, palette.by_number, count)
         case "energy saved":
@@ -76,8 +76,8 @@ def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
             return _group_legend(frame) + leader
         case "energy saved":
             return _saving_legend(frame) + leader
-        case "state":
-            return _state_legend(frame)
+        case look_module.OWN:
+            return _own_legend(frame) + leader
         case look_module.MEASURED:
             return _number_legend(look, frame) + leader
     return [("agent", palette.css(palette.PLAIN)), *leader]
@@ -115,9 +115,28 @@ def _saving_legend(frame: Frame) -> list[tuple[str, str]]:
     return [*zip(words, colours, strict=True), ("unknown", palette.css(palette.UNKNOWN))]
 
 
-def _state_legend(frame: Frame) -> list[tuple[str, str]]:
+def _own_legend(frame: Frame) -> list[tuple[str, str]]:
+    """Each by its name, of few; the injected car is one of them."""
+    injected = frame.cars is not None and frame.progress.goal is not None
+    more = [("injected car", palette.css(palette.GOAL))] if injected else []
+    if frame.live is not None:
+        names = own.by_name(frame.live.roster)
+        return [(name, palette.css(colour)) for name, colour in names.items()] + more
+    if len(frame.ids) > MOST_NAMED:
+        return [(f"{len(palette.OWN)} colours in turn", palette.css(own.COLOURS[0])), *more]
+    worn = np.asarray(frame.informed, bool) | frame.down
+    if frame.cars is not None:
+        worn |= frame.cars.predator
+    noun = "agent" if frame.cars is None else "car"
+    colours = own.by_identity(frame.ids)
+    rows = np.flatnonzero(~worn)
+    return [(f"{noun} {frame.ids[row]}", palette.css(colours[row])) for row in rows] + more
+
+
+def outlines(frame: Frame) -> list[tuple[str, str]]:
+    """What the outlines of real cars mean: (state, CSS colour); nothing where there are none."""
     if frame.live is None:
-        return [("only real cars have a state", palette.css(palette.UNKNOWN))]
+        return []
     there = frame.live.are(SIMULATED).any()
     return [
         (state, palette.css(colour))

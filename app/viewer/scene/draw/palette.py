@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -101,6 +99,22 @@ GLASS, TYRE = srgb("#26323f"), srgb("#1b222b")
 """The windows and the wheels of cars."""
 FENCE = srgb("#d9730d")
 """Where real cars are made to stop; and what is stuck."""
+OWN = {
+    "blue": srgb("#016cff"),
+    "orange": srgb("#ed6b00"),
+    "teal": srgb("#007f78"),
+    "pink": srgb("#ea2fa4"),
+    "olive": srgb("#646e00"),
+    "sky": srgb("#1d9ce2"),
+    "brown": srgb("#a75657"),
+    "green": srgb("#41a356"),
+    "gold": srgb("#a68d3a"),
+    "plum": srgb("#a342ac"),
+    "red": srgb("#e30010"),
+    "grey": srgb("#7e7c9c"),
+}
+"""Colours that agents have as their own, the most distinct first. The first eight can be told apart
+without seeing red or green; all stand out from a light and from a dark ground, 3 to 1."""
 STATES = {
     "tracked": srgb("#12a07f"),
     "late": srgb("#eba10c"),
@@ -108,7 +122,7 @@ STATES = {
     "stopped": srgb("#64748b"),
     "simulated": srgb("#3f9fe8"),
 }
-"""What a car in a room with real ones is."""
+"""What a car in a room with real ones is: the colour of the outline around it."""
 ARMS = {"safe": srgb("#64748b"), "armed": srgb("#0e8f8a"), "emergency": srgb("#d92b2b")}
 """The edge of a capture area, by what the laboratory may do."""
 CRASHED = srgb("#a3706c")
@@ -202,11 +216,6 @@ def by_saving(saved: np.ndarray, full: float) -> np.ndarray:
     known = np.isfinite(saved)
     share = np.clip(np.where(known, saved, 0.0) / full, -1.0, 1.0)
     return np.where(known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
-
-
-def by_state(states: Sequence[str]) -> np.ndarray:
-    """States of N cars -> colours (N, 3)."""
-    return np.array([STATES[state] for state in states], dtype=float).reshape(-1, 3)
 
 
 def by_layer(layer: np.ndarray) -> np.ndarray:

@@ -22,6 +22,8 @@ class Live:
 
     names: tuple[str, ...]
     """Of all N cars in the picture; one that was never seen is not in it."""
+    roster: tuple[str, ...]
+    """Of all cars of the room, seen or not, in an order that stays."""
     states: tuple[str, ...]
     """One of `STATES` each."""
     ages: np.ndarray

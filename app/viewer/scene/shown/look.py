@@ -9,12 +9,14 @@ import numpy as np
 from app.viewer.scene.shown.control import chosen
 from app.viewer.scene.shown.frame import Frame
 
-COLOURINGS = ("heading", "layer", "group", "speed", "energy saved", "plain")
+OWN = "each its own"
+"""A colour by identity, with which an agent is found again wherever it is told of."""
+
+COLOURINGS = ("heading", OWN, "layer", "group", "speed", "energy saved", "plain")
 """What the colour of an agent may stand for."""
 
-STATE = "state"
-LIVE_COLOURINGS = (STATE, "heading", "speed", "plain")
-"""What that of a car in a room with real ones may: also whether it is tracked, lost, ..."""
+LIVE_COLOURINGS = (OWN, "heading", "speed", "plain")
+"""What that of a car in a room with real ones may."""
 
 MEASURED = "measured"
 """Any number that each agent has: a signal of its model, or one of `OF_AGENTS`."""
@@ -89,7 +91,7 @@ class Look:
         group=AGENTS,
         only={"layer": is_led, "energy saved": lambda frame, _: frame.saved is not None},
     )
-    """One of `COLOURINGS` or `LIVE_COLOURINGS`, or `MEASURED`."""
+    """One of `COLOURINGS`, or `MEASURED`."""
     measured: str = ""
     """By which number agents are coloured, where `colour` is `MEASURED`."""
     links: bool = chosen(False, "Links", "A line between agents that are neighbours", group=AGENTS)
@@ -182,8 +184,7 @@ class Look:
     )
 
     def __post_init__(self) -> None:
-        known = dict.fromkeys((*COLOURINGS, *LIVE_COLOURINGS, MEASURED))
-        if self.colour not in known:
-            raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(known)}")
+        if self.colour not in (*COLOURINGS, MEASURED):
+            raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(COLOURINGS)}")
         if self.trails not in TRAILS:
             raise ValueError(f"trails = {self.trails!r} is not one of {', '.join(TRAILS)}")
