@@ -162,10 +162,10 @@ def test_a_number_that_a_flock_lacks_comes_back_too(view):
 def test_the_next_colour_is_one_that_this_flock_has(view):
     view.fit(plane())
     seen = []
-    for _ in range(4):
+    for _ in range(5):
         seen.append(view.look().colour)
         view.next_colour()
-    assert seen == ["heading", "group", "speed", "plain"]
+    assert seen == ["heading", "each its own", "group", "speed", "plain"]
 
 
 def test_browsers_are_told_only_what_changes(view, server, monkeypatch):
@@ -182,7 +182,7 @@ def test_the_page_of_real_cars_shows_fence_and_car_only_where_they_are(server):
     room = ViewPanel(server.gui, LOOK, CONTROLS, lambda *_: None, "car")
     one = live_frame()
     room.fit(one)
-    assert tuple(room.form["colour"].options) == ("state", "heading", "speed", "plain")
+    assert tuple(room.form["colour"].options) == ("each its own", "heading", "speed", "plain")
     assert ("mission" in shown(room)) == (one.world.mission is not None)
     assert "fence" in shown(room)
     closed = World("hall", fleet.AREA.size, ("solid", "solid"))
