@@ -155,14 +155,14 @@ def test_what_somebody_chooses_is_measured_and_shown(laboratory, browser):
     assert "nearest-neighbour" not in simulation.readings.values
     turn(browser, chart.choice, "nearest neighbour")
     until(lambda: "nearest-neighbour" in simulation.readings.values)
-    until(lambda: chart.chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
+    until(lambda: chart.plot.chart.plot.visible and chart.choice.label.startswith("Plot 3: "))
     turn(browser, chart.choice, "anything else")
     turn(browser, laboratory.more.switches["susceptibility"], True)
     until(lambda: "susceptibility" in laboratory.monitors.blocks["more"].content)
     assert chart.names == ("nearest-neighbour",)
     turn(browser, chart.choice, "nothing")
     until(lambda: "nearest-neighbour" not in simulation.readings.values)
-    assert not chart.chart.plot.visible
+    assert not chart.plot.chart.plot.visible
 
 
 def test_what_no_flock_here_can_do_has_no_panel(laboratory):

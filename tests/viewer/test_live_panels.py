@@ -160,20 +160,20 @@ def test_a_car_that_was_never_seen_is_in_the_table():
 
 
 def test_plots_reach_back_a_minute(server):
-    plots = LivePlots(server.gui, 100.0)
+    plots = LivePlots(server, 100.0)
     readings = RoomReadings(example().injected)
     status = whole_look()
     for second in range(90):
         readings.note(replace(status, time=float(second)))
     names = ["blue", "red", "sim 1"]
     plots.refresh(readings, names, 0.22)
-    at, median, *_ = plots.times.plot.data
+    at, median, *_ = plots.times.plot.chart.plot.data
     assert (at[0], at[-1], median[-1]) == (89.0 - WINDOW, 89.0, 10.0)
-    assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 4
-    assert plots.lags.plot.data[2][-1] == pytest.approx(90.0)
+    assert len(plots.lags.plot.chart.plot.data) == len(plots.lags.plot.chart.plot.series) == 4
+    assert plots.lags.plot.chart.plot.data[2][-1] == pytest.approx(90.0)
     plots.refresh(readings, ["red"], 0.22)
-    assert len(plots.lags.plot.data) == len(plots.lags.plot.series) == 2
-    drawn = [one["stroke"] for one in plots.lags.plot.series[1:]]
+    assert len(plots.lags.plot.chart.plot.data) == len(plots.lags.plot.chart.plot.series) == 2
+    drawn = [one["stroke"] for one in plots.lags.plot.chart.plot.series[1:]]
     assert drawn == [colours(names)["red"]] == [palette.css(palette.OWN["red"])]
     assert len(set(colours(names).values())) == 3
 

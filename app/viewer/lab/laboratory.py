@@ -148,7 +148,7 @@ class Laboratory:
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
             self.monitors = Monitors(gui, BLOCKS, "tick")
-            self.plots = Plots(gui)
+            self.plots = Plots(self.server)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
         dock(gui, left)

@@ -122,7 +122,7 @@ class LivePage:
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
             self.monitors = Monitors(gui, BLOCKS, "loop")
-            self.plots = LivePlots(gui, lab.rate)
+            self.plots = LivePlots(self.server, lab.rate, lab.title)
         dock(gui, left)
 
     def listen(self) -> None:

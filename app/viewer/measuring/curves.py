@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -69,3 +69,39 @@ def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
         return (np.zeros(1), *(np.full(1, np.nan) for _ in curves))
     at = np.unique(np.concatenate(some))
     return at, *(np.interp(at, x, y) if len(x) else np.full(len(at), np.nan) for x, y in scaled)
+
+
+def over_earlier(
+    at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], whole: bool
+) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+    """Curves of now, at ticks `at` (K,), over earlier ones: the ticks of all, and both.
+
+    If `whole`, earlier ones go on to their ends, where those of now are nan; if not, all that is
+    earlier ends with them.
+    """
+    seen = [x if whole else x[x <= at[-1]] for x, _ in earlier]
+    ticks = np.unique(np.concatenate([at, *seen]))
+
+    def on_all(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        if not len(x):
+            return np.full(len(ticks), np.nan)
+        return np.interp(ticks, x, y, left=np.nan, right=np.nan)
+
+    return ticks, [on_all(at, y) for y in now], [on_all(x, y) for x, y in earlier]
+
+
+def thinned(at: np.ndarray, most: int) -> np.ndarray:
+    """Which of the ticks `at` (K,) are drawn if there may be so many, about: their places.
+
+    They are the first in intervals that stay where they are while the curves grow or move on, so
+    that nothing trembles; and the last, which is now.
+
+    >>> thinned(np.arange(10.0), 5)
+    array([0, 2, 4, 6, 8, 9])
+    """
+    if len(at) <= most:
+        return np.arange(len(at))
+    span = (at[-1] - at[0]) / most
+    width = 2.0 ** math.ceil(math.log2(span)) if span > 0 else 1.0
+    first = np.unique(np.floor(at / width), return_index=True)[1]
+    return np.union1d(first, [len(at) - 1])

@@ -33,14 +33,19 @@ class Joules:
             self.aside.begin(lambda: trimmed(speed))
         return self.known.get(speed)
 
-    def saved(self, readings: Readings) -> str:
-        """What a flock saves at the speed its body cruises at, in words."""
+    def of(self, readings: Readings) -> tuple[float, float] | None:
+        """What a flock saves at the speed its body cruises at, and what one needs alone, J/m."""
         share = next((readings.values[name] for name in SAVES if name in readings.values), None)
         speed = getattr(readings.flock.parameters, "v0", None)
         if speed is None or share is None:
-            return "–"
+            return None
         alone = self.alone(speed)
-        return "–" if alone is None else f"{0.01 * share * alone:.3f} of {alone:.2f}"
+        return None if alone is None else (0.01 * share * alone, alone)
+
+    def saved(self, readings: Readings) -> str:
+        """The same in words."""
+        found = self.of(readings)
+        return "–" if found is None else f"{found[0]:.3f} of {found[1]:.2f}"
 
 
 def trimmed(speed: float) -> float | None:

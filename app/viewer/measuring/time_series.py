@@ -10,6 +10,8 @@ import numpy as np
 
 POINTS = 600
 """Points in a plot at most."""
+EVER = 1e300
+"""Longer than any run, and yet not the whole of one, which is thinned."""
 
 
 class TimeSeries:
@@ -62,6 +64,10 @@ class TimeSeries:
         """The latest value; NaN if there is none."""
         with self.lock:
             return self.latest[-1][1] if self.latest else math.nan
+
+    def recorded(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values of all that is kept: in full over the end of the run, thinned before."""
+        return self.arrays(last=EVER)
 
     def arrays(self, last: float = math.inf) -> tuple[np.ndarray, np.ndarray]:
         """Times and values of the whole run, or of the `last` of its time."""

@@ -1,19 +1,27 @@
-"""One chart: curves over time, and what is said above them."""
+"""One chart: curves over time between titled axes, and what is said above them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import viser
 from viser import uplot
 
+from app.viewer.measuring.curves import thinned
 from app.viewer.panels.style import block
 
-HEIGHT = 106
+HEIGHT, POINTS = 184, 400
+"""Of a chart in a panel: pixels, and points of a curve at most, about."""
+LARGE_HEIGHT, LARGE_POINTS = 440, 1500
+"""The same of one that is shown large."""
 PADDING = (10, 14, 0, 0)
 DASH = (6.0, 5.0)
+X = uplot.Scale(time=False)
+"""Numbers, and no dates."""
+TYPE = '11px "Flockscope Sans", sans-serif'
+ROOM = {"x": 24, "y": 42, "title": 17}
+"""Pixels for the numbers at the axes, and for the title of one."""
 
 
 class Curve(NamedTuple):
@@ -23,64 +31,105 @@ class Curve(NamedTuple):
     """CSS."""
     values: np.ndarray
     """(K,), NaN where there is none."""
-    dashed: bool = False
+    label: str = ""
+    """What it is, with its unit, where the values under the mouse are told."""
+    dash: tuple[float, ...] = ()
+    """Pixels drawn and left out in turn; none: all are drawn."""
     width: float = 2.0
     """Pixels."""
 
     @property
-    def pen(self) -> tuple[str, bool, float]:
+    def pen(self) -> tuple[str, str, tuple[float, ...], float]:
         """All but the values."""
-        return self.colour, self.dashed, self.width
+        return self.colour, self.label, self.dash, self.width
+
+
+class Shown(NamedTuple):
+    """What a chart shows."""
+
+    head: str
+    """HTML above it; nothing if it is empty."""
+    at: np.ndarray
+    """(K,) times."""
+    curves: tuple[Curve, ...]
+    """Nothing is drawn without any."""
+    titles: tuple[str, str]
+    """Of the axes, with units: of the times, and of the values."""
+    y: uplot.Scale
+
+
+NOTHING = Shown("", np.zeros(1), (), ("", ""), uplot.Scale())
 
 
 class Chart:
     """Shows curves; hidden while it has none."""
 
-    def __init__(self, gui: viser.GuiApi):
-        self.pens: tuple[tuple[str, bool, float], ...] = ()
-        self.scales: dict[str, uplot.Scale] = {"x": uplot.Scale(time=False), "y": uplot.Scale()}
+    def __init__(self, gui: viser.GuiApi, height: int = HEIGHT, points: int = POINTS):
+        self.points = points
+        self.pens: tuple[Any, ...] = ()
+        self.titles = ("", "")
+        self.scales: dict[str, uplot.Scale] = {"x": X, "y": uplot.Scale()}
         self.head = gui.add_html("", visible=False)
         nothing = np.zeros(1)
         self.plot = gui.add_uplot(
             (nothing, nothing),
             (uplot.Series(label="t"), uplot.Series(label="nothing")),
             scales=self.scales,
-            axes=(uplot.Axis(size=26), uplot.Axis(size=44)),
-            legend=uplot.Legend(show=False),
-            height=HEIGHT,
+            axes=axes(*self.titles),
+            height=height,
             padding=PADDING,
             visible=False,
         )
 
-    def show(
-        self, head: str, at: np.ndarray, curves: Sequence[Curve], x: uplot.Scale, y: uplot.Scale
-    ) -> None:
-        """Draw curves over `at` (K,), below the HTML of a head; each only if there is any."""
-        if head:
-            self.head.content = block(head)
-        if curves:
-            self.draw(at, curves, x, y)
-        self.head.visible, self.plot.visible = bool(head), bool(curves)
+    def show(self, shown: Shown) -> None:
+        """Draw curves below the HTML of a head; each only if there is any."""
+        if shown.head:
+            self.head.content = block(shown.head)
+        if shown.curves:
+            self.draw(shown)
+        self.head.visible, self.plot.visible = bool(shown.head), bool(shown.curves)
 
-    def draw(self, at: np.ndarray, curves: Sequence[Curve], x: uplot.Scale, y: uplot.Scale) -> None:
-        """Tell browsers what has changed of the curves; there are some."""
-        scales = {"x": x, "y": y}
+    def draw(self, shown: Shown) -> None:
+        """Tell browsers what has changed of the curves; there are some.
+
+        Whatever is not only new data has a browser make the chart anew.
+        """
+        scales = {"x": X, "y": shown.y}
         if scales != self.scales:
             self.scales = self.plot.scales = scales
-        columns = (at, *(curve.values for curve in curves))
-        pens = tuple(curve.pen for curve in curves)
+        if shown.titles != self.titles:
+            self.titles = shown.titles
+            self.plot.axes = axes(*shown.titles)
+        drawn = self.drawn(shown)
+        columns = (shown.at[drawn], *(curve.values[drawn] for curve in shown.curves))
+        pens = (shown.titles[0], *(curve.pen for curve in shown.curves))
         if pens != self.pens:
             self.pens = pens
             self.plot.data = columns
-            self.plot.series = (uplot.Series(label="t"), *(series(*pen) for pen in pens))
+            made = (series(*curve.pen) for curve in shown.curves)
+            self.plot.series = (uplot.Series(label=shown.titles[0]), *made)
         elif any(
             not np.array_equal(a, b, equal_nan=True)
             for a, b in zip(columns, self.plot.data, strict=True)
         ):
             self.plot.data = columns
 
+    def drawn(self, shown: Shown) -> np.ndarray:
+        """Which of the points are drawn: few enough, and always the last of every curve."""
+        known = (np.flatnonzero(np.isfinite(curve.values))[-1:] for curve in shown.curves)
+        return np.unique(np.concatenate([thinned(shown.at, self.points), *known]))
 
-def series(colour: str, dashed: bool, width: float) -> uplot.Series:
+
+def axes(x: str, y: str) -> tuple[uplot.Axis, uplot.Axis]:
+    """The axes below and to the left, by their titles."""
+    type: Any = {"font": TYPE, "labelFont": TYPE, "labelSize": ROOM["title"], "labelGap": 0}
+    return (
+        uplot.Axis(label=x, size=ROOM["x"], **type),
+        uplot.Axis(label=y, size=ROOM["y"], **type),
+    )
+
+
+def series(colour: str, label: str, dash: tuple[float, ...], width: float) -> uplot.Series:
     """How a curve is drawn."""
-    more: Any = {"dash": DASH} if dashed else {}
-    return uplot.Series(stroke=colour, width=width, points={"show": False}, **more)
+    more: Any = {"dash": dash} if dash else {}
+    return uplot.Series(label=label, stroke=colour, width=width, points={"show": False}, **more)

@@ -1,28 +1,27 @@
-"""The run so far as curves, of observables to choose."""
+"""The run so far as curves, of observables to choose, over the runs before it."""
 
 from __future__ import annotations
 
-import html
 import math
 
 import viser
-from viser import uplot
 
 from agents.models.model import Model
 from agents.observables.catalogue import usual_charts
-from app.viewer.measuring.curves import choices, points, together, worded
-from app.viewer.measuring.measured import scale, told
+from app.viewer.lab.panels.overlay import Overlay
+from app.viewer.measuring.curves import choices, worded
+from app.viewer.measuring.earlier import EarlierRuns
+from app.viewer.measuring.measured import told
 from app.viewer.measuring.readings import Readings
-from app.viewer.panels.chart import Chart, Curve
-from app.viewer.panels.style import BLUE, GREEN, key
-from app.viewer.run.beside import ratio
+from app.viewer.panels.plot import Plot
+from app.viewer.panels.plotted import Plotted
+from app.viewer.panels.sending import Sender
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.web.values import show
 
-COLOURS = (BLUE, GREEN)
-"""Of the first and of the second observable in a chart."""
 CHARTS = 3
 WINDOWS = {"whole run": math.inf, "last 3000 ticks": 3000.0, "last 500 ticks": 500.0}
+EARLIER = {"none": 0, "the last one": 1, "the last 2": 2, "the last 3": 3}
 
 
 class Plots:
@@ -31,19 +30,31 @@ class Plots:
     A model brings its usual ones; what is chosen stays until another model comes.
     """
 
-    def __init__(self, gui: viser.GuiApi):
+    def __init__(self, server: viser.ViserServer):
+        gui = server.gui
         self.model: Model | None = None
         self.asked: tuple[Model, tuple[str, ...]] | None = None
         """What a scene shows of a model that is about to come."""
         self.offered: tuple[str, ...] = ()
         self.choices: dict[str, tuple[str, ...]] = choices(())
-        self.charts = [ChosenChart(gui, number) for number in range(1, CHARTS + 1)]
+        self.runs = EarlierRuns()
+        sender = Sender()
+        self.charts = [ChosenChart(server, number, sender) for number in range(1, CHARTS + 1)]
         self.window = gui.add_dropdown(
             "Plots of",
             tuple(WINDOWS),
             hint="How much of the run is plotted. Susceptibility and Binder's cumulant are taken "
             "over it, too",
         )
+        self.earlier = gui.add_dropdown(
+            "Over runs",
+            tuple(EARLIER),
+            initial_value="the last one",
+            hint="Runs of the same model before this one, faint and dotted below it. Reset and "
+            "Setup end a run; three are kept",
+        )
+        self.forget = gui.add_button("Forget earlier runs", color="gray", visible=False)
+        self.forget.on_click(self.forgotten)
 
     @property
     def names(self) -> frozenset[str]:
@@ -62,17 +73,22 @@ class Plots:
         now = tuple(chart.choice.value for chart in self.charts)
         return () if now == tuple(map(worded, usual)) else now
 
+    async def forgotten(self, _event: viser.GuiEvent) -> None:
+        self.runs.clear()
+
     def refresh(self, readings: Readings, frame: Frame, beside: Readings | None = None) -> None:
         """Draw the run as far as it has come; dashed, that of the flock beside."""
-        second, each = frame.beside, 1.0
-        if beside is None or second is None:
-            beside = None
-        else:
-            each = ratio(second.dt, second.unit, frame.dt, frame.unit)
+        beside = None if frame.beside is None else beside
+        runs = (readings,) if beside is None else (readings, beside)
+        self.runs.follow(runs)
         self.offer(readings, beside)
+        overlay = Overlay(runs, self.runs, EARLIER[self.earlier.value], self.last)
         for chart in self.charts:
             chart.names = self.choices[chart.choice.value]
-            chart.refresh(readings, beside, each, self.last)
+            chart.refresh(overlay)
+        some = bool(self.runs.kept)
+        if self.forget.visible != some:
+            self.forget.visible = some
 
     def offer(self, readings: Readings, beside: Readings | None) -> None:
         """Let what these flocks have be chosen; of another model, choose the usual."""
@@ -97,51 +113,32 @@ class Plots:
 class ChosenChart:
     """A chart with the choice of what it shows as its title."""
 
-    def __init__(self, gui: viser.GuiApi, number: int):
+    def __init__(self, server: viser.ViserServer, number: int, sender: Sender):
         self.names: tuple[str, ...] = ()
         self.title = f"Plot {number}"
-        self.choice = gui.add_dropdown(
+        self.choice = server.gui.add_dropdown(
             self.title, (worded(()),), hint="What to measure and to plot over the run"
         )
-        self.chart = Chart(gui)
+        self.overlay: Overlay | None = None
+        self.plot = Plot(server, self.title, self.plotted, sender)
 
-    def refresh(
-        self, readings: Readings, beside: Readings | None, each: float, last: float
-    ) -> None:
-        """Draw the observables of the flock, and dashed those of the one beside.
+    def plotted(self) -> Plotted | None:
+        """What it shows, to take home; None if that is nothing."""
+        if self.overlay is None or not self.names:
+            return None
+        return self.overlay.plotted(self.names)
+
+    def refresh(self, overlay: Overlay) -> None:
+        """Draw its observables of all runs.
 
         What the values are now is said in the title if there is but one, else in a key.
         """
-        runs = (readings,) if beside is None else (readings, beside)
-        lone = len(self.names) == len(runs) == 1
-        now = told(self.names[0], runs[0].values.get(self.names[0])) if lone else ""
-        self.choice.label = f"{self.title}: {now}" if lone else self.title
-        pairs = [(run, name) for run in runs for name in self.names]
-        ratios = [1.0 if run is readings else each for run, _ in pairs]
-        at, *values = together([points(run, name, last) for run, name in pairs], ratios)
-        curves = [
-            Curve(COLOURS[self.names.index(name)], value, dashed=run is not readings)
-            for (run, name), value in zip(pairs, values, strict=True)
-        ]
-        keyed = head(self.names, runs) if self.names and not lone else ""
-        self.chart.show(keyed, at, curves, uplot.Scale(time=False), axis(self.names))
-
-
-def axis(names: tuple[str, ...]) -> uplot.Scale:
-    """The vertical scale of observables: 0 to 1 for shares, from 0 for counts and lengths."""
-    scales = [scale(name) for name in names]
-    if all(one.is_share for one in scales):
-        return uplot.Scale(range=(0.0, 1.02))
-    if all(one.low == 0.0 for one in scales):
-        return uplot.Scale(range=(0.0, None))
-    return uplot.Scale()
-
-
-def head(names: tuple[str, ...], runs: tuple[Readings, ...]) -> str:
-    """The key to the curves, with the values as they are now."""
-    entries = []
-    for name, colour in zip(names, COLOURS, strict=False):
-        now = " · ".join(told(name, run.values.get(name)) for run in runs)
-        label = html.escape(worded((name,)))
-        entries.append((f"{label} <b>{now}</b>", colour))
-    return key(entries)
+        lone = len(self.names) == len(overlay.runs) == 1
+        first = overlay.runs[0]
+        now = told(self.names[0], first.values.get(self.names[0])) if lone else ""
+        label = f"{self.title}: {now}" if lone else self.title
+        if self.choice.label != label:
+            self.choice.label = label
+        self.overlay = overlay
+        shown = overlay.shown(self.names, keyed=not lone)
+        self.plot.show(shown, overlay.head(self.names, keyed=True) if lone else "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import viser
@@ -11,92 +12,141 @@ from viser import uplot
 
 from app.viewer.live.readings import RoomReadings
 from app.viewer.measuring.time_series import TimeSeries
-from app.viewer.panels.chart import Chart, Curve
+from app.viewer.panels.chart import DASH, NOTHING, Curve, Shown
+from app.viewer.panels.plot import Plot
+from app.viewer.panels.plotted import Line, Plotted, csv_text
+from app.viewer.panels.sending import Sender
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, key
 from app.viewer.scene.draw import own, palette
 
 WINDOW = 60.0
 """Seconds that are plotted."""
-LIMIT = (True, 1.2)
-"""How what stays the same is drawn: dashed, and thin."""
-X = uplot.Scale(time=False)
-"""Seconds since the room was opened."""
 
 
 class LivePlots:
     """Three charts over the last minute."""
 
-    def __init__(self, gui: viser.GuiApi, rate: float):
-        """`rate` is that of the loop, Hz."""
+    def __init__(self, server: viser.ViserServer, rate: float, room: str = ""):
+        """`rate` is that of the loop, Hz; `room` what the room is called."""
         self.due = 1000.0 / rate
-        self.times, self.lags, self.least = Chart(gui), Chart(gui), Chart(gui)
+        sender = Sender()
+        self.times = LivePlot(server, "Loop and latency", "ms", room, sender)
+        self.lags = LivePlot(server, "Phase lag behind the injected car", "deg", room, sender)
+        self.least = LivePlot(server, "Least distance of two cars", "m", room, sender)
 
     def refresh(self, readings: RoomReadings, names: Sequence[str], length: float) -> None:
         """Draw what there is of the cars of these names, which are so long (m)."""
-        at, _ = readings.loop.arrays(WINDOW)
-        if not len(at):
-            return
-        level = np.ones(len(at))
-
-        def curve(colour: str, series: TimeSeries) -> Curve:
-            return Curve(colour, at_times(at, *series.arrays(WINDOW)))
-
-        show(
-            self.times,
-            "Loop and latency, ms",
-            at,
+        ink, lags = colours(names), readings.lags
+        self.times.refresh(
+            readings.loop,
             {
-                "median": curve(BLUE, readings.loop),
-                "worst": curve(ORANGE, readings.worst),
-                "latency": curve(GREEN, readings.latency),
-                "due": Curve(GREY, self.due * level, *LIMIT),
+                "median": Measured(BLUE, readings.loop),
+                "worst": Measured(ORANGE, readings.worst),
+                "latency": Measured(GREEN, readings.latency),
+                "due": Measured(GREY, self.due),
             },
             floor=True,
             most=4.0 * self.due,
         )
-        ink, lags = colours(names), readings.lags
-        show(
-            self.lags,
-            "Phase lag behind the injected car, deg",
-            at,
-            {name: curve(ink[name], lags[name]) for name in names if name in lags},
+        self.lags.refresh(
+            readings.loop,
+            {name: Measured(ink[name], lags[name]) for name in names if name in lags},
         )
-        show(
-            self.least,
-            "Least distance of two cars, m",
-            at,
+        self.least.refresh(
+            readings.loop,
             {
-                "least": curve(BLUE, readings.least),
-                "a car's length": Curve(RED, length * level, *LIMIT),
+                "least": Measured(BLUE, readings.least),
+                "a car's length": Measured(RED, length),
             },
             floor=True,
         )
 
 
-def show(
-    chart: Chart,
-    title: str,
-    at: np.ndarray,
-    curves: dict[str, Curve],
-    floor: bool = False,
-    most: float = np.inf,
-) -> None:
-    """Draw what is known of curves at times `at`, s, under a title and their key.
+class Measured(NamedTuple):
+    """What is plotted of a room."""
 
-    The vertical axis begins at 0 if `floor`, and does not go beyond `most`.
-    """
-    known = {name: one for name, one in curves.items() if np.isfinite(one.values).any()}
-    if not known:
-        chart.show("", at, (), X, uplot.Scale())
-        return
-    entries = [(html.escape(name), one.colour) for name, one in known.items()]
-    chart.show(
-        f'<div class="fs-head">{html.escape(title)}</div>{key(entries)}',
-        at,
-        list(known.values()),
-        X,
-        uplot.Scale(range=around([np.minimum(one.values, most) for one in known.values()], floor)),
-    )
+    colour: str
+    course: TimeSeries | float
+    """How it goes, or what it is all the time."""
+
+    @property
+    def pen(self) -> tuple[tuple[float, ...], float]:
+        """Dash and width: what stays the same is dashed, and thin."""
+        return ((), 2.0) if isinstance(self.course, TimeSeries) else (DASH, 1.2)
+
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """Its values at some times (K,), s; NaN where there is none."""
+        if isinstance(self.course, TimeSeries):
+            return at_times(times, *self.course.recorded())
+        return np.full(len(times), self.course)
+
+
+class LivePlot:
+    """One chart of a room, with its title and the key to its curves."""
+
+    def __init__(self, server: viser.ViserServer, title: str, unit: str, room: str, sender: Sender):
+        self.title, self.unit, self.room = title, unit, room
+        self.clock = TimeSeries(gaps=True)
+        """Whose times those of the plot are."""
+        self.known: dict[str, Measured] = {}
+        self.ends: tuple[float, float] = (0.0, 1.0)
+        self.plot = Plot(server, title, self.plotted, sender, "Plot as")
+
+    @property
+    def titles(self) -> tuple[str, str]:
+        """Of the axes."""
+        return "time (s)", self.unit
+
+    def refresh(
+        self,
+        clock: TimeSeries,
+        curves: dict[str, Measured],
+        floor: bool = False,
+        most: float = np.inf,
+    ) -> None:
+        """Draw what is known of curves over the last minute of a clock, under title and key.
+
+        The vertical axis begins at 0 if `floor`, and does not go beyond `most`.
+        """
+        at, _ = clock.arrays(WINDOW)
+        values = {name: one.at(at) for name, one in curves.items()}
+        found = {name: value for name, value in values.items() if np.isfinite(value).any()}
+        self.clock, self.known = clock, {name: curves[name] for name in found}
+        if not found:
+            self.plot.show(NOTHING)
+            return
+        self.ends = around([np.minimum(value, most) for value in found.values()], floor)
+        entries = [(html.escape(name), curves[name].colour) for name in found]
+        drawn = tuple(
+            Curve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
+            for name, value in found.items()
+        )
+        title = f'<div class="fs-head">{html.escape(self.title)}, {self.unit}</div>'
+        y = uplot.Scale(range=self.ends)
+        self.plot.show(Shown(title + key(entries), at, drawn, self.titles, y), key(entries))
+
+    def plotted(self) -> Plotted | None:
+        """What it shows, to take home: the picture of the last minute, the table of all."""
+        at, _ = self.clock.arrays(WINDOW)
+        if not self.known or not len(at):
+            return None
+        return Plotted(
+            name=f"{self.room or 'room'}-{self.title}-{at[-1]:.0f}s",
+            caption=f"{self.title}{f', {self.room}' if self.room else ''}",
+            titles=self.titles,
+            range=self.ends,
+            lines=[
+                Line(name, one.colour, at, one.at(at), *one.pen) for name, one in self.known.items()
+            ],
+            table=self.table,
+        )
+
+    def table(self) -> str:
+        """All that is kept of its curves, as CSV."""
+        at, _ = self.clock.recorded()
+        columns = np.transpose([at, *(one.at(at) for one in self.known.values())])
+        header = [self.titles[0], *(f"{name} ({self.unit})" for name in self.known)]
+        return csv_text(header, columns.tolist())
 
 
 def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:

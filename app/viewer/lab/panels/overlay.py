@@ -1,0 +1,231 @@
+"""What the plots of a page show: the flocks of now, and under them the runs before."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from viser import uplot
+
+from agents.models.model import Model
+from agents.observables.catalogue import OBSERVABLES
+from app.viewer.measuring.course import Conditions, Course
+from app.viewer.measuring.curves import Points, over_earlier, points, together, worded
+from app.viewer.measuring.earlier import EarlierRuns
+from app.viewer.measuring.measured import scale, told, words
+from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.table import TICKS, table, titled, unit
+from app.viewer.panels.chart import DASH, Curve, Shown
+from app.viewer.panels.plotted import Line, Plotted, csv_text
+from app.viewer.panels.style import BLUE, GREEN, key
+from app.viewer.run.beside import ratio
+
+COLOURS = (BLUE, GREEN)
+"""Of the first and of the second observable in a chart."""
+DOTS = ((2.0, 3.0), (2.0, 6.0), (6.0, 3.0, 1.0, 3.0))
+STRENGTHS = (0.75, 0.6, 0.5)
+"""How the last run is drawn, the one before it, and so on."""
+THIN = 1.5
+SHARE, ROOM = (0.0, 1.02), 27
+"""The axis of a share, and letters that an axis of a chart has room for."""
+
+
+@dataclass(frozen=True)
+class Before:
+    """A run before those of now, as it is shown."""
+
+    course: Course
+    label: str
+    age: int
+    """0 for the last one of its model."""
+    each: float
+    """Ticks of the first flock that last as long as one of its own."""
+
+
+class Overlay:
+    """The runs of now, one or two side by side, over at most so many earlier ones of each model.
+
+    All are drawn over the time of the first, of which the `last` ticks are shown.
+    """
+
+    def __init__(self, runs: Sequence[Readings], earlier: EarlierRuns, most: int, last: float):
+        self.runs, self.last = runs, last
+        self.of = [Conditions.of(run.flock) for run in runs]
+        self.each = [self.ratio(one) for one in self.of]
+        self.before: list[Before] = []
+        for now in self.of:
+            for age, course in enumerate(earlier.of(now.model)[:most]):
+                label = self.named(course.conditions.differences(now), now)
+                each = self.ratio(course.conditions)
+                self.before.append(Before(course, label, age, each))
+
+    def ratio(self, of: Conditions) -> float:
+        """Ticks of the first flock that last as long as one of another."""
+        return ratio(of.dt, of.unit, self.of[0].dt, self.of[0].unit)
+
+    def named(self, differences: str, now: Conditions) -> str:
+        """What an earlier run is called, as no other is."""
+        whose = f"{now.model.name}, " if len(self.of) > 1 else ""
+        name = f"{whose}{differences or 'the same seed'} (before)"
+        taken = sum(one.label.split(" #")[0] == name for one in self.before)
+        return f"{name} #{taken + 1}" if taken else name
+
+    @property
+    def models(self) -> list[Model]:
+        """Those of now."""
+        return [one.model for one in self.of]
+
+    @property
+    def clock(self) -> tuple[float, str]:
+        """How long a tick of the first flock lasts, and the title of an axis of time."""
+        first = self.of[0]
+        return (1.0, "tick") if first.unit == TICKS else (first.dt, f"time ({first.unit})")
+
+    def shown(self, names: tuple[str, ...], keyed: bool) -> Shown:
+        """What a chart of observables shows; `keyed` if its head tells them apart."""
+        lasts, title = self.clock
+        pairs = [(place, name) for place in range(len(self.runs)) for name in names]
+        at, *now = together(
+            [points(self.runs[k], name, self.last / self.each[k]) for k, name in pairs],
+            [self.each[k] for k, _ in pairs],
+        )
+        under = [(one, name) for one in self.before for name in names]
+        found = [self.window(self.scaled(one, name), at[-1]) for one, name in under]
+        at, now, old = over_earlier(at, now, found, whole=np.isinf(self.last))
+        curves = [
+            Curve(
+                f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}",
+                values,
+                f"{titled(name, self.models)}, {one.label}",
+                DOTS[one.age],
+                THIN,
+            )
+            for (one, name), values in zip(under, old, strict=True)
+            if np.isfinite(values).any()
+        ]
+        curves += [
+            Curve(
+                COLOURS[names.index(name)],
+                values,
+                self.label(name, k),
+                DASH if k else (),
+            )
+            for (k, name), values in zip(pairs, now, strict=True)
+        ]
+        head = self.head(names, keyed)
+        return Shown(head, at * lasts, tuple(curves), (title, self.axis(names)), axis(names))
+
+    def scaled(self, one: Before, name: str) -> Points:
+        """How an observable of an earlier run went over the time of the first flock."""
+        at, values = one.course.points(name)
+        return at * one.each, values
+
+    def window(self, curve: Points, now: float) -> Points:
+        """The part of an earlier curve that is shown: of the whole run all of it."""
+        at, values = curve
+        if np.isinf(self.last):
+            return curve
+        seen = (at >= now - self.last) & (at <= now)
+        return at[seen], values[seen]
+
+    def label(self, name: str, k: int) -> str:
+        """What a curve of now is: its observable, and of two flocks its model."""
+        whose = f", {self.models[k].name}" if len(self.runs) > 1 else ""
+        return f"{titled(name, self.models)}{whose}"
+
+    def axis(self, names: tuple[str, ...], room: float = ROOM) -> str:
+        """The title of an axis of observables, in so many letters, about."""
+        if len(names) == 1:
+            return titled(names[0], self.models)
+        units = {unit(name, self.models) for name in names}
+        shared = units.pop() if len(units) == 1 else "1"
+        of = "" if shared == "1" else f" ({shared})"
+        for wording in (words, briefly):
+            title = ", ".join(map(wording, names)) + of
+            if len(title) <= room:
+                return title
+        return f"value{of}"
+
+    def head(self, names: tuple[str, ...], keyed: bool) -> str:
+        """The key to the curves: of those of now with their values, if `keyed`, then of others."""
+        if not names:
+            return ""
+        made = ""
+        if keyed:
+            entries = []
+            for name, colour in zip(names, COLOURS, strict=False):
+                now = " · ".join(told(name, run.values.get(name)) for run in self.runs)
+                entries.append((f"{html.escape(worded((name,)))} <b>{now}</b>", colour))
+            made = key(entries)
+        shown = [one for one in self.before if any(len(one.course.points(n)[0]) for n in names)]
+        lines = "".join(
+            f'<span><i class="fs-line fs-before-{one.age}"></i>{html.escape(one.label)}</span>'
+            for one in shown
+        )
+        return f'{made}<div class="fs-key fs-before">{lines}</div>' if lines else made
+
+    def plotted(self, names: tuple[str, ...]) -> Plotted:
+        """What a chart of observables shows, to take home."""
+        lasts, title = self.clock
+        courses = [Course.of(run, names) for run in self.runs]
+        now = courses[0].tick * 1.0
+        lines = []
+        for k, course in enumerate(courses):
+            for name in names:
+                at, values = course.points(name)
+                at, values = self.window((at * self.each[k], values), now)
+                colour, dash = COLOURS[names.index(name)], DASH if k else ()
+                lines.append(Line(self.label(name, k), colour, at * lasts, values, dash))
+        for one in self.before:
+            for name in names:
+                at, values = self.window(self.scaled(one, name), now)
+                label = f"{titled(name, self.models)}, {one.label}"
+                colour, pen = COLOURS[names.index(name)], (DOTS[one.age], THIN, STRENGTHS[one.age])
+                lines.append(Line(label, colour, at * lasts, values, *pen))
+        runs = [*zip(("now", "beside"), courses, strict=False)]
+        runs += [(one.label, one.course) for one in self.before]
+        return Plotted(
+            name=f"{self.name(courses[0].tick)}-{'-'.join(names)}",
+            caption=self.caption(courses[0].tick),
+            titles=(title, self.axis(names, room=np.inf)),
+            range=limits(names),
+            lines=[line for line in lines if len(line.at)],
+            table=lambda: csv_text(*table(runs, names)),
+        )
+
+    def name(self, tick: int) -> str:
+        """What files of these runs are called: models, seed and tick."""
+        models = "-beside-".join(model.name for model in self.models)
+        return f"{models}-seed{self.of[0].seed}-tick{tick}"
+
+    def caption(self, tick: int) -> str:
+        """Which run it is, in a line."""
+        first, *others = self.of
+        beside = "".join(f"; dashed: {one.model.title}" for one in others)
+        return f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{beside}"
+
+
+def briefly(name: str) -> str:
+    """An observable in the words of its card, if it has one of its own.
+
+    >>> briefly("angular-momentum"), briefly("connectivity")
+    ('rotation', 'connectivity')
+    """
+    card = OBSERVABLES[name].card
+    return card.label if card is not None and isinstance(card.label, str) else words(name)
+
+
+def limits(names: tuple[str, ...]) -> tuple[float | None, float | None]:
+    """The ends of an axis of observables: 0 to 1 for shares, from 0 for counts and lengths."""
+    scales = [scale(name) for name in names]
+    if all(one.is_share for one in scales):
+        return SHARE
+    return (0.0, None) if all(one.low == 0.0 for one in scales) else (None, None)
+
+
+def axis(names: tuple[str, ...]) -> uplot.Scale:
+    """The same as a chart on the page has it."""
+    ends = limits(names)
+    return uplot.Scale() if ends == (None, None) else uplot.Scale(range=ends)

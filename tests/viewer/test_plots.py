@@ -1,0 +1,223 @@
+"""The plots of the laboratory: runs before this one, two clocks, and what is taken home."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from agents.flock import Flock
+from agents.spec import Spec
+from app.viewer.lab.panels.overlay import Overlay
+from app.viewer.measuring.course import Conditions, Course
+from app.viewer.measuring.curves import over_earlier, thinned
+from app.viewer.measuring.earlier import KEPT, EarlierRuns
+from app.viewer.measuring.readings import Readings
+from app.viewer.panels.plotted import KINDS
+from app.viewer.run.beside import companion
+
+ORDER = ("polarisation", "angular-momentum")
+
+
+def read(flock: Flock, ticks: int, each: int = 5) -> Readings:
+    """A flock that has run, measured now and then."""
+    readings = Readings(flock, watched=frozenset({"nearest-neighbour"}))
+    readings.read(at_once=True)
+    for _ in range(ticks // each):
+        flock.advance(each)
+        readings.read(at_once=True)
+    return readings
+
+
+def run(seed: int, ticks: int = 20, model: str = "vem", **given) -> Readings:
+    return read(Flock(model, agents=12, seed=seed, **given), ticks)
+
+
+def overlay(*runs: Readings, earlier: EarlierRuns | None = None, most=3, last=math.inf) -> Overlay:
+    return Overlay(runs, earlier or EarlierRuns(), most, last)
+
+
+def taken(made: Overlay, *names: str) -> pd.DataFrame:
+    return pd.read_csv(io.BytesIO(made.plotted(names).content("CSV")))
+
+
+def test_a_table_has_every_value_as_it_was_measured():
+    readings = run(seed=4)
+    table = taken(overlay(readings), *ORDER)
+    assert list(table) == ["run", "model", "seed", "tick", "polarisation", "angular momentum"]
+    assert table.run.unique().tolist() == ["now"]
+    assert table.seed.unique().tolist() == [4]
+    ticks, values = readings.series("polarisation").recorded()
+    assert table.tick.tolist() == ticks.tolist() == [0, 5, 10, 15, 20]
+    assert table.polarisation.tolist() == values.tolist()
+
+
+def test_a_table_says_units_and_time():
+    readings = run(seed=4, model="olfati-saber", ticks=10)
+    made = overlay(readings)
+    table = taken(made, "nearest-neighbour")
+    dt = readings.flock.dt
+    assert {"time (s)"} < set(table)
+    assert any(name.startswith("nearest neighbour (") for name in table)
+    np.testing.assert_allclose(table["time (s)"], table.tick * dt)
+    shown = made.shown(("nearest-neighbour",), keyed=False)
+    assert shown.titles == ("time (s)", table.columns[-1])
+    assert shown.at[-1] == pytest.approx(10 * dt)
+    assert overlay(run(seed=4)).shown(ORDER, keyed=False).titles[0] == "tick"
+
+
+def test_a_table_counts_crashes_to_the_tick():
+    flock = Flock("safe", agents=30, rng=3)
+    readings = Readings(flock)
+    flock.arrays.crash_record[:3, :2] = [[2, 1], [2, 1], [7, 2]]
+    flock.tick = 9
+    readings.read(at_once=True)
+    table = taken(overlay(readings), "crashes")
+    assert table.tick.tolist() == [0, 2, 7, 9]
+    assert table["crashes (agents)"].tolist() == [0, 2, 3, 3]
+
+
+def test_a_value_stands_only_where_it_was_measured():
+    readings = run(seed=4)
+    readings.series("groups").add(22, 2.0)
+    table = taken(overlay(readings), "polarisation", "groups")
+    later = table[table.tick == 22]
+    assert later["groups (groups)"].tolist() == [2.0]
+    assert later.polarisation.isna().all()
+
+
+def test_two_clocks_are_one_time():
+    first = Flock(Spec("olfati-saber", agents=12, seed=2))
+    second = companion(first, Spec("reynolds"))
+    runs = read(first, 10), read(second, 10)
+    dts = [one.flock.dt for one in runs]
+    made = overlay(*runs)
+    table = taken(made, "polarisation")
+    for name, dt in zip(("now", "beside"), dts, strict=True):
+        rows = table[table.run == name]
+        assert rows.tick.tolist() == [0, 5, 10]
+        if runs[name == "beside"].flock.model.body.unit == "s":
+            np.testing.assert_allclose(rows["time (s)"], rows.tick * dt)
+    shown = made.shown(("polarisation",), keyed=True)
+    assert [curve.label for curve in shown.curves] == [
+        "polarisation, olfati-saber",
+        "polarisation, reynolds",
+    ]
+    assert [bool(curve.dash) for curve in shown.curves] == [False, True]
+    lines = made.plotted(("polarisation",)).lines
+    for line, readings, each in zip(lines, runs, made.each, strict=True):
+        np.testing.assert_allclose(line.at, np.array([0, 5, 10]) * each * dts[0])
+        assert line.values.tolist() == readings.series("polarisation").recorded()[1].tolist()
+
+
+def test_a_run_that_is_over_lies_under_the_next():
+    runs = EarlierRuns()
+    before, now = run(seed=1, ticks=40), run(seed=2, ticks=20)
+    runs.follow([before])
+    assert runs.kept == []
+    runs.follow([now])
+    assert [one.conditions.seed for one in runs.kept] == [1]
+    made = overlay(now, earlier=runs)
+    earlier, current = made.shown(("polarisation",), keyed=False).curves
+    assert earlier.label == "polarisation, seed 1 (before)"
+    at = made.shown(("polarisation",), keyed=False).at
+    assert at[-1] == 40
+    assert np.isnan(current.values[at > 20]).all()
+    assert np.isfinite(current.values[at <= 20]).all()
+    assert earlier.values.tolist() == before.series("polarisation").recorded()[1].tolist()
+    assert "seed 1 (before)" in made.head(("polarisation",), keyed=True)
+    table = taken(made, "polarisation")
+    assert table.groupby("run").tick.max().to_dict() == {"now": 20, "seed 1 (before)": 40}
+    assert overlay(now, earlier=runs, last=15).shown(("polarisation",), keyed=False).at[-1] == 20
+    assert len(overlay(now, earlier=runs, most=0).shown(("polarisation",), keyed=False).curves) == 1
+
+
+def test_few_earlier_runs_are_kept_and_the_same_one_once():
+    runs = EarlierRuns()
+    for seed in (1, 2, 2, 3, 4, 5):
+        runs.follow([run(seed, ticks=5)])
+    assert [one.conditions.seed for one in runs.kept] == [4, 3, 2]
+    assert len(runs.kept) == KEPT
+    runs.follow([run(9, ticks=5, model="hwvem")])
+    for seed in (6, 7, 8):
+        runs.follow([run(seed, ticks=5, model="couzin")])
+    kept = [(one.conditions.model.name, one.conditions.seed) for one in runs.kept]
+    assert kept == [
+        ("couzin", 7), ("couzin", 6), ("hwvem", 9), ("vem", 5), ("vem", 4), ("vem", 3)
+    ]  # fmt: skip
+    runs.clear()
+    assert runs.kept == []
+
+
+def test_a_run_of_which_nothing_was_seen_is_not_kept():
+    runs = EarlierRuns()
+    runs.follow([Readings(Flock("vem", agents=4, seed=1))])
+    runs.follow([run(2, ticks=0)])
+    runs.follow([run(3)])
+    assert runs.kept == []
+
+
+def test_what_differs_between_runs_is_told():
+    flock = Flock("vem", agents=12, seed=1)
+    now = Conditions.of(flock)
+    assert now.differences(now) == ""
+    assert Conditions.of(Flock("vem", agents=12, seed=3)).differences(now) == "seed 3"
+    flock.set(eta=0.25)
+    assert Conditions.of(flock).differences(now) == "eta 0.25"
+    other = Conditions.of(Flock("vem", agents=9, seed=1, noise="vectorial", size=4.0))
+    assert "9 agents" in other.differences(now)
+    assert "noise vectorial" in other.differences(now)
+    assert now.differences(other).count(",") <= 3
+    more = replace(now, seed=2, agents=3, parameters=dict.fromkeys(now.parameters, 9.0))
+    assert more.differences(now).endswith("…")
+
+
+def test_earlier_runs_of_one_name_are_told_apart():
+    runs = EarlierRuns()
+    now = run(seed=1, ticks=5)
+    one = Course.of(run(seed=2, ticks=5))
+    runs.keep(one)
+    runs.keep(Course(replace(one.conditions, dt=0.5), one.tick, one.curves))
+    labels = [before.label for before in overlay(now, earlier=runs).before]
+    assert labels == ["seed 2 (before)", "seed 2 (before) #2"]
+
+
+def test_curves_of_now_end_and_those_before_go_on():
+    at, (now,), (old,) = over_earlier(
+        np.array([0.0, 2.0]), [np.array([1.0, 3.0])], [(np.array([1.0, 5.0]), np.ones(2))], True
+    )
+    assert at.tolist() == [0, 1, 2, 5]
+    np.testing.assert_array_equal(now, [1, 2, 3, np.nan])
+    np.testing.assert_array_equal(old, [np.nan, 1, 1, 1])
+
+
+@pytest.mark.parametrize("moved", [0.0, 1.0, 17.0, 300.0])
+def test_the_points_that_are_drawn_stay_while_the_curve_moves_on(moved):
+    first, later = np.arange(3000.0), np.arange(3000.0) + moved
+    drawn = [at[thinned(at, 200)] for at in (first, later)]
+    assert all(100 <= len(one) <= 202 for one in drawn)
+    both = [one[(one > moved + 16) & (one < 2980)] for one in drawn]
+    assert both[0].tolist() == both[1].tolist()
+    assert drawn[1][-1] == later[-1]
+
+
+def test_a_plot_is_taken_as_a_figure():
+    runs = EarlierRuns()
+    runs.keep(Course.of(run(seed=1)))
+    plotted = overlay(run(seed=2), earlier=runs).plotted(ORDER)
+    assert plotted.file("PNG") == "vem-seed2-tick20-polarisation-angular-momentum.png"
+    picture = Image.open(io.BytesIO(plotted.content("PNG")))
+    assert picture.size == (1280, 800)
+    root = ElementTree.fromstring(plotted.content("SVG"))
+    assert root.tag.endswith("svg")
+    assert plotted.titles == ("tick", "polarisation, angular momentum")
+    assert "seed 2, tick 20" in plotted.caption
+    assert len({line.strength for line in plotted.lines}) == 2
+    assert len(plotted.lines) == 4
+    assert set(KINDS) == {"CSV", "PNG", "SVG"}
