@@ -21,6 +21,7 @@ from agents.models.sources import cite
 from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder, read_state
+from agents.snapshot import Snapshot
 from agents.spec import DEFAULT, Spec, versions, whole
 from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
@@ -274,12 +275,15 @@ class Flock(Motion, mesa.Model):
     @classmethod
     def load(cls, path: str | Path, tick: int | None = None, **more: Any) -> Flock:
         """The flock of a saved state, or of one tick (the last) of a recording. Raises Refusal."""
-        spec, saved = read_state(path, tick)
+        return cls.from_snapshot(*read_state(path, tick), **more)
+
+    @classmethod
+    def from_snapshot(cls, spec: Spec, saved: Snapshot, **more: Any) -> Flock:
+        """The run of a spec as it was in a snapshot, from which it goes on. Raises Refusal."""
         start = {"position": saved.position, "heading": saved.heading}
         flock = cls(spec, start=start, **more)
         flock.options = spec
-        flock.tick, flock.next_id = saved.tick, saved.next_id
-        flock._use(saved.arrays)
+        flock.return_to(saved)
         return flock
 
 

@@ -182,6 +182,13 @@ class Motion(State):
             signals,
         )
 
+    def return_to(self, past: Snapshot) -> None:
+        """Be as a snapshot of this run was, and go on from there as it did, to the bit."""
+        self._acted.clear()
+        self.world, self.parameters = past.world, past.parameters
+        self.tick, self.next_id = past.tick, past.next_id
+        self._use(Arrays._make(map(np.array, past.arrays)))
+
     def links(self) -> np.ndarray:
         """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
         return self.snapshot(copy=False).links()

@@ -25,6 +25,7 @@ from agents.models.model import Model
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.rows import no_crashes
+from agents.state.usable import demand_usable
 from worlds.counting import counted
 from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
@@ -326,7 +327,9 @@ def read_state(path: str | Path, tick: int | None = None) -> tuple[Spec, Snapsho
     spec.demand_complete(str(path))
     one = model(spec.model)
     world = find_world(spec, one)
-    arrays = arrays_of(table, world.dim, one, path)
+    origin = repr(str(path))
+    arrays = arrays_of(table, world.dim, one, origin)
+    demand_usable(arrays, world, origin)
     next_id = max(next_id, int(arrays.ids.max()) + 1)
     parameters = checked(one.parameters, spec.parameters)
     return spec, Snapshot(one, world, parameters, spec.seed or 0, wanted, arrays, next_id, True)
@@ -339,7 +342,7 @@ def last_tick(file) -> int:
     return max(group.statistics.max for group in groups)
 
 
-def arrays_of(table, dim: int, one: Model, path) -> Arrays:
+def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:
     """The arrays of one tick of a recording. Raises Refusal if columns are missing."""
     axes = AXES[:dim]
     try:
@@ -359,9 +362,7 @@ def arrays_of(table, dim: int, one: Model, path) -> Arrays:
             past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(one.signals)),
         )
     except KeyError as missing:
-        raise Refusal(f"{str(path)!r} has no column {missing}") from None
-    if not (np.isfinite(arrays.position).all() and np.isfinite(arrays.heading).all()):
-        raise Refusal(f"{str(path)!r} holds positions or headings that are no finite numbers")
+        raise Refusal(f"{origin} has no column {missing}") from None
     return Arrays._make(np.ascontiguousarray(array) for array in arrays)
 
 

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.catalogue import model
+from agents.frames import Frames
 from agents.home import find_world
 from agents.models.declare import checked
-from agents.record import KEY, PAST, SHEET, described, read_state, table_writer
+from agents.record import KEY, PAST, SHEET, described, table_writer
 from agents.snapshot import Snapshot
 from agents.spec import Spec, whole
 from worlds.checks import demand_sound
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
 class Recording:
     """A file of `flockscope run --record` or `--save`, or of `Flock.save`; nothing is run.
 
-    Positions and the like are read from the file as they are asked for. A recording of before
-    units and world were written with it needs its model at hand for both. Raises Refusal if it is
-    no such file.
+    `content`: its bytes where there is no file, as of one that a browser has sent. Positions and
+    the like are read from the file as they are asked for. A recording of before units and world
+    were written with it needs its model at hand for both. Raises Refusal if it is no such file.
 
     Attributes
     ----------
@@ -42,18 +43,21 @@ class Recording:
     columns: name -> {"unit", "meaning"}, in their order. world: World.
     """
 
-    def __init__(self, path: str | Path):
+    def __init__(self, path: str | Path, content: bytes | None = None):
         demand_parquet(f"reading {str(path)!r}")
         import pyarrow as pa
         import pyarrow.parquet as pq
 
         self.path = Path(path)
+        self.content = content
         try:
-            with open(path, "rb") as raw, pq.ParquetFile(raw) as file:
+            if content is None:
+                open(path, "rb").close()  # whose errors have words of their own
+            with pq.ParquetFile(self.source) as file:
                 self.names: list[str] = file.schema_arrow.names
                 self.rows: int = file.metadata.num_rows
                 meta = json.loads((file.schema_arrow.metadata or {})[KEY])
-                text = str(meta["spec"])
+                text, self.next_id = str(meta["spec"]), int(meta["next_id"])
             if not self.rows or not {"tick", "id"} <= set(self.names):
                 raise ValueError
         except OSError as error:
@@ -83,6 +87,13 @@ class Recording:
     def __repr__(self) -> str:
         return f"<Recording {self.model}, {len(self.ticks)} frames, {self.rows} rows, {self.path}>"
 
+    @property
+    def source(self) -> Any:
+        """What pyarrow reads it from."""
+        import pyarrow as pa
+
+        return self.path if self.content is None else pa.BufferReader(self.content)
+
     def of_before(self, meta: dict[str, Any]) -> dict[str, Any]:
         """The metadata of format 1 with what is missing there, from its model. Raises Refusal."""
         one = model(self.spec.model)
@@ -108,7 +119,15 @@ class Recording:
 
     def at(self, tick: int | None = None) -> Snapshot:
         """The flock at a recorded tick, by default the last. Raises Refusal."""
-        return read_state(self.path, tick)[1]
+        return self.frames.at(int(self.ticks[-1]) if tick is None else tick)
+
+    @cached_property
+    def frames(self) -> Frames:
+        """The flocks at its ticks, for those who look at many. Raises Refusal."""
+        import pyarrow.parquet as pq
+
+        one, file = model(self.spec.model), pq.ParquetFile(self.source)
+        return Frames(file, repr(str(self.path)), self.spec, one, self.world, self.next_id)
 
     def table(self, columns: Iterable[str] | None = None, ticks: Any = None) -> Any:
         """The columns of these names, by default all, as a pyarrow Table.
@@ -122,12 +141,12 @@ class Recording:
             if name not in self.names:
                 raise unknown("column", name, self.names, str(self.path))
         if ticks is None:
-            return pq.read_table(self.path, columns=names)
+            return pq.read_table(self.source, columns=names)
         wanted = [whole("tick", tick, 0) for tick in np.atleast_1d(ticks).tolist()]
         for tick in wanted:
             if tick not in self.ticks:
                 raise Refusal(f"tick = {tick} is not in {str(self.path)!r}")
-        return pq.read_table(self.path, columns=names, filters=[("tick", "in", wanted)])
+        return pq.read_table(self.source, columns=names, filters=[("tick", "in", wanted)])
 
     def to_dataframe(self, columns: Iterable[str] | None = None, ticks: Any = None) -> pd.DataFrame:
         """A data frame of pandas, one row for each agent and tick, with the file's numbers.
@@ -166,7 +185,7 @@ class Recording:
         names = [name for name in self.names if name != PAST]
         with (
             writing("--csv", path, overwrite, (SHEET,)) as out,
-            pq.ParquetFile(self.path) as file,
+            pq.ParquetFile(self.source) as file,
         ):
             schema = file.schema_arrow
             for name in set(self.names) - set(names):

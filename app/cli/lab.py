@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import time
 import webbrowser
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -20,11 +22,11 @@ from app.cli.stopping import Stopping, leave
 from app.settings import assignment
 from app.viewer.run.home import at_home
 from app.viewer.web.origin import allowed
-from worlds.reading import read_text
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
     from app.viewer.gallery.saved_scene import SavedScene
+    from app.viewer.run.stored import Stored
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
@@ -37,7 +39,8 @@ def lab(
     model: Annotated[
         str | None,
         typer.Argument(
-            help=f"Model: {', '.join(MODELS)}, a FILE.py, or a FILE.toml of a scene or a spec.",
+            help=f"Model: {', '.join(MODELS)}, or a FILE: a rule (FILE.py), a scene or a spec "
+            "(TOML), a saved state or a recording (Parquet).",
             callback=by_name,
             show_default=DEFAULT,
         ),
@@ -75,9 +78,8 @@ def lab(
 
     names = tuple(allowed(name) for name in allow_host or ())
     model = first_of(model, rule)
-    if scene is None and model is not None and model.endswith(".toml"):
-        scene, model = model, None
-    opened = scene_of(scene, model, beside, asked, set)
+    file, model = (model, None) if is_file(model) else (None, model)
+    opened = opened_by(file, scene, model, beside, asked, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
     spec, origins = given(model, asked, [])
@@ -88,7 +90,7 @@ def lab(
         find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
     if opened is not None:
-        spec, second = opened.spec, opened.beside
+        spec, second = opened.spec, getattr(opened, "beside", None)
     with Stopping() as stopping:
         server = open_server(host, port, Front(SCRIPTS, names))
         try:  # the page is served, and loads in the browser, before what takes long to import
@@ -99,9 +101,10 @@ def lab(
             from app.viewer.run.beside import companion
 
             with origins.named():
-                flock = Flock(spec, threads=threads)
-                if second is not None:
-                    companion(flock, second)
+                if not hasattr(opened, "recording"):  # which has been looked at as it was read
+                    flock = Flock(spec, threads=threads)
+                    if second is not None:
+                        companion(flock, second)
         except BaseException:
             close_server(server)
             raise
@@ -112,34 +115,46 @@ def lab(
             beside=second,
             threads=threads,
             server=server,
-            scene=opened,
+            opened=opened,
             waits=True,
         )
         serve(laboratory, stopping)
     leave()
 
 
-def scene_of(
+def is_file(name: str | None) -> bool:
+    """Whether it names a file, there or not, and not a model."""
+    if name is None or name in MODELS:
+        return False
+    return bool(Path(name).suffix) or os.sep in name or Path(name).exists()
+
+
+def opened_by(
+    file: str | None,
     scene: str | None,
     model: str | None,
     beside: str | None,
     asked: Asked,
     settings: list[str] | None,
-) -> SavedScene | None:
-    """The scene that is asked for; the first one where nothing is. Raises Refusal."""
+) -> SavedScene | Stored | None:
+    """The file or the scene that is asked for; the first one where nothing is. Raises Refusal."""
     from app.viewer.gallery.collection import FIRST, find_scene
-    from app.viewer.gallery.saved_scene import read_scene
 
     given = [name for name, value in asked.items() if value is not None]
     others = [*(["MODEL"] if model else []), *(["--beside"] if beside else []), *map(named, given)]
     others += ["--set"] if settings else []
-    if scene is None:
+    if scene is not None and file is not None:
+        others.insert(0, "--scene")
+    if file is None and scene is None:
         return None if others else find_scene(FIRST)
     if others:
-        raise Refusal(f"--scene has a run of its own: it cannot be given with {others[0]}")
-    if scene.endswith(".toml"):
-        return read_scene(scene, read_text(f"scene {scene!r}", scene).encode())
-    return find_scene(scene)
+        what = "--scene" if file is None else file
+        raise Refusal(f"{what} has a run of its own: it cannot be given with {others[0]}")
+    if file is None and not is_file(scene):
+        return find_scene(scene or "")
+    from app.viewer.gallery.opened import opened_file
+
+    return opened_file(file or scene or "")
 
 
 def parameters(

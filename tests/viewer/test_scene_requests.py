@@ -146,7 +146,7 @@ def test_a_file_is_a_scene_or_a_spec_of_bounded_size():
 
 
 def test_a_flock_waits_for_the_first_browser_and_no_longer():
-    made = Laboratory(port=0, scene=built_in("spread"), waits=True)
+    made = Laboratory(port=0, opened=built_in("spread"), waits=True)
     try:
         assert made.simulation.ready.wait(60)
         assert not made.simulation.state.running

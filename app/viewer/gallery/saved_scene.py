@@ -168,6 +168,8 @@ def run_of(values: dict[str, Any], origin: str) -> Spec:
     if spec.start != "random":
         raise Refusal("start = 'given' is not allowed: such a run begins from its saved state")
     model = find_model(spec.model)
+    if isinstance(spec.size, tuple) and len(set(spec.size)) == 1:
+        spec = spec.but(size=spec.size[0])
     if isinstance(spec.size, tuple):
         raise Refusal(f"size = {list(spec.size)} is not allowed: here all sides are alike")
     if layout is not None:

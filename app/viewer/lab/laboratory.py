@@ -13,7 +13,6 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import Spec
-from app.viewer.editing.layout_file import LARGEST
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.crashes import CrashLists
 from app.viewer.lab.panels.downloads import Downloads
@@ -25,6 +24,7 @@ from app.viewer.lab.panels.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
+from app.viewer.lab.panels.time_line import TimeLinePanel
 from app.viewer.lab.panels.tries import Tries
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world import WorldPanel
@@ -39,6 +39,7 @@ from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
 from app.viewer.run.steering import leader, usable_pose
+from app.viewer.run.stored import LARGEST, Stored
 from app.viewer.scene.drawing import Drawing
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.between import Between
@@ -57,8 +58,9 @@ class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
 
     `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
-    open already, on this host. `scene`: what it opens on, instead of a `spec`. `waits`: whether the
-    flock stands until the first browser is there. Raises Refusal if the port is busy.
+    open already, on this host. `opened`: a scene, a saved state or a recording that it opens on,
+    instead of a `spec`. `waits`: whether the flock stands until the first browser is there. Raises
+    Refusal if the port is busy.
     """
 
     def __init__(
@@ -72,15 +74,17 @@ class Laboratory:
         beside: Spec | None = None,
         threads: int = 1,
         server: viser.ViserServer | None = None,
-        scene: SavedScene | None = None,
+        opened: SavedScene | Stored | None = None,
         waits: bool = False,
     ):
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
         accept_uploads(self.server, LARGEST)
         self.host = host
+        scene = opened if isinstance(opened, SavedScene) else None
         self.shown_scene = scene
-        if scene is not None:
-            spec, beside, speed = scene.spec, scene.beside, speed or scene.speed
+        if opened is not None:
+            spec, speed = opened.spec, speed or opened.speed
+            beside = None if scene is None else scene.beside
         spec = spec or at_home()
         self.simulation = Simulation(
             spec,
@@ -88,6 +92,7 @@ class Laboratory:
             speed or lively_speed(spec),
             running and not waits,
             build=partial(Flock, threads=threads),
+            stored=opened if isinstance(opened, Stored) else None,
         )
         self.notices = Notices(self.server, self.simulation.notices)
         self.scene = Scene(self.server)
@@ -143,6 +148,7 @@ class Laboratory:
             self.saving = SceneFiles(gui, self.now, self.open, self.simulation.notices.put)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
+            self.time_line = TimeLinePanel(gui, self.simulation)
         guide = gui.add_button("Guide", icon=viser.Icon.BOOK, color="gray")
         guide.on_click(self.guide_clicked)
         left = gui.add_panel()
@@ -194,15 +200,22 @@ class Laboratory:
             self.waits = False
             self.simulation.go()
 
-    def open(self, scene: SavedScene) -> None:
-        """Set up a scene in all browsers, and let it run."""
+    def open(self, opened: SavedScene | Stored) -> None:
+        """Set up a scene, a state or a recording in all browsers, and let it run."""
         self.waits = False
-        self.shown_scene = scene
         self.select(None)
-        self.run.pace(scene.speed or lively_speed(scene.spec))
-        self.setup.follow(scene.spec, scene.beside)
-        self.look_at(scene)
-        self.simulation.setup(scene.spec, scene.beside)
+        self.run.pace(opened.speed or lively_speed(opened.spec))
+        if isinstance(opened, Stored):
+            self.shown_scene = None
+            self.setup.follow(opened.spec, None)
+            self.scene.open_on("")
+            self.pointing = self.simulation.state.run, ""
+            self.simulation.open(opened)
+        else:
+            self.shown_scene = opened
+            self.setup.follow(opened.spec, opened.beside)
+            self.look_at(opened)
+            self.simulation.setup(opened.spec, opened.beside)
         self.simulation.go()
 
     def look_at(self, scene: SavedScene) -> None:
@@ -336,6 +349,7 @@ class Laboratory:
         """Bring the panels up to date."""
         state, readings = self.simulation.state, self.simulation.readings
         self.run.refresh(state, self.told_scene())
+        self.time_line.refresh(state, self.simulation.frame)
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.parameters.refresh(state)

@@ -26,6 +26,8 @@ class Extremes:
     flock: Flock
     pairs: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
     """Least squared distance of each two rows so far, (N, N) above the diagonal, length^2."""
+    keeps: bool = True
+    """Whether anything is kept; not of a flock that is put here and there."""
     clearance: np.ndarray = field(default_factory=lambda: np.empty(0))
     """Least signed distance of each row to a surface so far, (N,), length; inf far from all."""
 
@@ -37,7 +39,7 @@ class Extremes:
         """
         world = self.flock.world
         few = len(self.flock.ids) <= MOST_AGENTS and not self.flock.can_crash
-        return few and (world.mission is not None or world.is_solid)
+        return self.keeps and few and (world.mission is not None or world.is_solid)
 
     @property
     def kernels(self) -> tuple[Any, ...]:
@@ -61,6 +63,16 @@ class Extremes:
         if not self.flock.world.images.any():
             nearest_pairs(by_axis, self.pairs)
         least_clearances(by_axis, self.flock.engine.surroundings, self.clearance)
+
+    @property
+    def least(self) -> tuple[float, float]:
+        """The least squared distance of two agents so far, and the least one to a surface."""
+        return float(self.pairs.min(initial=np.inf)), float(self.clearance.min(initial=np.inf))
+
+    def take(self, least: tuple[float, float]) -> None:
+        """Go on from what was the `least` at an earlier tick, whichever agents it was."""
+        self.pairs[:], self.clearance[:] = np.inf, np.inf
+        self.pairs[:1, 1:2], self.clearance[:1] = least
 
     def values(self) -> dict[str, float]:
         """What has been seen: least distances over the run, and who is inside something now."""

@@ -86,6 +86,8 @@ class Readings:
     """The ticks of what is counted, by its observable."""
     tick: int = 0
     """When that was."""
+    notes: bool = True
+    """Whether it goes into the curves; not what is only looked back at."""
     all_series: dict[str, TimeSeries] = field(default_factory=dict)
     extremes: Extremes = field(init=False)
     offered: tuple[str, ...] = field(init=False)
@@ -145,8 +147,18 @@ class Readings:
 
     def note(self, tick: int, values: dict[str, float]) -> None:
         """Take values into their time series."""
+        if not self.notes:
+            return
         for name, value in values.items():
             self.series(name).add(tick, value)
+
+    def cut(self, tick: int) -> None:
+        """The flock is back at a tick: forget what was measured after it."""
+        self.aside.forget()
+        self.quick.renew()
+        self.slow.renew()
+        for series in self.all_series.values():
+            series.cut(tick)
 
     def study(self) -> Callable[[], Found]:
         """A function that makes the costly measurements of the flock now, within a rate limit.

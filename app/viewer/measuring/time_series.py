@@ -59,6 +59,12 @@ class TimeSeries:
             self.whole = whole[::2]
             self.apart = max(2 * self.apart, int(self.whole[-1][0]) // POINTS)
 
+    def cut(self, time: float) -> None:
+        """Forget what was after a time."""
+        with self.lock:
+            self.whole = [point for point in self.whole if point[0] <= time]
+            self.latest = deque((one for one in self.latest if one[0] <= time), maxlen=POINTS)
+
     @property
     def newest(self) -> float:
         """The latest value; NaN if there is none."""

@@ -67,6 +67,10 @@ class ParametersPanel:
         if state.run != self.shown_run:
             self.shown_run = state.run
             self.follow(state)
+        fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
+        for control in (*self.controls.values(), *self.beside_controls.values()):
+            if control.disabled != fixed:
+                control.disabled = fixed
         own = declared(MODELS[state.spec.model].parameters)
         changed = [one for one in own if state.values.get(one.name) != one.default]
         text = differing(changed, state.values)

@@ -24,9 +24,12 @@ from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.pace import Pace
 from app.viewer.run.picture import Wanted
+from app.viewer.run.playback import Playback
 from app.viewer.run.preview import Preview, is_quick
 from app.viewer.run.run import Run
 from app.viewer.run.state import State
+from app.viewer.run.stored import Stored
+from app.viewer.run.time_line import TimeLine
 from app.viewer.run.words import Astray, in_words
 from app.viewer.run.zones import stopped
 from app.viewer.scene.shown.frame import Frame
@@ -42,6 +45,8 @@ OBEDIENCE = 0.03
 
 Models = tuple[str, str | None]
 """Names of the model and of the one beside it."""
+Next = tuple[Spec, Spec | None, Stored | None]
+"""A run, what is beside it, and what it begins from if that is not its start."""
 
 
 class Simulation:
@@ -49,8 +54,9 @@ class Simulation:
 
     Commands return at once and are carried out in order, between two ticks; a pause comes first.
     However much is told, little waits: what comes to the same is merged, and what is too much is
-    refused. What a user must be told is left in `notices`; `edits` change the world. While a run is
-    not compiled a preview of it goes on, if it is quick enough, and takes the same commands.
+    refused. What a user must be told is left in `notices`; `edits` change the world, `time_line`
+    goes back in time. While a run is not compiled a preview of it goes on, if it is quick enough,
+    and takes the same commands. A recording is played by the same commands.
     """
 
     def __init__(
@@ -62,10 +68,12 @@ class Simulation:
         build: Callable[..., Flock] = Flock,
         build_beside: Callable[[Flock, Spec], Flock] = companion,
         compiling: Callable[[Sequence[Flock]], Compiling] = Compiling,
+        stored: Stored | None = None,
     ):
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
         self.edits = Edits(self)
+        self.time_line = TimeLine(self)
         self.frame: Frame | None = None
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
@@ -83,7 +91,7 @@ class Simulation:
         self.wanted = Wanted()
         self.watched: frozenset[str] = frozenset()
         self.pace = Pace(speed)
-        self.next: tuple[Spec, Spec | None] | None = spec, beside
+        self.next: Next | None = spec, beside, stored
         """What is to be set up."""
         self.stale = False
         """Whether the flock has changed since the last frame."""
@@ -132,9 +140,13 @@ class Simulation:
         """Build a new flock; of several set-ups at once only the last is built."""
         return self.tell(lambda: self.schedule(spec, beside), "set up")
 
+    def open(self, stored: Stored) -> Future:
+        """Go on from a saved state, or play a recording."""
+        return self.tell(lambda: self.begin(stored), "set up")
+
     def reset(self) -> Future:
         """The same flock again: same seed, same start, the parameters as they are now."""
-        return self.tell(lambda: self.schedule(*self.state.again()), "set up")
+        return self.tell(lambda: self.schedule(*self.state.again(), self.state.stored), "set up")
 
     def go(self) -> Future:
         """Run."""
@@ -202,6 +214,7 @@ class Simulation:
                 if self.next is not None:
                     self.set_up()
                 self.look_for_kernels()
+                self.time_line.settle()
                 self.leave()
                 if self.state.running:
                     self.run_due()
@@ -224,10 +237,11 @@ class Simulation:
         """How long to wait for commands, s; None for ever."""
         if self.next is not None or self.stale:
             return 0.0
-        due = self.pace.wait(time.perf_counter()) if self.state.running else None
-        if self.state.compiling is None:
-            return due
-        return LOOK if due is None or self.stands else min(due, LOOK)
+        now = time.perf_counter()
+        looks = None if self.state.compiling is None else LOOK
+        runs = self.pace.wait(now) if self.state.running and not self.stands else None
+        due = [one for one in (looks, runs, self.time_line.unsettled(now)) if one is not None]
+        return min(due, default=None)
 
     def run_due(self) -> None:
         """Run the ticks that are due."""
@@ -245,6 +259,9 @@ class Simulation:
             self.preview.took((time.thread_time() - worked) / ticks)
             self.state = replace(self.state, preview=not self.preview.stands)
         self.stale = now >= self.next_frame
+        if isinstance(run, Playback) and run.is_over:
+            self.state = replace(self.state, running=False, rate=0.0)
+            self.stale = True
 
     def advance(self, run: Run, ticks: int) -> None:
         """Run ticks; the first ones of a model may have to be loaded."""
@@ -268,7 +285,8 @@ class Simulation:
         self.warn(self.run)
         known = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
-        self.frame = self.run.look(closely=not self.state.running, measured=not self.stands)
+        closely = not self.state.running and self.time_line.moved is None
+        self.frame = self.run.look(closely, measured=not self.stands)
         for trouble in self.run.troubles[known:]:
             if not isinstance(trouble, Refusal | Astray):
                 traceback.print_exception(trouble)
@@ -276,19 +294,22 @@ class Simulation:
         self.readings = self.run.readings
         second = self.run.second
         self.readings_beside = None if second is None else second.readings
-        self.state = replace(self.state, rate=self.pace.rate(now) if self.state.running else 0.0)
+        if self.state.compiling is None:
+            self.time_line.note(self.run)
+        rate = self.pace.rate(now) if self.state.running else 0.0
+        self.state = replace(self.state, rate=rate, line=self.time_line.line(self.run))
         if not self.state.running:
             self.ready.set()
 
     def set_up(self) -> None:
         """Build the flock that is to be set up, and the one beside it."""
         assert self.next is not None
-        (spec, beside), self.next = self.next, None
+        (spec, beside, stored), self.next = self.next, None
         self.state = replace(self.state, busy=True)
         try:
-            flock = self.build(spec)
+            flock = self.new_flock(spec, stored)
             refuse_too_dense(flock)
-            run = self.new_run(flock, beside)
+            run = self.new_run(flock, beside, stored)
         except Refusal as refusal:
             self.notices.put(str(refusal))
             self.state = replace(
@@ -299,18 +320,21 @@ class Simulation:
         self.run, self.preview = run, None
         self.have_compiled(run)
         if self.state.compiling is not None and is_quick(run):
-            twin = self.build(spec.but(seed=flock.seed), interpret=True)
+            twin = self.new_flock(spec.but(seed=flock.seed), stored, interpret=True)
             self.preview = Preview(run)
-            self.run = self.new_run(twin, beside)
+            self.run = self.new_run(twin, beside, stored)
             for one in self.run.both:
                 one.measures = False
         self.edits.take_over(self.run, spec)
+        self.time_line.forget()
         self.pace.restart()
         self.stale = True
         self.state = replace(
             self.state,
             spec=spec,
             beside=beside,
+            stored=stored,
+            line=None,
             run=self.run.number,
             busy=False,
             preview=self.preview is not None,
@@ -320,9 +344,20 @@ class Simulation:
             beside_values=self.run.beside_values,
         )
 
-    def new_run(self, flock: Flock, beside: Spec | None) -> Run:
+    def new_flock(self, spec: Spec, stored: Stored | None, **more: Any) -> Flock:
+        """The flock of a run, where it begins. Raises Refusal."""
+        if stored is None:
+            return self.build(spec, **more)
+        flock = stored.flock(self.build, **more)
+        if not stored.is_played and flock.parameters.model_dump() != spec.parameters:
+            flock.set(**spec.parameters)
+        return flock
+
+    def new_run(self, flock: Flock, beside: Spec | None, stored: Stored | None) -> Run:
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
+        if stored is not None and stored.is_played:
+            return Playback(flock, number, self.wanted, self.watched, stored)
         if beside is None:
             return Run(flock, number, self.wanted, self.watched)
         second = self.build_beside(flock, beside)
@@ -377,8 +412,10 @@ class Simulation:
     def change(self, change: Callable[[Run], None]) -> None:
         """Change the run; of a preview, the run that takes over too, at the same tick."""
         run = self.sound_run()
+        self.time_line.demand_now()
         tick = run.flock.tick
         change(run)
+        self.time_line.changed()
         if self.preview is None:
             self.have_compiled(run)
         else:
@@ -417,12 +454,16 @@ class Simulation:
                 self.notices.put(words)
             one.warned = words
 
-    def schedule(self, spec: Spec, beside: Spec | None) -> None:
-        self.next = spec, beside
+    def schedule(self, spec: Spec, beside: Spec | None, stored: Stored | None = None) -> None:
+        self.next = spec, beside, stored
+
+    def begin(self, stored: Stored) -> None:
+        self.next = stored.spec, None, stored
 
     def switch(self, on: bool) -> None:
         if on and self.next is None:
             self.sound_run()
+            self.time_line.resume()
         self.pace.restart()
         self.state = replace(self.state, running=on)
         self.stale = self.run is not None and not self.state.error
@@ -434,7 +475,11 @@ class Simulation:
             raise Refusal(f"the flock stands until it is compiled ({left})")
         self.state = replace(self.state, running=False)
         try:
-            self.advance(run, ticks)
+            if isinstance(run, Playback):
+                run.step(ticks)
+            else:
+                self.time_line.resume()
+                self.advance(run, ticks)
         except Exception as error:
             self.fail(error)
             return

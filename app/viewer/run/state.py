@@ -7,6 +7,20 @@ from typing import Any
 
 from agents.spec import Spec
 from app.viewer.run.compiling import Estimate
+from app.viewer.run.stored import Stored
+
+
+@dataclass(frozen=True)
+class Line:
+    """The ticks along which a run can be moved, and which of them is shown."""
+
+    first: int
+    last: int
+    at: int
+    looks_back: bool = False
+    """Whether it is a tick of a live run that has gone on from there."""
+    recording: str = ""
+    """The name of the recording that is played; empty: it is a live run."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +32,10 @@ class State:
     beside: Spec | None = None
     """A second model, whose flock flies in the same world from the same start: what it has of its
     own."""
+    stored: Stored | None = None
+    """The saved state or recording that it began from."""
+    line: Line | None = None
+    """Along which ticks it can be moved."""
     run: int = 0
     """Counts the set-ups."""
     running: bool = False

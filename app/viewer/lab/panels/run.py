@@ -106,14 +106,17 @@ def status(state: State) -> str:
     model, beside = state.models
     words = MODELS[model].title if beside is None else f"{model} beside {beside}"
     title = "" if state.busy else f" · {html.escape(words)}"
+    line = state.line
     colour, words = GREY, "paused"
+    if line is not None and line.looks_back:
+        colour, words = VIOLET, f"looking back at tick {line.at}"
     if state.compiling is not None:
         colour, words = (VIOLET, "preview") if state.preview else (ORANGE, "waiting")
         title += compile_bar(state.compiling, state.preview)
     elif state.busy:
         colour, words = ORANGE, "setting up …"
     elif state.running:
-        colour, words = GREEN, "running"
+        colour, words = GREEN, "playing" if line is not None and line.recording else "running"
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
     return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'
 

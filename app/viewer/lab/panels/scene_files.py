@@ -1,4 +1,4 @@
-"""Scenes as files: saved under a name, and opened again."""
+"""Files: a scene is saved under a name; scenes, specs, states and recordings are opened."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Callable
 
 import viser
 
-from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
+from app.viewer.gallery.opened import ENDINGS, opened
+from app.viewer.gallery.saved_scene import TEXTS, SavedScene
+from app.viewer.run.stored import LARGEST, Stored
 from worlds.refusal import Refusal
 
 
@@ -18,22 +20,23 @@ class SceneFiles:
         self,
         gui: viser.GuiApi,
         now: Callable[[str], SavedScene],
-        open: Callable[[SavedScene], None],
+        open: Callable[[SavedScene | Stored], None],
         tell: Callable[[str], None],
     ):
         self.now, self.open, self.tell = now, open, tell
         gui.add_markdown(
-            "**Scene**: the run with its view and plots. Open it here or by "
-            "`flockscope lab FILE.toml`."
+            "**Scene**: the run with its view and plots. A scene, a spec, a saved state or a "
+            "recording is opened here or by `flockscope lab FILE`."
         )
         self.name = gui.add_text("Name", "", hint="What the scene is called")
         save = gui.add_button("Save scene (TOML)", icon=viser.Icon.DOWNLOAD, color="gray")
         opening = gui.add_upload_button(
-            "Open scene or spec ...",
+            "Open a file ...",
             icon=viser.Icon.UPLOAD,
             color="gray",
-            mime_type=".toml",
-            hint="TOML of up to 1 MB; replaces the run in all browsers",
+            mime_type=",".join(ENDINGS),
+            hint="A scene or a spec (TOML), a saved state or a recording (Parquet) of up to "
+            f"{LARGEST // 10**6} MB; replaces the run in all browsers",
         )
         save.on_click(self.save)
 
@@ -41,7 +44,7 @@ class SceneFiles:
         def _(event: viser.GuiEvent) -> None:
             file = event.target.value
             try:
-                self.open(read_scene(file.name, file.content))
+                self.open(opened(file.name, file.content))
             except Refusal as refusal:
                 self.tell(str(refusal))
 

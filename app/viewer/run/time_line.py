@@ -1,0 +1,202 @@
+"""The time line of a run: a recording is sought in, a live run is looked back at and gone on from.
+
+Looking back puts the flock itself where it was, so that everything can be seen of it; what it was
+before is kept until one goes back to now, or on from there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import replace
+from typing import Any, Protocol
+
+from app.viewer.measuring.rate_limit import RateLimit
+from app.viewer.run.beside import Pair
+from app.viewer.run.edits import Edits
+from app.viewer.run.history import History, Moment
+from app.viewer.run.playback import Playback, fixed
+from app.viewer.run.run import Run
+from app.viewer.run.state import Line, State
+from app.viewer.run.stored import Stored
+from worlds.refusal import Refusal
+
+SETTLED = 0.25
+"""Time after the last move along the line after which everything is measured, s."""
+OFTEN, SHARE = 0.1, 0.01
+"""Shortest time between two moments that are kept, s, and the share of all time that it takes."""
+
+
+class Host(Protocol):
+    """What a time line needs of the simulation whose it is."""
+
+    run: Run | None
+    state: State
+    stale: bool
+    edits: Edits
+
+    def tell(
+        self, command: Callable[[], Any], key: str = "", runs: bool | None = None
+    ) -> Future: ...
+
+    def sound_run(self) -> Run: ...
+
+    def begin(self, stored: Stored) -> None: ...
+
+
+class TimeLine:
+    """Moves a simulation along its time; commands return at once, as the simulation's own do."""
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self.history = History()
+        self.present: Moment | None = None
+        """The run as it was before one looked back; None: nobody does."""
+        self.rate_limit = RateLimit(OFTEN, SHARE)
+        self.moved: float | None = None
+        """When it was last moved along the line, until all has been measured, s."""
+
+    # Commands.
+
+    def seek(self, tick: int) -> Future:
+        """Show a tick, or the last one before it that is known; a live run pauses."""
+        return self.host.tell(lambda: self.seek_now(tick), "seek")
+
+    def go_on(self) -> Future:
+        """Make what is shown the present: what came after it is given up. It stands still."""
+        return self.host.tell(self.go_on_now, "go on", runs=False)
+
+    def to_now(self) -> Future:
+        """End looking back."""
+        return self.host.tell(self.to_now_now, "to now")
+
+    # The simulation's own thread.
+
+    def seek_now(self, tick: int) -> None:
+        host, run = self.host, self.host.sound_run()
+        if isinstance(run, Playback):
+            run.seek(tick)
+        else:
+            now = self.present or self.moment(run)
+            then = now if tick >= now.tick else self.history.before(tick)
+            if then is None:
+                raise Refusal("nothing is kept yet of this run to look back at")
+            host.state = replace(host.state, running=False, rate=0.0)
+            self.present = None if then is now else now
+            restore(run, then)
+            for one in run.both:
+                one.readings.notes = self.present is None
+                one.readings.aside.forget()
+        self.moved = time.perf_counter()
+        host.stale = True
+
+    def go_on_now(self) -> None:
+        host, run = self.host, self.host.sound_run()
+        if isinstance(run, Playback):
+            if run.stored.recording.spec.is_late:
+                raise Refusal(
+                    f"{run.stored.name} cannot be gone on from: it has not what messages on their "
+                    "way tell, which only saved states have"
+                )
+            host.begin(replace(run.stored, tick=run.flock.tick))
+        elif self.present is not None:
+            then = self.history.before(run.flock.tick)
+            assert then is not None
+            self.present = None
+            self.history.cut(then.tick)
+            number = host.state.run + 1
+            for one, least in zip(run.both, then.least, strict=True):
+                one.number = one.camera.run = number
+                one.readings.notes = True
+                one.readings.cut(one.flock.tick)
+                one.readings.extremes.take(least)
+            host.edits.editor = then.editor
+            host.state = replace(
+                host.state,
+                run=number,
+                spec=then.spec,
+                values=run.values,
+                beside_values=run.beside_values,
+            )
+            host.stale = True
+
+    def to_now_now(self) -> None:
+        if self.present is not None:
+            self.seek_now(self.present.tick)
+
+    def resume(self) -> None:
+        """It is to run: from what is shown, and a recording that is over from its beginning."""
+        run = self.host.run
+        if isinstance(run, Playback):
+            if run.is_over:
+                run.seek(run.first)
+        elif self.present is not None:
+            self.go_on_now()
+
+    def demand_now(self) -> None:
+        """Raise Refusal where nothing can be changed: in a recording, and while looking back."""
+        run = self.host.run
+        if isinstance(run, Playback):
+            raise fixed(run.stored)
+        if self.present is not None and run is not None:
+            raise Refusal(
+                f"this is tick {run.flock.tick}, looked back at: go on from here, or back to now, "
+                "before anything is changed"
+            )
+
+    def forget(self) -> None:
+        """Another run begins."""
+        self.history.forget()
+        self.present = self.moved = None
+        self.changed()
+
+    def changed(self) -> None:
+        """What is kept of this tick is no longer what it was."""
+        self.rate_limit.renew()
+
+    def note(self, run: Run) -> None:
+        """Keep the run as it is, if that is due."""
+        if isinstance(run, Playback) or self.present is not None:
+            return
+        if self.rate_limit.due(time.perf_counter()):
+            with self.rate_limit.measured():
+                self.history.note(self.moment(run))
+
+    def moment(self, run: Run) -> Moment:
+        """The run as it is."""
+        return Moment(
+            tuple(one.flock.snapshot() for one in run.both),
+            tuple(one.readings.extremes.least for one in run.both),
+            run.owed if isinstance(run, Pair) else 0.0,
+            self.host.state.spec,
+            self.host.edits.editor,
+        )
+
+    def line(self, run: Run) -> Line | None:
+        """What there is to move along; None where there is nothing yet."""
+        at = run.flock.tick
+        if isinstance(run, Playback):
+            return Line(run.first, run.last, at, recording=run.stored.name)
+        if not self.history.moments:
+            return None
+        last = at if self.present is None else self.present.tick
+        return Line(self.history.moments[0].tick, last, at, self.present is not None)
+
+    def unsettled(self, now: float) -> float | None:
+        """Time until everything is to be measured where one has moved to, s; None: it has been."""
+        return None if self.moved is None else max(0.0, self.moved + SETTLED - now)
+
+    def settle(self) -> None:
+        """Have everything measured as soon as one has moved for the last time."""
+        if self.unsettled(time.perf_counter()) == 0.0:
+            self.moved = None
+            self.host.stale = True
+
+
+def restore(run: Run, then: Moment) -> None:
+    """Put the flocks of a run where they were."""
+    for one, snapshot in zip(run.both, then.snapshots, strict=True):
+        one.flock.return_to(snapshot)
+    if isinstance(run, Pair):
+        run.owed = then.owed
