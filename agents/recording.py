@@ -61,7 +61,7 @@ class Recording:
             if not self.rows or not {"tick", "id"} <= set(self.names):
                 raise ValueError
         except OSError as error:
-            reason = error.strerror or error
+            reason = " ".join(str(error.strerror or error).split())
             raise Refusal(f"recording {str(path)!r} cannot be read: {reason}") from None
         except (pa.ArrowException, KeyError, TypeError, ValueError):
             raise Refusal(

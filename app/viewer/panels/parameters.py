@@ -75,7 +75,7 @@ class ParametersPanel:
         changed = [one for one in own if state.values.get(one.name) != one.default]
         text = differing(changed, state.values)
         self.changes = {one.name: one.default for one in changed}
-        self.back.visible = bool(self.changes or self.past)
+        self.back.visible = bool(self.changes or self.past) and not fixed
         if text != self.changed.content:
             self.changed.content = text
         self.dials.refresh()

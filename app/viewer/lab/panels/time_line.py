@@ -83,15 +83,14 @@ def told(line: Line, frame: Frame) -> str:
     """What is shown, and what can be done about it, HTML."""
     when = clock(line.at, frame)
     if line.recording:
-        until = clock(line.last, frame)
         name = html.escape(line.recording)
         return (
-            f'<div class="fs-quiet">Recording <b>{name}</b>: {when} of {until}. Setup begins a new '
-            "run from its spec.</div>"
+            f'<div class="fs-quiet">Recording <b>{name}</b>: {when} of '
+            f"{clock(line.last, frame, '')}. Setup begins a new run from its spec.</div>"
         )
     return f'<div class="fs-quiet">Looking back at {when}; now is {clock(line.last, frame)}.</div>'
 
 
-def clock(tick: int, frame: Frame) -> str:
+def clock(tick: int, frame: Frame, word: str = "tick ") -> str:
     """A tick, with its time where time is not counted in ticks."""
-    return f"tick {tick}" + ("" if frame.unit == "ticks" else f" ({tick * frame.dt:.1f} s)")
+    return f"{word}{tick}" + ("" if frame.unit == "ticks" else f" ({tick * frame.dt:.1f} s)")

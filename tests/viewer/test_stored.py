@@ -1,0 +1,176 @@
+"""States and recordings that anybody may have made: opened, or refused in one line."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agents import Flock
+from agents.record import KEY
+from app.viewer.gallery.opened import opened
+from app.viewer.run import stored as limits
+from app.viewer.run.stored import Stored, stored
+from worlds.refusal import Refusal
+
+
+@pytest.fixture(scope="module")
+def state(tmp_path_factory):
+    """The table of a saved state of a mission with a path, whose agents can crash."""
+    path = tmp_path_factory.mktemp("state") / "state.parquet"
+    Flock("hwvem-nav", world="obstacles", agents=10, rng=3).save(path)
+    return pq.read_table(path)
+
+
+def packed(table, **more) -> bytes:
+    """A table as the bytes of a Parquet file."""
+    out = io.BytesIO()
+    pq.write_table(table, out, **more)
+    return out.getvalue()
+
+
+def told(meta: dict, table) -> bytes:
+    """A table with other metadata."""
+    return packed(table.replace_schema_metadata({KEY: json.dumps(meta).encode()}))
+
+
+def with_column(table, name: str, values) -> bytes:
+    place = table.column_names.index(name)
+    made = table.set_column(place, name, values)
+    return packed(made.replace_schema_metadata(table.schema.metadata))
+
+
+def refused(content: bytes) -> str:
+    with pytest.raises(Refusal) as found:
+        stored("sent.parquet", content)
+    line = str(found.value)
+    assert "\n" not in line
+    return line
+
+
+def test_a_state_from_a_browser_goes_on_to_the_bit(state):
+    made = opened("../../state.parquet", packed(state))
+    assert isinstance(made, Stored)
+    assert (made.name, made.kind) == ("state.parquet", "saved state")
+    flock = made.flock(Flock)
+    assert np.array_equal(flock.position[:, 0], state["x"].to_numpy())
+    again = Flock("hwvem-nav", world="obstacles", agents=10, rng=3)
+    again.run(5)
+    flock.run(5)
+    assert np.array_equal(flock.position, again.position)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "says"),
+    [
+        ("x", lambda x: np.where(x == x[4], np.nan, x), "position that is no finite"),
+        ("x", lambda x: x + 1e13, "too far away"),
+        ("x", lambda x: x - 1e5, "outside"),
+        ("ux", lambda x: x + 1.0, "no unit vector"),
+        ("speed", lambda x: x * np.inf, "speed that is no finite"),
+        ("id", lambda x: x * 0, "two agents of one identity"),
+        ("id", lambda x: -x, "an identity that none can be"),
+        ("leg", lambda x: x + 99, "a waypoint that is not there"),
+        ("leg", lambda x: x - 1, "a waypoint that is not there"),
+        ("tick", lambda x: x - 5, "ticks"),
+        ("tick", lambda x: x + 2**60, "ticks outside"),
+        ("tick", lambda x: np.arange(len(x))[::-1], "its ticks do not rise"),
+        ("tick", lambda x: x + 0.5, "no whole numbers"),
+        ("speed", lambda x: pa.array([str(one) for one in x]), "holds what is no number"),
+        ("speed", lambda x: pa.array([None, *x[1:].tolist()]), "holds what is no number"),
+    ],
+)
+def test_rows_that_are_no_flock_are_refused(state, name, change, says):
+    values = change(state[name].to_numpy())
+    column = values if isinstance(values, pa.Array) else pa.array(values)
+    assert says in refused(with_column(state, name, column))
+
+
+def test_a_column_that_is_missing_is_named(state):
+    assert "has no column 'uy'" in refused(packed(state.drop_columns(["uy"])))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('model = "hwvem-nav"', 'model = "nobody"', "unknown model 'nobody'"),
+        ("v0 = 0.1", "v0 = 900.0", "v0 = 900"),
+        ("v0 = 0.1", "v9 = 0.1", "v9"),
+        ("seed = 3", "seed = -3", "seed = -3"),
+        ("agents = 10", "agents = 1e99", "agents"),
+        ('start = "random"', "start = 3", "start"),
+    ],
+)
+def test_a_spec_that_is_wrong_is_refused(state, old, new, says):
+    meta = json.loads(state.schema.metadata[KEY])
+    assert old in meta["spec"]
+    meta["spec"] = meta["spec"].replace(old, new)
+    assert says in refused(told(meta, state))
+
+
+def test_a_world_is_in_the_file_or_built_in(state):
+    meta = json.loads(state.schema.metadata[KEY])
+    meta["spec"] = meta["spec"].replace('world = "obstacles"', 'world = "/etc/hostname"')
+    assert "unknown world '/etc/hostname'" in refused(told(meta, state))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"size": [1e300, 1e300]},
+        {"size": [-1.0, 5.0]},
+        {"size": "large"},
+        {"size": [5.0, 5.0, 5.0]},
+        {"edges": ["open"] * 9},
+        {"obstacle": [{"kind": "disc", "centre": [1, 1], "radius": 1}] * 5000},
+        {"boundary_spacing": 1e-9},
+        {"mission": 7},
+    ],
+)
+def test_a_world_that_is_unsound_is_refused(state, change):
+    meta = json.loads(state.schema.metadata[KEY])
+    meta["world"] |= change
+    refused(told(meta, state))
+
+
+@pytest.mark.parametrize("meta", [b"{", b"[]", b"3", b'{"spec": 4}', b"\xff\xfe", b"{}" * 10])
+def test_metadata_of_anything_is_refused(state, meta):
+    refused(packed(state.replace_schema_metadata({KEY: meta})))
+
+
+def test_what_unpacks_to_too_much_is_refused_before_it_is_unpacked(state, monkeypatch):
+    rows = limits.MOST_NUMBERS
+    zeros = pa.DictionaryArray.from_arrays(pa.array(np.zeros(rows, np.int8)), pa.array([7]))
+    names = state.column_names[:2]
+    bomb = pa.table(dict.fromkeys(names, zeros)).replace_schema_metadata(state.schema.metadata)
+    content = packed(bomb, compression="zstd")
+    assert len(content) < limits.LARGEST
+    monkeypatch.setattr(pq.ParquetFile, "read", lambda *_, **__: pytest.fail("it was unpacked"))
+    assert f"holds {rows} rows" in refused(content)
+
+
+def test_a_file_from_a_browser_is_bounded(monkeypatch, state):
+    monkeypatch.setattr(limits, "LARGEST", 100)
+    assert "`flockscope lab FILE` opens larger ones" in refused(packed(state))
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_bytes_that_are_changed_are_refused_or_make_a_flock(state, data):
+    content = bytearray(packed(state))
+    for _ in range(data.draw(st.integers(1, 4))):
+        content[data.draw(st.integers(4, len(content) - 1))] = data.draw(st.integers(0, 255))
+    try:
+        made = stored("sent.parquet", bytes(content))
+    except Refusal as error:
+        line = str(error)
+    else:
+        line = made.kind
+        assert np.isfinite(made.flock(Flock, interpret=True).position).all()
+    assert "\n" not in line
