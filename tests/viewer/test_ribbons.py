@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from agents.models.declare import Vehicle
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.picture import Picture
-from app.viewer.scene.marks.paths.past import Past
+from app.viewer.scene.marks.paths.past import Past, thinned
 from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
 from app.viewer.scene.shown.frame import Progress
 from app.viewer.scene.shown.look import TRAILS, Look
+from app.viewer.scene.shown.usual import turns
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
@@ -85,6 +86,53 @@ def test_bands_break_at_the_seam_and_are_forgotten():
     assert not pieces.visible
     draw(part, shown(replace(one, tick=9), Look(trails="ribbon", trail_length=16)))
     assert not pieces.visible
+
+
+def test_where_cars_have_been_is_there_as_soon_as_somebody_asks():
+    scene = Stand()
+    part = Ribbons(scene)
+    for tick in range(0, 4001, 10):
+        angle = 2.0 * np.pi * tick / 1140
+        at = np.array([[np.cos(angle), np.sin(angle)]])
+        one = frame(
+            tick, position=at, heading=at, speed=np.ones(1), informed=np.zeros(1, bool),
+            ids=np.array([1]), cars=known(1), progress=Progress(),
+        )  # fmt: skip
+        draw(part, shown(one))
+    pieces = node(scene, "/pieces")
+    assert not pieces.visible
+    draw(part, shown(one, Look(trails="rising in time", trail_length=turns(one.dt))))
+    assert pieces.visible
+    x, y, up = pieces.batched_positions.T
+    around = np.unwrap(np.arctan2(y, x)[np.argsort(up)])
+    assert around[-1] - around[0] == pytest.approx(2.0 * np.pi * 4000 / 1140, rel=0.02)
+    assert up.max() == pytest.approx(RISE * 10.0, rel=0.02)
+    draw(part, shown(replace(one, tick=4001), Look(trails="ribbon", trail_length=100)))
+    assert pieces.visible
+    assert len(pieces.batched_positions) < 20
+
+
+def test_where_other_agents_have_been_is_not_kept_for_nothing():
+    scene = Stand()
+    part = Ribbons(scene)
+    for tick in range(20):
+        draw(part, shown(frame(tick, cars=None)))
+    draw(part, shown(frame(20, cars=None), Look(trails="ribbon")))
+    assert not node(scene, "/pieces").visible
+
+
+@given(st.integers(1, 60), st.integers(50, 3000), st.integers(4, 240))
+def test_what_is_thinned_is_enough_and_keeps_what_it_has_shown(apart, length, knots):
+    ticks = np.arange(0, 4000, apart)
+    kept = thinned(ticks, 4000, length, knots)
+    step = max(1, length // knots)
+    assert len(kept) <= length // step + 2
+    assert np.all(ticks[kept] >= 4000 - length)
+    assert np.all(np.diff(ticks[kept]) <= step + apart)
+    more = np.append(ticks, 4000 + apart)
+    later = more[thinned(more, 4000 + apart, length, knots)]
+    still = ticks[kept][ticks[kept] >= 4000 + apart - length][1:]
+    assert set(still.tolist()) <= set(later.tolist())
 
 
 def test_the_injected_car_leaves_a_band_too():

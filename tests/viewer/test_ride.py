@@ -202,6 +202,36 @@ def test_escape_ends_a_ride_and_nothing_else(two):
     assert pose(rider) != close
 
 
+def test_what_rises_is_seen_from_aside_by_who_has_not_moved_the_camera():
+    browsers = [Browser(1), Browser(2)]
+    viewpoints = Viewpoints(Server(browsers))
+    still, moved = browsers
+
+    def show(trails: str) -> None:
+        made = picture(plane, Look(trails=trails), Stage.of(plane))
+        viewpoints.update((Sight(made, HERE),))
+
+    plane = frame(2, [[5.0, 5.0], [9.0, 9.0]], [[1.0, 0.0], [1.0, 0.0]])
+    show("off")
+    above = pose(still)
+    assert above == pose(moved)
+    viewpoints._stands[2].arrived = True
+    moved.camera.position = moved.camera.position + 1.0
+    elsewhere = pose(moved)
+    show("rising in time")
+    x, y, z = still.camera.position - still.camera.look_at
+    assert np.hypot(x, y) > 0.5 * z > 0.0
+    assert pose(moved) == elsewhere
+    show("ribbon")
+    assert pose(still) == pytest.approx(above)
+    viewpoints.place(still, "side")
+    show("rising in time")
+    higher = pose(still)
+    show("off")
+    assert pose(still) != higher
+    assert np.hypot(*(still.camera.position - still.camera.look_at)[:2]) > still.camera.position[2]
+
+
 def test_a_preset_ends_a_ride(two):
     (rider, _), viewpoints, one = two
     viewpoints.place(rider, RIDE)

@@ -85,7 +85,7 @@ def test_it_is_hidden_where_nothing_rises_and_still_once_it_is_full():
     draw(part, shown(frame(81), replace(look, trails="off")))
     assert scale(scene) == {}
     draw(part, shown(frame(82), look))
-    assert list(scale(scene)) == ["now"]
+    assert list(scale(scene)) == ["now", "−0.2 s", "−0.4 s", "−0.6 s"]
 
 
 @given(st.floats(0.01, 1e5))

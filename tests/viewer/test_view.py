@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,13 +12,16 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.spec import Spec
 from app.viewer.lab.panels.view import FlockView
-from app.viewer.live.panels.view import CONTROLS, LOOK
+from app.viewer.live.panels.view import CONTROLS
+from app.viewer.live.panels.view import usual as usual_of_room
 from app.viewer.panels.view import ViewPanel
-from app.viewer.run.home import at_home
+from app.viewer.run.home import at_home, usual_of
 from app.viewer.run.picture import Camera
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.look import AGENTS, BIRDS_UP_TO, CAMERA, NUMBERED_UP_TO, WORLD, Look
+from app.viewer.scene.shown.usual import TURNS
 from tests.viewer import fleet
 from tests.viewer.live_fleet import live_frame
 from tests.viewer.sky import frame, heading
@@ -35,7 +40,7 @@ def server():
 
 @pytest.fixture
 def view(server):
-    return FlockView(server.gui, Look(), lambda *_: None)
+    return FlockView(server.gui, usual_of(Spec("vem")), lambda *_: None)
 
 
 def shown(panel: ViewPanel) -> set[str]:
@@ -87,7 +92,7 @@ def test_every_model_at_home_shows_what_its_scene_has(view, name):
 def test_each_control_stands_in_its_group_and_each_group_once(server, monkeypatch):
     made, add = [], server.gui.add_folder
     monkeypatch.setattr(server.gui, "add_folder", lambda label: made.append(label) or add(label))
-    FlockView(server.gui, Look(), lambda *_: None)
+    FlockView(server.gui, usual_of(Spec("vem")), lambda *_: None)
     assert made == [AGENTS, WORLD, CAMERA]
     assert {control.group for control in SEEN.values()} == {AGENTS, WORLD}
     assert {control.group for control in CONTROLS.values()} == {AGENTS, WORLD}
@@ -97,11 +102,11 @@ def test_a_trail_s_length_is_there_with_a_trail_or_a_wake(view):
     sky = frame([heading(0.0)] * 5)
     view.fit(sky)
     assert "trail_length" not in shown(view)
-    for name, value, usual in (("trails", "line", "off"), ("wake", True, False)):
+    for name, value, off in (("trails", "line", "off"), ("wake", True, False)):
         view.form[name].value = value
         view.fit(sky)
         assert "trail_length" in shown(view)
-        view.form[name].value = usual
+        view.form[name].value = off
     view.form["wake"].value = True
     view.fit(plane())
     assert "trail_length" not in shown(view)
@@ -179,7 +184,7 @@ def test_browsers_are_told_only_what_changes(view, server, monkeypatch):
 
 
 def test_the_page_of_real_cars_shows_fence_and_car_only_where_they_are(server):
-    room = ViewPanel(server.gui, LOOK, CONTROLS, lambda *_: None, "car")
+    room = ViewPanel(server.gui, usual_of_room(100.0), CONTROLS, lambda *_: None, "car")
     one = live_frame()
     room.fit(one)
     assert tuple(room.form["colour"].options) == ("each its own", "heading", "speed", "plain")
@@ -188,3 +193,37 @@ def test_the_page_of_real_cars_shows_fence_and_car_only_where_they_are(server):
     closed = World("hall", fleet.AREA.size, ("solid", "solid"))
     room.fit(replace(one, world=closed))
     assert not {"fence", "mission"} & shown(room)
+
+
+def event(panel: ViewPanel, name: str, value):
+    """A person chooses."""
+    panel.form[name].value = value
+    return SimpleNamespace(target=panel.form[name], client=True)
+
+
+def test_what_rises_goes_back_some_turns_unless_somebody_has_said_how_far(server):
+    cars = FlockView(server.gui, usual_of(at_home("squashing-cars")), lambda *_: None)
+    asyncio.run(cars.trailed(event(cars, "trails", "rising in time")))
+    assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
+    assert cars.not_usual() == {"trails": "rising in time"}
+    asyncio.run(cars.trailed(event(cars, "trails", "line")))
+    assert cars.look().trail_length == Look().trail_length
+    cars.form["trail_length"].value = 700
+    asyncio.run(cars.trailed(event(cars, "trails", "rising in time")))
+    assert cars.look().trail_length == 700
+    cars.take({"trails": "rising in time"})
+    assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
+    assert controls_of(Look)["trail_length"].high >= cars.usual.rising
+
+
+def test_few_cars_have_each_its_own_colour_until_somebody_chooses(view):
+    assert view.look().colour == "heading"
+    view.suit(usual_of(at_home("squashing-cars")))
+    assert (view.look().colour, view.not_usual()) == ("each its own", {})
+    view.take({"colour": "speed", "trails": "line"})
+    for spec in (at_home("vem"), at_home("squashing-cars", agents=40), at_home("squashing-cars")):
+        view.suit(usual_of(spec))
+        assert view.not_usual() == {"colour": "speed", "trails": "line"}
+    view.take({})
+    view.suit(usual_of(at_home("squashing-cars", agents=40)))
+    assert view.look().colour == "heading"

@@ -34,7 +34,7 @@ from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
-from app.viewer.run.home import at_home, lively_speed
+from app.viewer.run.home import at_home, lively_speed, usual_of
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
@@ -142,7 +142,7 @@ class Laboratory:
         with tabs.add_tab("World"):
             self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
-            self.view = FlockView(gui, Look(), self.point)
+            self.view = FlockView(gui, usual_of(state.spec), self.point)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
             self.saving = SceneFiles(gui, self.now, self.open, self.simulation.notices.put)
@@ -220,6 +220,7 @@ class Laboratory:
 
     def look_at(self, scene: SavedScene) -> None:
         """Have the view and the plots as a scene has them."""
+        self.view.suit(usual_of(scene.spec))
         self.view.take(scene.look)
         self.plots.asked = MODELS[scene.spec.model], scene.plots
         self.scene.open_on(scene.camera)
@@ -359,6 +360,7 @@ class Laboratory:
         self.point_all(frame)
         self.measure(state, frame, readings)
         if self.pointing is None:  # else another flock, whose look is there already, is coming
+            self.view.suit(usual_of(state.spec))
             self.view.fit(frame, measurable(MODELS[state.spec.model].columns))
         self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
         if self.selected_beside and frame.beside is None:

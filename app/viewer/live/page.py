@@ -18,7 +18,7 @@ from app.viewer.live.panels.plots import LivePlots
 from app.viewer.live.panels.room import RoomPanel
 from app.viewer.live.panels.rule import RulePanel
 from app.viewer.live.panels.state import StatePanel
-from app.viewer.live.panels.view import CONTROLS, LOOK
+from app.viewer.live.panels.view import CONTROLS, usual
 from app.viewer.live.session import Session
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
@@ -116,7 +116,7 @@ class LivePage:
         with tabs.add_tab("Room"):
             self.place = RoomPanel(gui, self.session, choices)
         with tabs.add_tab("View"):
-            self.view = ViewPanel(gui, LOOK, CONTROLS, self.point, "car")
+            self.view = ViewPanel(gui, usual(lab.rate), CONTROLS, self.point, "car")
         with tabs.add_tab("Log"):
             self.log = LogPanel(gui, self.session)
         left = gui.add_panel()

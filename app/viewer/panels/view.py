@@ -10,7 +10,8 @@ import viser
 from app.viewer.panels.form import Form
 from app.viewer.scene.shown.control import Control
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERA, CAMERAS, COLOURINGS, MEASURED, Look
+from app.viewer.scene.shown.look import CAMERA, CAMERAS, COLOURINGS, MEASURED, RISING, Look
+from app.viewer.scene.shown.usual import Usual
 from app.viewer.web.values import show
 
 Point = Callable[[viser.ClientHandle, str], None]
@@ -26,18 +27,19 @@ class ViewPanel:
     def __init__(
         self,
         gui: viser.GuiApi,
-        look: Look,
+        usual: Usual,
         controls: Mapping[str, Control],
         point: Point,
         followed: str = "agent",
     ):
         self.point = point
-        self.usual = look
-        self.form = Form(gui, look, controls)
-        self.colour = look.colour
+        self.usual = usual
+        self.form = Form(gui, usual.look, controls)
+        self.colour = usual.look.colour
         """The colouring that was chosen, which not every flock has."""
         self.offering = False
         self.form["colour"].on_update(self.coloured)
+        self.form["trails"].on_update(self.trailed)
         self.camera = gui.add_folder(CAMERA)
         with self.camera:
             presets = gui.add_button_group(
@@ -53,6 +55,14 @@ class ViewPanel:
         """Remember a colouring that somebody, or a scene, has chosen."""
         if event.client is not None or not self.offering:
             self.colour = event.target.value
+
+    async def trailed(self, event: viser.GuiEvent) -> None:
+        """What rises goes back as far as suits it, unless somebody has chosen how far."""
+        length = self.form["trail_length"]
+        common, rising = self.usual.look.trail_length, self.usual.rising
+        before, now = (common, rising) if event.target.value == RISING else (rising, common)
+        if event.client is not None and length.value == before:
+            show(length, now)
 
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         """Show what applies to a frame; agents can be coloured by these numbers too."""
@@ -79,7 +89,7 @@ class ViewPanel:
 
     def take(self, look: Mapping[str, Any]) -> None:
         """Show these, by the names of their controls, and all else as usual."""
-        wanted = {name: look.get(name, getattr(self.usual, name)) for name in self.form.handles}
+        wanted = self.usually(look.get("trails", self.usual.look.trails)) | dict(look)
         self.colour = wanted["colour"]
         self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
@@ -89,7 +99,19 @@ class ViewPanel:
         """What is not as usual, by the names of the controls."""
         now = {name: control.value for name, control in self.form.handles.items()}
         now["colour"] = self.colour
-        return {name: one for name, one in now.items() if one != getattr(self.usual, name)}
+        usually = self.usually(now["trails"])
+        return {name: one for name, one in now.items() if one != usually[name]}
+
+    def usually(self, trails: str) -> dict[str, Any]:
+        """What is usual with these trails, by the names of the controls."""
+        known = {name: getattr(self.usual.look, name) for name in self.form.handles}
+        return known | ({"trail_length": self.usual.rising} if trails == RISING else {})
+
+    def suit(self, usual: Usual) -> None:
+        """Take this for usual from now on; what was as usual is so again."""
+        if usual != self.usual:
+            kept, self.usual = self.not_usual(), usual
+            self.take(kept)
 
     def look(self) -> Look:
         """The drawing as the controls have it."""

@@ -18,6 +18,7 @@ from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.cars import cars
 from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.look import COLOURINGS, MEASURED, Look
+from app.viewer.scene.shown.usual import usual
 from worlds.refusal import Refusal, unknown
 
 
@@ -54,7 +55,9 @@ class Shot:
 def look_of(now: Snapshot, colour: str | None) -> Look:
     """How it is drawn, coloured by a name of `colourings`; None: as suits it. Raises Refusal."""
     if colour is None:
-        return Look(colour="layer" if now.informed.any() else "heading")
+        if now.informed.any():
+            return Look(colour="layer")
+        return usual(now.model, len(now.ids), now.dt).look
     if colour in COLOURINGS:
         return Look(colour=colour)
     if colour not in colourings(now):

@@ -8,6 +8,7 @@ from typing import Any
 from agents import home as agents_home
 from agents.catalogue import model as find_model
 from agents.spec import DEFAULT, Spec
+from app.viewer.scene.shown.usual import Usual, usual
 from worlds.layout import layout_names, own_dim, read_layout
 from worlds.world import World
 
@@ -61,11 +62,26 @@ def lively_speed(spec: Spec) -> float:
     >>> lively_speed(at_home("hwvem"))
     15.0
     """
-    model = find_model(spec.model)
-    if model.body.unit == "ticks":
+    if find_model(spec.model).body.unit == "ticks":
         return COMMON_SPEED
+    return HURRY / tick_of(spec)
+
+
+def tick_of(spec: Spec) -> float:
+    """How long a tick of a run lasts, in its unit of time."""
+    model = find_model(spec.model)
     known = {k: v for k, v in spec.parameters.items() if k in model.parameters.model_fields}
-    return HURRY / model.body.lasts(model.parameters(**known))
+    return model.body.lasts(model.parameters(**known))
+
+
+def usual_of(spec: Spec) -> Usual:
+    """How a run is drawn as long as nobody chooses otherwise.
+
+    >>> usual_of(at_home("squashing-cars")).look.colour, usual_of(at_home("vem")).look.colour
+    ('each its own', 'heading')
+    """
+    model = find_model(spec.model)
+    return usual(model, spec.agents, tick_of(spec))
 
 
 def world_titles() -> dict[str, str | World]:

@@ -10,13 +10,14 @@ from app.viewer.panels.view import Point, ViewPanel
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import AGENTS, RIDE, STEP_OFF, Look, is_led
+from app.viewer.scene.shown.usual import Usual
 
 
 class FlockView(ViewPanel):
     """All that a look has, a ride on an agent, and handles to steer by."""
 
-    def __init__(self, gui: viser.GuiApi, look: Look, point: Point):
-        super().__init__(gui, look, controls_of(Look), point)
+    def __init__(self, gui: viser.GuiApi, usual: Usual, point: Point):
+        super().__init__(gui, usual, controls_of(Look), point)
         with self.camera:
             self.ride = gui.add_button(
                 "Ride along",

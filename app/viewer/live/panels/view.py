@@ -7,9 +7,8 @@ from typing import Any
 
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.look import LIVE_COLOURINGS, OWN, RIBBON, Look
+from app.viewer.scene.shown.usual import Usual, turns
 
-LOOK = Look(colour=OWN, trails=RIBBON, trail_length=400)
-"""At first."""
 FOR_CARS: dict[str, dict[str, Any]] = {
     "colour": {
         "hint": "What a car's colour means; its state is the outline around it",
@@ -18,7 +17,7 @@ FOR_CARS: dict[str, dict[str, Any]] = {
     },
     "trails": {
         "hint": "Where each car has been; rising in time: its way through space and time, time "
-        "upwards (look at it from the side)"
+        "upwards"
     },
     "trail_length": {"hint": "How far back, ticks of the loop", "low": 50, "step": 50},
     "agent_size": {"label": "Car size", "low": 1.0},
@@ -28,3 +27,8 @@ FOR_CARS: dict[str, dict[str, Any]] = {
 }
 """Those controls that mean something for real cars, and what is otherwise about each."""
 CONTROLS = {name: replace(controls_of(Look)[name], **more) for name, more in FOR_CARS.items()}
+
+
+def usual(rate: float) -> Usual:
+    """How a room is drawn at first whose loop runs so often (Hz)."""
+    return Usual(Look(colour=OWN, trails=RIBBON, trail_length=400), turns(1.0 / rate))

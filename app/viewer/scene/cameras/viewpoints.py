@@ -47,6 +47,8 @@ class Stand:
     view: View
     aspect: float
     since: float
+    leans: bool = False
+    """Whether it stood straight above before something rose."""
     arrived: bool = False
     """Whether the browser has told that it is there; before, it tells of where it was."""
 
@@ -74,6 +76,8 @@ class Viewpoints:
         self._sights: tuple[Sight, ...] = ()
         self._entered: tuple[Stage, int] | None = None
         """The stage, and the number of flocks, that the cameras were last pointed at."""
+        self._risen = 0.0
+        """Height of what rises with time."""
         self._last = time.monotonic()
         self.first = ""
         """The preset on which a world opens; empty: the usual one."""
@@ -95,6 +99,10 @@ class Viewpoints:
         if name == "follow":
             self.follow(client, *self._worth_following())
             return
+        self._place(client, name)
+
+    def _place(self, client: ClientHandle, name: str, leans: bool = False) -> None:
+        """Give one browser a preset."""
         self._forget(client)
         low, high = whole(self._sights)
         if name != "top-down":
@@ -102,7 +110,7 @@ class Viewpoints:
         aspect = _aspect(client)
         wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
         with self._lock:
-            self._stands[client.client_id] = Stand(name, wanted, aspect, time.monotonic())
+            self._stands[client.client_id] = Stand(name, wanted, aspect, time.monotonic(), leans)
         _set(client, wanted)
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
@@ -142,6 +150,9 @@ class Viewpoints:
         if entered != self._entered:
             self._entered = entered
             self._enter(list(clients.values()))
+        if risen(sights[0].picture) != self._risen:
+            self._risen = risen(sights[0].picture)
+            self._rise(list(clients.values()))
         with self._lock:
             followed, riders = dict(self._followed), dict(self._riders)
         passed, self._last = now - self._last, now
@@ -171,6 +182,19 @@ class Viewpoints:
         for client in clients:
             self.place(client, self.first or _first(picture))
 
+    def _rise(self, clients: list[ClientHandle]) -> None:
+        """Fit what rises into the pictures that nobody has moved: not from straight above."""
+        for client in clients:
+            stand = self._stands.get(client.client_id)
+            if stand is None or stand.is_left(client.camera):
+                continue
+            if self._risen and stand.preset == "top-down":
+                self._place(client, "perspective", leans=True)
+            else:
+                leans = stand.leans and self._risen > 0.0
+                back = stand.leans and not leans
+                self._place(client, "top-down" if back else stand.preset, leans)
+
     def _welcome(self, client: ClientHandle) -> None:
         if self._sights:
             self.place(client, self.first or _first(self._sights[0].picture))
@@ -189,7 +213,7 @@ class Viewpoints:
             with self._lock:
                 self._stands.pop(client.client_id, None)
         elif abs(_aspect(client) - stand.aspect) >= RESHAPED:
-            self.place(client, stand.preset)
+            self._place(client, stand.preset, stand.leans)
 
     async def _farewell(self, client: ClientHandle) -> None:
         """On the event loop: viser's thread pool may be gone when the server stops."""
@@ -209,7 +233,7 @@ class Viewpoints:
 
 
 def _first(picture: Picture) -> str:
-    return "top-down" if picture.stage.dim == 2 else "perspective"
+    return "top-down" if picture.stage.dim == 2 and not risen(picture) else "perspective"
 
 
 def _worth_following(picture: Picture) -> int | None:

@@ -129,7 +129,7 @@ def _own_legend(frame: Frame) -> list[tuple[str, str]]:
         worn |= frame.cars.predator
     noun = "agent" if frame.cars is None else "car"
     colours = own.by_identity(frame.ids)
-    rows = np.flatnonzero(~worn)
+    rows = [row for row in np.argsort(frame.ids) if not worn[row]]
     return [(f"{noun} {frame.ids[row]}", palette.css(colours[row])) for row in rows] + more
 
 

@@ -99,7 +99,7 @@ class Look:
         OFF,
         "Trail",
         "Where each agent has been; rising in time: its way through space and time, time upwards, "
-        "in flat worlds (look at it from the side)",
+        "in flat worlds",
         TRAILS,
         group=AGENTS,
     )
@@ -115,7 +115,7 @@ class Look:
         "Trail length",
         "How far back, ticks",
         low=10,
-        high=2000,
+        high=5000,
         step=10,
         group=AGENTS,
         applies=leaves_trails,

@@ -28,10 +28,16 @@ class Past:
         """The places (M, 3) at each of these ticks, NaN for points that were not there."""
 
     def remember(
-        self, frame: Frame, ids: np.ndarray, here: np.ndarray, length: int, knots: int
+        self,
+        frame: Frame,
+        ids: np.ndarray,
+        here: np.ndarray,
+        length: int,
+        knots: int,
+        kept: int = 0,
     ) -> bool:
         """Add a knot when the last is old enough for `knots` of them in `length` ticks, and forget
-        what is older than that; True if anything changed.
+        what is older than that and than `kept` ticks; True if anything changed.
 
         The points `here` (M, 3) have identities (M,), which may be others than before.
         """
@@ -49,9 +55,22 @@ class Past:
         else:
             self.ticks.append(frame.tick)
             self.knots.append(here)
-        while self.ticks[0] < frame.tick - length:
+        while self.ticks[0] < frame.tick - max(length, kept):
             del self.ticks[0], self.knots[0]
         return True
+
+
+def thinned(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarray:
+    """Which of the knots at ticks (K,) show `length` ticks up to `now` with `knots` pieces or so.
+
+    A knot stays as long as it is shown: nothing flickers.
+
+    >>> thinned(np.arange(10), 10, 8, 4).tolist()
+    [2, 4, 6, 8]
+    """
+    shown = np.flatnonzero(ticks >= now - length)
+    cell = ticks[shown] // max(1, length // knots)
+    return shown[np.diff(cell, prepend=-1) > 0]
 
 
 def carried(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:

@@ -15,21 +15,22 @@ from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.seam import jumps
 from app.viewer.scene.draw.shapes import Mesh
-from app.viewer.scene.marks.paths.past import INJECTED, Past
+from app.viewer.scene.marks.paths.past import INJECTED, Past, thinned
 from app.viewer.scene.marks.paths.streaks import FAINTEST, STRONGEST, chosen
 from app.viewer.scene.marks.paths.time_scale import TimeScale
 from app.viewer.scene.shown.look import RIBBON, RISING
+from app.viewer.scene.shown.usual import turns
 
 MOST_AGENTS = 75
 PIECES = 1200
 """Pieces of all bands together, about."""
-KNOTS = (16, 160)
+KNOTS = (16, 240)
 """Least and most pieces of one band."""
 BROAD, BROAD_CAR = 0.30, 0.6
 """Width of a band as a multiple of an agent's length, and of a car's width."""
 OVERLAP = 0.15
 """How much longer a piece is than its part of the way, as a share of its width."""
-RISE = 0.45
+RISE = 0.65
 """Height of a band that is as long as the look wants it, as a multiple of the longest side."""
 LAID, LAYER, LAYERS = 0.012, 0.0006, 20
 """Height of the lowest band over a flat floor, how much higher the next one lies, and how many lie
@@ -63,26 +64,37 @@ class Ribbons:
     def draw(self, picture: Picture) -> Changes:
         """Draw the bands, if the look asks for them."""
         look = picture.look
-        if look.trails not in (RIBBON, RISING) or look.trail_length < 1:
+        drawn = look.trails in (RIBBON, RISING) and look.trail_length >= 1
+        if not drawn and not picture.as_cars:
             self._past.clear()
-            nodes = (self._pieces, self._plumb)
-            return [*((node, "visible", False) for node in nodes), *self._scale.hide()]
+            return self._hide()
         ids, here, colour = walkers(picture)
         knots = int(np.clip(PIECES // max(len(ids), 1), *KNOTS))
-        self._past.remember(picture.frame, ids, here, look.trail_length, knots)
-        way, age = self._way(picture, here)
+        # The past of cars is there as soon as somebody asks for it.
+        kept = turns(picture.frame.dt) if picture.as_cars else 0
+        length = look.trail_length if drawn else kept
+        self._past.remember(picture.frame, ids, here, length, knots, kept)
+        if not drawn:
+            return self._hide()
+        way, age = self._way(picture, here, knots)
         return [
             *self._draw_pieces(picture, way, age, colour),
             *self._draw_plumb(picture, way, colour),
             *self._draw_scale(picture),
         ]
 
-    def _way(self, picture: Picture, here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _hide(self) -> Changes:
+        hidden: Changes = [(node, "visible", False) for node in (self._pieces, self._plumb)]
+        return hidden + self._scale.hide()
+
+    def _way(self, picture: Picture, here: np.ndarray, knots: int) -> tuple[np.ndarray, np.ndarray]:
         """The knots and the present, (K, M, 3), at their heights, and the age of each, (K,): 1 for
         one that is about to be forgotten."""
         now, length = picture.frame.tick, picture.look.trail_length
-        ticks = np.array([*self._past.ticks, now])
-        way = np.stack([*self._past.knots, here])
+        known = np.array(self._past.ticks)
+        shown = thinned(known, now, length, knots)
+        ticks = np.append(known[shown], now)
+        way = np.stack([*(self._past.knots[k] for k in shown), here])
         if picture.stage.dim == 2:
             way[..., 2] = LAID + LAYER * (np.arange(way.shape[1]) % LAYERS)
         if is_rising(picture):
