@@ -1,10 +1,13 @@
 """Colours of the scene and what they are said to mean."""
 
+import re
 from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
 
+from app.viewer.panels.monitors import Monitors
+from app.viewer.panels.wheel import all_round, upwards, wheel
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.colouring import agent_colours, legend
 from app.viewer.scene.draw.oklch import decoded, encoded, oklch
@@ -187,3 +190,40 @@ def test_a_number_that_a_model_does_not_have_or_that_is_the_same_for_all_has_a_c
     same = flock(measured=np.full(60, 4.0))
     assert agent_colours(same, look)[1] == pytest.approx(palette.SPEEDS[0])
     assert legend(look, same)[0][0] == "4"
+
+
+def stops(gradient: str) -> list[np.ndarray]:
+    """The colours of a CSS gradient, which stand at even distances."""
+    return [palette.srgb(one) for one in re.findall(r"#[0-9a-f]{6}", gradient)]
+
+
+def test_the_wheel_shows_every_heading_where_it_points_as_seen_from_above():
+    colours = stops(all_round())
+    assert all_round().startswith("conic-gradient(from 90deg,#")  # from the right, with the clock
+    turned = np.linspace(0.0, 2.0 * np.pi, len(colours))
+    for dim in (2, 3):
+        for k in range(720):
+            clockwise = 2.0 * np.pi * k / 720
+            shade = [np.interp(clockwise, turned, [one[i] for one in colours]) for i in range(3)]
+            heading = np.zeros((1, dim))
+            heading[0, :2] = np.cos(-clockwise), np.sin(-clockwise)
+            assert shade == pytest.approx(palette.by_heading(heading)[0], abs=0.02)
+
+
+def test_the_wheel_names_degrees_and_axes_and_in_space_what_climbs():
+    assert re.findall(r"<span>(.*?)</span>", wheel(2)) == ["0° +x", "90° +y", "180°", "270°"]
+    assert "climbing" not in wheel(2)
+    assert re.findall(r"<span>(.*?)</span>", wheel(3))[4:] == ["climbing", "level", "diving"]
+    down, *_, up = stops(upwards())
+    assert down == pytest.approx(palette.by_heading(np.array([[0.0, 0.0, -1.0]]))[0], abs=1 / 255)
+    assert up == pytest.approx(palette.by_heading(np.array([[0.0, 0.0, 1.0]]))[0], abs=1 / 255)
+
+
+def test_headings_have_a_wheel_in_the_monitors_and_nothing_else_has(monkeypatch):
+    told: dict[str, str] = {}
+    monkeypatch.setattr(Monitors, "__init__", lambda _: None)
+    monkeypatch.setattr(Monitors, "show", lambda _, contents: told.update(contents))
+    for colour in COLOURINGS:
+        Monitors().colours(Look(colour=colour), flock(dim=3))
+        assert ("fs-wheel" in told["key"]) == (colour == "heading")
+        assert f"Colour: {colour}" in told["key"]

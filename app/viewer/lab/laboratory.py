@@ -362,7 +362,7 @@ class Laboratory:
         if self.pointing is None:  # else another flock, whose look is there already, is coming
             self.view.suit(usual_of(state.spec))
             self.view.fit(frame, measurable(MODELS[state.spec.model].columns))
-        self.monitors.colours(look.measured or look.colour, self.scene.legend(look, frame))
+        self.monitors.colours(look, frame)
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame

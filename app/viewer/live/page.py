@@ -195,7 +195,7 @@ class LivePage:
         frame, drawn_as = self.drawing.drawn
         self.monitors.show(contents(status, frame, readings, self.browsers(), self.selected))
         self.view.fit(frame)
-        self.monitors.colours(drawn_as.colour, self.scene.legend(drawn_as, frame))
+        self.monitors.colours(drawn_as, frame)
         if frame.cars is not None:
             self.plots.refresh(readings, roster(status), frame.cars.length)
 

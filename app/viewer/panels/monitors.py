@@ -8,6 +8,10 @@ from collections.abc import Mapping, Sequence
 import viser
 
 from app.viewer.panels.style import block, grid, key
+from app.viewer.panels.wheel import wheel
+from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
 
 CARDS, KEY = "cards", "key"
 """The blocks that every page has."""
@@ -29,8 +33,9 @@ class Monitors:
             if content:
                 place.content = block(content)
 
-    def colours(self, colour: str, legend: list[tuple[str, str]]) -> None:
+    def colours(self, look: Look, frame: Frame) -> None:
         """Say what the colours mean."""
-        entries = [(html.escape(words), css) for words, css in legend]
-        head = f'<div class="fs-head">Colour: {html.escape(colour)}</div>'
-        self.show({KEY: head + key(entries, drawn=True)})
+        entries = [(html.escape(words), css) for words, css in legend(look, frame)]
+        head = f'<div class="fs-head">Colour: {html.escape(look.measured or look.colour)}</div>'
+        headings = wheel(frame.dim) if look.colour == "heading" else ""
+        self.show({KEY: head + headings + key(entries, drawn=True)})

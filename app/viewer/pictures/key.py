@@ -9,6 +9,7 @@ import numpy as np
 
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.draw import palette
+from app.viewer.scene.draw.colouring import DIRECTIONS
 from app.viewer.scene.shown.look import MEASURED
 from app.worlds.colours import INK
 from worlds.counting import counted
@@ -78,13 +79,6 @@ def has_wheel(shot: Shot) -> bool:
     return shot.made.look.colour == "heading"
 
 
-def entries(shot: Shot) -> list[tuple[str, str]]:
-    """What colours mean, but for those that a wheel explains: words and CSS colours."""
-    if has_wheel(shot):
-        return [one for one in shot.entries if not one[0].startswith("heading ")]
-    return shot.entries
-
-
 def signs(shot: Shot, of_world: list[Any]) -> list[Any]:
     """The signs of the legend: colours that a wheel does not explain, then the world."""
     from matplotlib.lines import Line2D
@@ -93,7 +87,7 @@ def signs(shot: Shot, of_world: list[Any]) -> list[Any]:
     made: list[Any] = [
         Line2D([], [], color=colour, marker=mark, markersize=8, linestyle="none",
                markeredgecolor="white", markeredgewidth=0.4, label=words)
-        for words, colour in entries(shot)
+        for words, colour in shot.entries
     ]  # fmt: skip
     return made + of_world
 
@@ -110,11 +104,17 @@ def draw_wheel(axes: Any, dim: int) -> None:
     axes.add_collection(
         PolyCollection(list(sectors), facecolors=colour, edgecolors=colour, linewidths=0.3)
     )
-    for words, x, y in (("+x", 1.32, 0), ("+y", 0, 1.3), ("−x", -1.36, 0), ("−y", 0, -1.3)):
-        axes.text(x, y, words, ha="center", va="center", fontsize=8, color=GREY)
+    east, north, west, south = DIRECTIONS
+    for words, x, y, side in (
+        (east.replace(" ", "\n"), 1.2, 0, "left"),
+        (north, 0, 1.3, "center"),
+        (west, -1.2, 0, "right"),
+        (south, 0, -1.3, "center"),
+    ):
+        axes.text(x, y, words, ha=side, va="center", fontsize=8, color=GREY)
     if dim == 3:
         axes.text(0, -1.72, "lighter: climbing", ha="center", va="center", fontsize=8, color=GREY)
-    axes.set(xlim=(-1.6, 1.6), ylim=(-1.9, 1.5), aspect="equal", xticks=[], yticks=[])
+    axes.set(xlim=(-2.0, 2.0), ylim=(-1.9, 1.5), aspect="equal", xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     axes.set_facecolor("none")
 

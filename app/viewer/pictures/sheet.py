@@ -114,7 +114,7 @@ class Sheet:
             box = (x / wide, (y - SIGN) / tall, SIGN / wide, SIGN / tall)
             key.draw_wheel(figure.add_axes(box), first.now.world.dim)
             x, y = (x, y - SIGN - 0.05) if columns == 1 else (x + SIGN + 0.1, y)
-        self.explained, self.words = len(key.entries(first)), []
+        self.explained, self.words = len(first.entries), []
         if signs:
             made = figure.legend(
                 handles=signs, loc="upper left", bbox_to_anchor=(x / wide, y / tall),
@@ -153,19 +153,15 @@ class Sheet:
         """Show another shot of the run. Raises Refusal if the followed agent is gone."""
         self.scene.show(shot)
         self.moment.set_text(key.moment(shot))
-        words = [words for words, _ in self.entries(shot)]
+        words = [words for words, _ in shot.entries]
         for text, word in zip(self.words, words, strict=False):
             if text.get_text() != word and shot.made.look.colour in SCALES:
                 text.set_text(word)
                 self.background = None
 
-    def entries(self, shot: Shot) -> list[tuple[str, str]]:
-        """What its legend says of colours."""
-        return key.entries(shot)
-
     def is_outgrown_by(self, shot: Shot) -> bool:
         """Whether a shot has more colours to explain than the legend has."""
-        return len(self.entries(shot)) > self.explained
+        return len(shot.entries) > self.explained
 
     def pixels(self) -> np.ndarray:
         """The sheet as it is, (height, width, 3) uint8; what does not move is drawn once."""

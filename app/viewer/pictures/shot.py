@@ -41,7 +41,7 @@ class Shot:
 
     @property
     def entries(self) -> list[tuple[str, str]]:
-        """What the colours mean: words and CSS colours."""
+        """What the colours mean, but for those that a wheel explains: words and CSS colours."""
         return legend(self.made.look, self.made.frame)
 
     def row_of(self, identity: int) -> int:

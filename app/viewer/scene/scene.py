@@ -9,7 +9,6 @@ from viser import ClientHandle, SceneClickEvent, ViserServer
 
 from app.viewer.scene.beside import Beside, meant, sights
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
-from app.viewer.scene.draw.colouring import legend
 from app.viewer.scene.draw.picture import Changes, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.hands.gizmo import Dragged, Grabbed, LeaderGizmo
@@ -64,10 +63,6 @@ class Scene:
                 setattr(handle, name, value)
         self._sights = sights(shown, other)
         self._viewpoints.update(self._sights)
-
-    def legend(self, look: Look, frame: Frame) -> list[tuple[str, str]]:
-        """What the colours mean: (words, CSS colour), in reading order."""
-        return legend(look, frame)
 
     def on_clicked(self, callback: Clicked) -> None:
         """Call `callback(row, origin, direction, beside)` when there is a click into the picture.

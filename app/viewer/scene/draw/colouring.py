@@ -14,6 +14,10 @@ MOST_NAMED = 24
 """Of more agents none is named beside its own colour."""
 MOST_SAVED = 1.0
 """Share of the induced drag, saved or paid, from which on colours are full."""
+DIRECTIONS = ("0° +x", "90° +y", "180°", "270°")
+"""What stands around a wheel of headings, against the clock from the right."""
+STEEP = ("climbing", "level", "diving")
+"""What stands beside the colours of one that climbs, from the top down."""
 
 
 def agent_colours(frame: Frame, look: Look) -> np.ndarray:
@@ -55,7 +59,7 @@ def _known(labels: np.ndarray | None, colour, count: int) -> np.ndarray:
 
 
 def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
-    """What the colours mean: (words, CSS colour), in reading order."""
+    """What the colours mean, but for headings, which a wheel explains: (words, CSS colour)."""
     crashed = [("crashed", palette.css(palette.CRASHED))] if frame.down.any() else []
     hunted = frame.cars is not None and frame.cars.predator.any()
     predators = [("predator", palette.css(palette.LEADER))] if hunted else []
@@ -67,7 +71,7 @@ def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
     leader = [("information agent", palette.css(palette.LEADER))] if frame.informed.any() else []
     match look.colour:
         case "heading":
-            return _heading_legend(frame.dim) + leader
+            return leader
         case "speed":
             return _speed_legend(frame.speed_scale, frame.pace_unit) + leader
         case "layer":
@@ -81,20 +85,6 @@ def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
         case look_module.MEASURED:
             return _number_legend(look, frame) + leader
     return [("agent", palette.css(palette.PLAIN)), *leader]
-
-
-def _heading_legend(dim: int) -> list[tuple[str, str]]:
-    compass: dict[str, tuple[float, ...]] = {
-        "+x": (1, 0, 0),
-        "+y": (0, 1, 0),
-        "−x": (-1, 0, 0),
-        "−y": (0, -1, 0),
-    }
-    if dim == 3:
-        compass |= {"+x, climbing": (0.5, 0, 0.87), "+x, diving": (0.5, 0, -0.87)}
-    headings = np.array(list(compass.values()), dtype=float)[:, :dim]
-    words = [f"heading {name}" for name in compass]
-    return list(zip(words, map(palette.css, palette.by_heading(headings)), strict=True))
 
 
 def _speed_legend(full: float, unit: str) -> list[tuple[str, str]]:
