@@ -44,7 +44,7 @@ def test_a_live_run_is_dragged_back_and_forth_and_gone_on_from(window, laborator
     simulation.step(now - simulation.state.line.last)
     until(lambda: simulation.frame.tick == now)
     assert np.array_equal(simulation.frame.position, there)
-    assert not window.page.get_by_text("Back to now").is_visible()
+    window.page.get_by_text("Back to now").wait_for(state="hidden")
 
 
 def test_a_recording_is_opened_from_the_page_and_dragged(window, laboratory, tmp_path):
