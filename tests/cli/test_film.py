@@ -1,25 +1,33 @@
 """`flockscope film`: as many pictures as it says, of the right ticks; whole or not at all."""
 
+import base64
 import json
 import os
+import re
 import signal
 from contextlib import suppress
 
+import msgspec
 import numpy as np
 import pytest
+import zstandard
 from imageio_ffmpeg import count_frames_and_secs, read_frames
 
 from agents import Flock
 from agents.record import Recorder
 from app.cli.take.film import planned
+from app.cli.take.renderer import aim_of
+from app.viewer.pictures.camera import Aim, Camera
 from app.viewer.pictures.film import Encoder, pictures
+from app.viewer.pictures.player import HOLDS
 from app.viewer.pictures.plots import Plots
 from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import look_of, shot
+from app.viewer.pictures.space import Eye
 from cli.calling import call, refusal, start, wait_until
 from worlds.refusal import Refusal
 
-SMALL = ("--pixels", "400x320")
+SMALL = ("--pixels", "400x320", "--renderer", "plain")
 RUN = ("hwvem", "--agents", 20, "--seed", 2)
 
 
@@ -74,16 +82,18 @@ def test_which_ticks_are_shown():
 @pytest.mark.parametrize(("dim", "follow"), [(2, None), (2, 5), (3, None), (3, 5)])
 def test_a_picture_of_a_film_is_the_picture_of_its_tick(dim, follow):
     """What does not move is drawn once; nothing of the pictures before is left on the next."""
-    *_, last = pictures(snapshots((0, 3, 9), dim=dim), (400, 320), "heading", follow)
+    *_, last = pictures(snapshots((0, 3, 9), dim=dim), (400, 320), "heading", Aim(follow=follow))
     (now,) = snapshots((9,), dim=dim)
-    alone = Sheet(shot(now, look_of(now, "heading")), (400, 320), follow).pixels()
+    one = shot(now, look_of(now, "heading"))
+    alone = Sheet(one, (400, 320), Camera.of(one, follow)).pixels()
     assert last.shape == (320, 400, 3)
     assert np.array_equal(last, alone)
 
 
 def test_a_followed_agent_is_in_the_middle():
     (now,) = snapshots((4,))
-    sheet = Sheet(shot(now, look_of(now, None)), (400, 320), 7)
+    one = shot(now, look_of(now, None))
+    sheet = Sheet(one, (400, 320), Camera.of(one, 7))
     axes = sheet.scene.axes
     place = now.position[now.ids == 7][0]
     assert np.allclose([np.mean(axes.get_xlim()), np.mean(axes.get_ylim())], place)
@@ -130,7 +140,9 @@ def environment(folder):
 
 def test_bad_input_is_one_line(tmp_path):
     out = ("--out", tmp_path / "a.mp4", *SMALL)
-    assert "ends in .mp4 or .webm or .gif" in refusal("film", *RUN, "--out", tmp_path / "a.avi")
+    assert "ends in .mp4 or .webm or .gif or .html" in refusal(
+        "film", *RUN, "--out", tmp_path / "a.avi"
+    )
     assert "--fps 500 is outside [0.1, 120]" in refusal("film", *RUN, *out, "--fps", 500)
     assert "--speed 0 is outside" in refusal("film", *RUN, *out, "--speed", 0)
     assert "--to 3 is not allowed" in refusal("film", *RUN, *out, "--from", 5, "--to", 3)
@@ -138,4 +150,64 @@ def test_bad_input_is_one_line(tmp_path):
     assert "unknown observable 'polarization'" in refusal("film", *short, "--plot", "polarization")
     assert "--plot layers is not one number" in refusal("film", *short, "--plot", "layers")
     assert "agent 99 is not there at tick 0" in refusal("film", *short, "--follow", 99)
+    assert "--turn 20 is not allowed" in refusal("film", *short, "--turn", 20)
+    assert "--turn 0 is outside" in refusal("film", *short, "--camera", "round", "--turn", 0)
+    assert "takes --renderer browser" in refusal("film", *short, "--camera", "round")
+    page = (*RUN, "--to", 1, "--quiet", "--out", tmp_path / "a.html")
+    assert "it holds the scene alone" in refusal("film", *page, "--plot", "polarisation")
+    assert "who watches it moves the camera" in refusal("film", *page, "--follow", 1)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_camera_goes_round():
+    """Once in the film, or as many degrees a second as asked for; its agents stay in sight."""
+    first, last = snapshots((0, 20), dim=3)
+    begin, end = (shot(now, look_of(now, None)) for now in (first, last))
+    camera = aim_of("round", None, None, 1.0, 40).camera(begin)
+    at, half_way = (camera.view(one, 1.2).position for one in (begin, end))
+    assert np.allclose(half_way, at * [-1.0, -1.0, 1.0])
+    quarter = aim_of("round", None, -45.0, 10.0, 20).camera(begin).view(end, 1.2).position
+    assert np.allclose(quarter, [at[1], -at[0], at[2]])
+    assert not camera.follow
+    seen, _ = Eye.of(camera.view(end, 1.2)).seen(end.made.at)
+    assert (abs(seen) < [1.2, 1.0]).all()
+
+
+def test_a_page_plays_a_run_and_asks_nobody(tmp_path):
+    """200 agents over 1 000 ticks take less than 5 MB, each tick of them."""
+    out = tmp_path / "run.html"
+    result = call("film", "vicsek1995", "--agents", 200, "--seed", 1, "--to", 1000, "--out", out,
+                  "--json")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    made = json.loads(result.stdout)
+    assert (made["pictures"], made["renderer"]) == (1001, "html")
+    assert made["bytes"] == out.stat().st_size < 5e6
+    text = out.read_text()
+    assert "<title>Vicsek" in text
+    assert "seed 1 · ticks 0 to 1000, 30 a second" in text
+    assert "connect-src data: blob:;" in text
+    recorded = played(text)
+    assert recorded["durationSeconds"] == pytest.approx(1000 / 30 + HOLDS)
+    moved = [
+        at for at, one in recorded["messages"] if "batched_positions" in one.get("updates", ())
+    ]
+    assert len(set(moved)) == 1001
+
+
+def played(page):
+    """What a page of viser's plays."""
+    data = base64.b64decode(re.search(r'__VISER_EMBED_DATA__="([^"]+)"', page)[1])
+    inner = zstandard.ZstdDecompressor().decompress(data[8:], int.from_bytes(data[:8], "little"))
+    return msgspec.msgpack.decode(inner[8 : 8 + int.from_bytes(inner[:8], "little")])
+
+
+def test_a_large_page_is_thinned_or_refused(tmp_path):
+    out = tmp_path / "run.html"
+    run = ("vem", "--agents", 900, "--seed", 1, "--to", 599, "--out", out)
+    result = call("film", *run, "--json")
+    assert result.exit_code == 0, result.stderr
+    assert "one of 3 pictures is taken" in result.stderr
+    assert json.loads(result.stdout)["pictures"] == 200
+    many = refusal("film", *run[:-3], 2999, "--every", 1, "--out", tmp_path / "b.html", "--quiet")
+    assert "3000 pictures of 900 agents are too many" in many
+    assert "by --every 2," in many

@@ -1,6 +1,7 @@
 """`flockscope picture`: a picture of the size asked for, of the flock that the run has then."""
 
 import json
+import shutil
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 from PIL import Image
 
 from agents import Flock
-from app.viewer.pictures.key import caption, nice, ruler
+from app.viewer.pictures.camera import Aim
+from app.viewer.pictures.key import caption, changes, nice, ruler
 from app.viewer.pictures.plane import DART, turned
 from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import look_of, shot
@@ -34,7 +36,7 @@ def test_a_png_has_the_pixels_asked_for(tmp_path):
                   "--pixels", "901x643", "--json")  # fmt: skip
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout) == {
-        "picture": str(out), "model": "hwvem", "tick": 4, "time": 4.0,
+        "picture": str(out), "model": "hwvem", "tick": 4, "time": 4.0, "renderer": "plain",
     }  # fmt: skip
     with Image.open(out) as image:
         assert image.size == (901, 643)
@@ -138,4 +140,44 @@ def test_bad_input_is_one_line(tmp_path, flock):
     assert not (tmp_path / "a.png").exists()
     now = flock.snapshot(signals=True)
     with pytest.raises(Refusal, match="agent 99 is not there at tick 4"):
-        Sheet(shot(now, look_of(now, None)), (640, 480), follow=99)
+        Aim(follow=99).camera(shot(now, look_of(now, None)))
+
+
+def test_who_draws_is_said(tmp_path, monkeypatch):
+    """A browser that cannot run makes no picture; where it is not demanded, we draw ourselves."""
+    program = shutil.which("false")
+    monkeypatch.setenv("FLOCKSCOPE_CHROMIUM", program)
+    small = ("vem", "--dim", 3, "--agents", 9, "--tick", 0, "--pixels", "400x320", "--out")
+    result = call("picture", *small, tmp_path / "a.png", "--json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["renderer"] == "plain"
+    line = f"flockscope: the browser {program!r} ends at once: it cannot run here: drawn by the"
+    assert line in result.stderr
+    asked = ("picture", *small, tmp_path / "b.png", "--renderer", "browser")
+    assert f"the browser {program!r} ends at once" in refusal(*asked, "--quiet")
+    monkeypatch.setenv("FLOCKSCOPE_CHROMIUM", str(tmp_path / "nothing"))
+    assert "nothing' is no program" in refusal(*asked, "--quiet")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_what_cannot_be_drawn_so_is_refused(tmp_path):
+    out = ("hwvem", "--agents", 9, "--tick", 0, "--quiet", "--out", tmp_path / "a.svg")
+    assert "a browser draws no .svg" in refusal("picture", *out, "--renderer", "browser")
+    assert "unknown renderer 'fast'" in refusal("picture", *out, "--renderer", "fast")
+    assert "unknown camera 'behind'" in refusal("picture", *out, "--camera", "behind")
+    assert "a picture stands still" in refusal("picture", *out, "--camera", "round")
+    assert "--follow 3 is not allowed with --camera side" in refusal(
+        "picture", *out, "--camera", "side", "--follow", 3
+    )
+    assert "the plain one looks straight down" in refusal("picture", *out, "--camera", "side")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_not_as_in_the_paper_is_said(flock):
+    now = flock.snapshot(signals=True)
+    assert changes(shot(now, look_of(now, None))) == ""
+    flock = Flock("vem", agents=9, rng=1, eta=0.25)
+    assert (
+        changes(shot(flock.snapshot(signals=True), look_of(flock.snapshot(), None)))
+        == "eta = 0.25 rad"
+    )

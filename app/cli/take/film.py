@@ -1,8 +1,8 @@
-"""`flockscope film`: a flock in its world while it moves, as MP4, WebM or GIF."""
+"""`flockscope film`: a flock in its world while it moves, as MP4, WebM, GIF, or HTML that plays."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +16,7 @@ from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules
 from app.cli.run import tell
 from app.cli.stopping import Stopping
+from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.settings import at_least, names
 from worlds.counting import counted
@@ -26,10 +27,13 @@ if TYPE_CHECKING:
     from agents import Flock
     from agents.recording import Recording
     from agents.snapshot import Snapshot
+    from app.viewer.pictures.camera import Aim
+    from app.viewer.pictures.plots import Plots
 
 LAST = 300
 """Tick at which the film of a run ends, unless another is asked for."""
 MOST_FPS = 120.0
+PAGE = ".html"
 
 
 @dataclass(frozen=True)
@@ -79,11 +83,25 @@ def film(
     ] = None,
     speed: Annotated[float, typer.Option(help="Ticks that a second of the film shows.")] = 30.0,
     fps: Annotated[float, typer.Option(help="Pictures a second, at most.")] = 30.0,
-    out: Annotated[Path, typer.Option(help="MP4, WebM or GIF file, by its ending.")] = Path(
+    out: Annotated[Path, typer.Option(help="MP4, WebM, GIF or HTML file, by its ending.")] = Path(
         "flock.mp4"
     ),
     size_text: Annotated[str, typer.Option("--pixels", help="Width and height.")] = "1280x800",
     colour: Annotated[str | None, typer.Option(help="As of `flockscope picture`.")] = None,
+    renderer: Annotated[
+        str,
+        typer.Option(
+            help="browser: as the page shows it, by a Chromium, Chrome or Edge of this machine; "
+            "plain: drawn without one; auto: by a browser where one is found."
+        ),
+    ] = AUTO,
+    camera: Annotated[
+        str, typer.Option(help="fixed, top-down, perspective, side, follow (an agent) or round.")
+    ] = "fixed",
+    turn: Annotated[
+        float | None,
+        typer.Option(help="Degrees a second of --camera round. \\[default: round once]"),
+    ] = None,
     follow: Annotated[
         int | None, typer.Option(help="Identity of an agent that the camera follows.")
     ] = None,
@@ -96,11 +114,12 @@ def film(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it is made.")] = False,
 ) -> None:
-    """Film a flock in its world, drawn as `flockscope picture` draws it; no browser is needed.
+    """Film a flock in its world, as the page shows it where there is a browser.
 
-    What `flockscope run` takes to say which run it is, this takes too.
+    An HTML file plays the run in any browser, without a server or network: its camera is whoever's
+    who watches. What `flockscope run` takes to say which run it is, this takes too.
     """
-    from app.viewer.pictures.film import CODECS, Encoder, demand_film, pictures
+    from app.viewer.pictures.film import CODECS, demand_film
     from app.viewer.pictures.plots import Plots
 
     at_least("--from", first, 0)
@@ -110,35 +129,53 @@ def film(
         if not 0.1 <= value <= most:
             raise Refusal(f"{option} {value:g} is outside [0.1, {most:g}]")
     size = pixels(size_text)
-    demand_writable("--out", out, overwrite, tuple(CODECS))
-    demand_film("flockscope film")
+    demand_renderer(renderer)
+    demand_writable("--out", out, overwrite, (*CODECS, PAGE))
+    aim_of(camera, follow, turn, 1.0, 1)
+    is_page = out.suffix.lower() == PAGE
+    if is_page:
+        demand_no_film(camera, follow, plot)
+    else:
+        demand_film("flockscope film")
     wanted = names(plot) if plot else []
-    source: Recording | Flock
+    taken_at: Callable[[list[int]], Iterator[Snapshot]]
     if is_recording(spec):
         assert spec is not None
-        source = recording_of(spec, asked, settings or [], rule)
-        end = int(source.ticks[-1]) if last is None else last
-        plan = planned(source.ticks.tolist(), first, end, every, speed, fps)
-        dt, taken = source.time_per_tick, of_recording(source, plan.ticks)
+        recorded = recording_of(spec, asked, settings or [], rule)
+        end = int(recorded.ticks[-1]) if last is None else last
+        ticks, dt, taken_at = recorded.ticks.tolist(), recorded.time_per_tick, at_ticks(recorded)
+        agents = len(recorded.at(ticks[0]).ids) if is_page else 0
     else:
-        source = flock_of(spec, asked, settings or [], rule, quiet)
+        flock = flock_of(spec, asked, settings or [], rule, quiet)
         end = max(LAST, first) if last is None else last
-        plan = planned(list(range(first, end + 1)), first, end, every, speed, fps)
-        dt, taken = source.dt, of_run(source, plan.ticks)
-    plots = Plots(wanted, plan.ticks[0] * dt, plan.ticks[-1] * dt) if wanted else None
+        ticks, dt, taken_at = list(range(first, end + 1)), flock.dt, run_to(flock)
+        agents = len(flock.ids)
+    plan = planned(ticks, first, end, every, speed, fps)
+    if is_page:
+        plan = thinned(plan, agents, every, quiet)
+    span = plan.ticks[-1] - plan.ticks[0]
+    apart = span / max(len(plan.ticks) - 1, 1)
+    asked_of = Work(
+        taken_at(plan.ticks), plan, out, size, colour, renderer,
+        aim_of(camera, follow, turn, max(plan.fps * apart, 1e-9), span),
+        Plots(wanted, plan.ticks[0] * dt, plan.ticks[-1] * dt) if wanted else None,
+        overwrite, quiet,
+    )  # fmt: skip
     with (
         Stopping() as stopping,
         Progress(f"film of {counted(len(plan.ticks), 'picture')}", quiet) as progress,
     ):
+
+        def went_on(done: int) -> None:
+            if stopping.asked:
+                raise KeyboardInterrupt
+            progress.at(done / len(plan.ticks), text=f"tick {plan.ticks[done - 1]}")
+
         try:
-            with Encoder(out, size, plan.fps, overwrite) as encoder:
-                made = pictures(taken, size, colour, follow, plots)
-                for done, picture in enumerate(made, start=1):
-                    encoder.add(picture)
-                    if stopping.asked:
-                        raise KeyboardInterrupt
-                    progress.at(done / len(plan.ticks), text=f"tick {plan.ticks[done - 1]}")
-        except KeyboardInterrupt:
+            drawn_by = write_page(asked_of, went_on) if is_page else write_film(asked_of, went_on)
+        except (KeyboardInterrupt, Refusal) as why:
+            if isinstance(why, Refusal) and not stopping.asked:
+                raise
             tell("flockscope: stopped; no film was written")
             raise typer.Exit(INTERRUPTED) from None
     if json_asked:
@@ -146,20 +183,94 @@ def film(
             as_json({
                 "film": str(out), "pictures": len(plan.ticks), "fps": plan.fps,
                 "seconds": len(plan.ticks) / plan.fps, "first_tick": plan.ticks[0],
-                "last_tick": plan.ticks[-1],
+                "last_tick": plan.ticks[-1], "renderer": drawn_by, "bytes": out.stat().st_size,
             })
         )  # fmt: skip
     if not quiet:
         tell_written(out)
 
 
-def of_recording(recording: Recording, ticks: list[int]) -> Iterator[Snapshot]:
+@dataclass(frozen=True)
+class Work:
+    """A film that is to be made."""
+
+    taken: Iterator[Snapshot]
+    plan: Plan
+    out: Path
+    size: tuple[int, int]
+    colour: str | None
+    renderer: str
+    aim: Aim
+    plots: Plots | None
+    overwrite: bool
+    quiet: bool
+
+
+def write_film(work: Work, went_on: Callable[[int], None]) -> str:
+    """Make a film; who has drawn it. Raises Refusal."""
+    from app.viewer.pictures.film import Encoder, pictures, seen_pictures
+
+    with (
+        browser(work.renderer, work.quiet) as window,
+        Encoder(work.out, work.size, work.plan.fps, work.overwrite) as encoder,
+    ):
+        more = work.size, work.colour, work.aim, work.plots
+        made = pictures(work.taken, *more) if window is None else seen_pictures(
+            work.taken, window, *more
+        )  # fmt: skip
+        for done, picture in enumerate(made, start=1):
+            encoder.add(picture)
+            went_on(done)
+    return PLAIN if window is None else BROWSER
+
+
+def write_page(work: Work, went_on: Callable[[int], None]) -> str:
+    """Make an HTML file that plays; what it is played by. Raises Refusal."""
+    from app.viewer.pictures.player import page_of
+    from worlds.writing import writing
+
+    page = page_of(work.taken, len(work.plan.ticks), work.plan.fps, work.colour, work.aim, went_on)
+    with writing("--out", work.out, work.overwrite, (PAGE,)) as file:
+        file.write(page)
+    return PAGE[1:]
+
+
+def demand_no_film(camera: str, follow: int | None, plot: str | None) -> None:
+    """Refuse what an HTML file has not. Raises Refusal."""
+    if follow is not None or camera in ("follow", "round"):
+        what = f"--follow {follow}" if follow is not None else f"--camera {camera}"
+        raise Refusal(f"{what} is not allowed with an HTML file: who watches it moves the camera")
+    if plot is not None:
+        raise Refusal(f"--plot {plot} is not allowed with an HTML file: it holds the scene alone")
+
+
+def thinned(plan: Plan, agents: int, every: int | None, quiet: bool) -> Plan:
+    """The plan of an HTML file, of every k-th picture where it would be large. Raises Refusal."""
+    from app.viewer.pictures.player import LIGHT, demand_playable
+
+    apart = -(-agents * len(plan.ticks) // LIGHT)
+    if every is None and apart > 1:
+        plan = Plan(plan.ticks[::apart], plan.fps / apart)
+        if not quiet:
+            tell(
+                f"flockscope: one of {apart} pictures is taken, so that the file stays small; "
+                "--every 1 takes all ticks"
+            )
+    demand_playable(agents, len(plan.ticks))
+    return plan
+
+
+def at_ticks(recording: Recording) -> Callable[[list[int]], Iterator[Snapshot]]:
     """The flock at recorded ticks."""
-    return map(recording.at, ticks)
+    return lambda ticks: map(recording.at, ticks)
 
 
-def of_run(flock: Flock, ticks: list[int]) -> Iterator[Snapshot]:
+def run_to(flock: Flock) -> Callable[[list[int]], Iterator[Snapshot]]:
     """The flock at ticks, as it gets there."""
-    for tick in ticks:
-        flock.run(tick - flock.tick)
-        yield flock.snapshot(signals=True)
+
+    def taken(ticks: list[int]) -> Iterator[Snapshot]:
+        for tick in ticks:
+            flock.run(tick - flock.tick)
+            yield flock.snapshot(signals=True)
+
+    return taken

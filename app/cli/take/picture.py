@@ -13,9 +13,11 @@ from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules
+from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.settings import at_least
-from worlds.writing import demand_writable
+from worlds.refusal import Refusal
+from worlds.writing import demand_writable, writing
 
 if TYPE_CHECKING:
     from agents.snapshot import Snapshot
@@ -54,6 +56,19 @@ def picture(
             "the model. \\[default: layer where an information agent leads, else heading]"
         ),
     ] = None,
+    renderer: Annotated[
+        str,
+        typer.Option(
+            help="browser: as the page shows it, by a Chromium, Chrome or Edge of this machine; "
+            "plain: drawn without one; auto: a PNG in space by a browser where one is found."
+        ),
+    ] = AUTO,
+    camera: Annotated[
+        str, typer.Option(help="fixed, top-down, perspective, side, or follow (an agent).")
+    ] = "fixed",
+    follow: Annotated[
+        int | None, typer.Option(help="Identity of an agent to look at closely.")
+    ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Let --out replace a file.")
     ] = False,
@@ -66,14 +81,35 @@ def picture(
     """
     at_least("--tick", tick, 0)
     size = pixels(size_text)
+    demand_renderer(renderer)
     demand_writable("--out", out, overwrite, ENDINGS)
+    is_vector = out.suffix.lower() != ".png"
+    if is_vector and renderer == BROWSER:
+        raise Refusal(f"--renderer browser is not allowed: a browser draws no {out.suffix}")
+    if camera == "round":
+        raise Refusal("--camera round is not allowed: a picture stands still")
+    aim = aim_of(camera, follow, None, 1.0, 1)
     now = taken(spec, rule, asked, settings or [], tick, quiet)
-    from app.viewer.pictures.sheet import Sheet
     from app.viewer.pictures.shot import look_of, shot
 
-    Sheet(shot(now, look_of(now, colour)), size).write(out)
+    one = shot(now, look_of(now, colour))
+    seen_from = aim.camera(one)
+    if renderer == AUTO and (is_vector or (now.world.dim == 2 and aim.is_from_above)):
+        renderer = PLAIN
+    with browser(renderer, quiet) as window:
+        if window is None:
+            from app.viewer.pictures.sheet import Sheet
+
+            aim.demand_plain(now.world.dim)
+            Sheet(one, size, seen_from).write(out)
+        else:
+            from app.viewer.pictures.film import seen_picture
+
+            with writing("--out", out, overwrite, ENDINGS) as file:
+                file.write(seen_picture(one, window, size, seen_from))
     if json_asked:
-        made = {"picture": str(out), "model": now.model.name, "tick": now.tick, "time": now.elapsed}
+        made = {"picture": str(out), "model": now.model.name, "tick": now.tick, "time": now.elapsed,
+                "renderer": PLAIN if window is None else BROWSER}  # fmt: skip
         typer.echo(as_json(made))
     if not quiet:
         tell_written(out)

@@ -6,14 +6,18 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from agents.snapshot import Snapshot
+from app.viewer.pictures.browser import Browser
+from app.viewer.pictures.camera import USUAL, Aim, Camera
 from app.viewer.pictures.plots import Plots
+from app.viewer.pictures.seen import SeenSheet, as_png, eye_of
 from app.viewer.pictures.sheet import Sheet
-from app.viewer.pictures.shot import look_of, shot
+from app.viewer.pictures.shot import Shot, look_of, shot
 from worlds.extra import demand
 from worlds.refusal import Refusal
 from worlds.writing import writing
@@ -108,21 +112,59 @@ def pictures(
     snapshots: Iterable[Snapshot],
     size: tuple[int, int],
     colour: str | None = None,
-    follow: int | None = None,
+    aim: Aim = USUAL,
     plots: Plots | None = None,
 ) -> Iterator[np.ndarray]:
     """The pictures of a film, (height, width, 3) uint8, one for each snapshot. Raises Refusal."""
     sheet: Sheet | None = None
-    look, fastest = None, 0.0
+    look, fastest, camera = None, 0.0, None
     for now in snapshots:
         look = look or look_of(now, colour)
         one = shot(now, look, fastest)
         fastest = one.made.frame.speed_scale
         grown = plots is not None and plots.look(now)
         if sheet is None or sheet.is_outgrown_by(one):
-            sheet = Sheet(one, size, follow, plots)
+            aim.demand_plain(now.world.dim)
+            camera = camera or aim.camera(one)
+            sheet = Sheet(one, size, camera, plots)
         else:
             sheet.show(one)
         if grown:
             sheet.background = None
         yield sheet.pixels()
+
+
+def seen_pictures(
+    snapshots: Iterable[Snapshot],
+    browser: Browser,
+    size: tuple[int, int],
+    colour: str | None = None,
+    aim: Aim = USUAL,
+    plots: Plots | None = None,
+) -> Iterator[np.ndarray]:
+    """The same as a browser draws them. Raises Refusal."""
+    sheet: SeenSheet | None = None
+    look, camera, fastest = None, None, 0.0
+    for now in snapshots:
+        look = look or look_of(now, colour)
+        one = shot(now, look, fastest)
+        fastest = one.made.frame.speed_scale
+        camera = camera or aim.camera(one)
+        view = camera.view(one, camera.aspect)
+        grown = plots is not None and plots.look(now)
+        if sheet is None or sheet.sheet.is_outgrown_by(one):
+            sheet = SeenSheet(
+                one, size, camera.aspect, None if camera.moves else eye_of(view), plots
+            )
+        if grown:
+            sheet.sheet.background = None
+        browser.show(one.made.frame, look)
+        yield sheet.picture(one, partial(browser.draw, view=view))
+
+
+def seen_picture(one: Shot, browser: Browser, size: tuple[int, int], camera: Camera) -> bytes:
+    """A shot as a browser draws it, as PNG. Raises Refusal."""
+    view = camera.view(one, camera.aspect)
+    browser.show(one.made.frame, one.made.look)
+    sheet = SeenSheet(one, size, camera.aspect, eye_of(view))
+    return as_png(sheet.picture(one, partial(browser.draw, view=view)))

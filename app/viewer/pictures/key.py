@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from agents.models.declare import declared
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.colouring import DIRECTIONS
 from app.viewer.scene.shown.look import MEASURED
-from app.worlds.colours import INK
+from app.worlds.colours import GOAL, INK, PATH
 from worlds.counting import counted
+from worlds.mission import Mission
+from worlds.world import World
 
 GREY = "#5b6673"
 WHEEL = 180
@@ -20,8 +23,9 @@ WHEEL = 180
 
 
 def title(shot: Shot) -> str:
-    """The model, for people."""
-    return shot.now.model.title
+    """The model, for people, and the one beside it if there is one."""
+    beside = shot.made.frame.beside
+    return shot.now.model.title + (f" beside {beside.title}" if beside else "")
 
 
 def caption(shot: Shot) -> str:
@@ -32,6 +36,23 @@ def caption(shot: Shot) -> str:
     who = counted(len(now.ids) - informed, "agent")
     who += f" and {counted(informed, 'information agent')}" if informed else ""
     return f"{now.model.name} in {now.world.name}, {size}{unit} · {who} · seed {now.seed}"
+
+
+def changes(shot: Shot) -> str:
+    """The parameters that are not as the model's paper has them; empty: all are."""
+    values = shot.now.parameters
+    found = [
+        f"{one.name} = {in_short(getattr(values, one.name))}"
+        + ("" if one.unit == "1" else f" {one.unit}")
+        for one in declared(shot.now.model.parameters)
+        if getattr(values, one.name) != one.default
+    ]
+    return ", ".join(found)
+
+
+def in_short(value: Any) -> str:
+    """A parameter's value for people."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def moment(shot: Shot) -> str:
@@ -90,6 +111,24 @@ def signs(shot: Shot, of_world: list[Any]) -> list[Any]:
         for words, colour in shot.entries
     ]  # fmt: skip
     return made + of_world
+
+
+def signs_of(world: World, is_solid: bool, path: str = PATH, goal: str = GOAL) -> list[Any]:
+    """The signs of what stands in a world; `path` and `goal` are their colours."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    made: list[Any] = []
+    if is_solid:
+        made.append(Patch(facecolor=palette.css(palette.SOLID), label="obstacle"))
+    mission = world.mission or Mission()
+    if mission.path:
+        made.append(Line2D([], [], color=path, linestyle=(0, (4, 2)),
+                           label="path of the information agents"))  # fmt: skip
+    if mission.goal:
+        made.append(Line2D([], [], color=goal, marker="*", markersize=11, linestyle="none",
+                           label="goal"))  # fmt: skip
+    return made
 
 
 def draw_wheel(axes: Any, dim: int) -> None:

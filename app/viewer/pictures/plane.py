@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from app.viewer.pictures import key
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.seam import nearest_image
@@ -113,6 +114,10 @@ class Plane:
             self.cabins.set_facecolor(palette.GLASS)
         goal = shot.made.frame.progress.goal
         self.goal.set_data(*(([], []) if goal is None else goal[:2, None]))
+
+    def rule(self, figure: Any, shot: Shot, y: float) -> None:
+        """The scale bar, below the left edge of the world."""
+        key.draw_ruler(figure, self.axes, shot, y)
 
     def points_of(self, length: float) -> float:
         """How many points a length is on paper."""

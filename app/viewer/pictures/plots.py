@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from agents.snapshot import Snapshot
@@ -34,7 +35,7 @@ class Plots:
         self.values: dict[str, list[float]] = {name: [] for name in self.names}
         self.lines: list[Any] = []
 
-    def draw(self, figure: Any, now: Snapshot) -> None:
+    def draw(self, figure: Any, model: Model) -> None:
         """Make the axes along the lower edge of a figure."""
         wide, tall = figure.get_size_inches()
         each = (wide - RIGHT) / len(self.names)
@@ -45,9 +46,9 @@ class Plots:
                  (TALL - BELOW - ABOVE) / tall)
             )  # fmt: skip
             one = OBSERVABLES[name]
-            unit = "" if one.unit == "1" else f" / {now.model.in_units(one.unit)}"
+            unit = "" if one.unit == "1" else f" / {model.in_units(one.unit)}"
             axes.set_title(f"{name.replace('-', ' ')}{unit}", loc="left", fontsize=9.5, color=INK)
-            axes.set_xlabel(f"time / {now.model.body.unit}", fontsize=9)
+            axes.set_xlabel(f"time / {model.body.unit}", fontsize=9)
             axes.tick_params(labelsize=8.5, length=3, color=PALE, labelcolor=INK)
             axes.spines[["left", "bottom"]].set(visible=True, color=PALE)
             axes.set_xlim(*self.ends)

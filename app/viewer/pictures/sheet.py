@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,17 +11,21 @@ import numpy as np
 
 from app.figure import write_figure
 from app.viewer.pictures import key
+from app.viewer.pictures.camera import Camera
 from app.viewer.pictures.plane import Plane
 from app.viewer.pictures.plots import TALL, Plots
 from app.viewer.pictures.shot import Shot
 from app.viewer.pictures.space import Space
 from app.viewer.scene.shown.look import MEASURED
 from app.worlds.colours import INK, LOOK
+from worlds.world import World
 
 USUAL = 1200.0 * 800.0
 """Pixels of a sheet at which a point of type is a hundredth of an inch and a third."""
 SIDE, ABOVE, BELOW = 0.34, 0.84, 0.62
 """Inches around the scene."""
+LINE, LETTER = 0.19, 0.075
+"""Inches: a line of the caption, and a letter of it."""
 COLUMN, ENTRY, ROW, SIGN = 2.35, 2.0, 0.23, 1.25
 """Inches: the column of the legend, the width of an entry below the scene, its height, a wheel."""
 SCALES = ("speed", MEASURED)
@@ -31,24 +37,26 @@ SPACE_ASPECT = 1.12
 class Sheet:
     """A figure of `size` pixels on which shots of one run are shown, one after the other.
 
-    `follow`: the identity of an agent that the camera follows. `plots` are drawn below. Raises
-    Refusal.
+    `camera`: from where it is seen, unless from where is usual. `plots` are drawn below. `scene`
+    makes what the axes hold; otherwise it is drawn here. Raises Refusal.
     """
 
     def __init__(
         self,
         first: Shot,
         size: tuple[int, int],
-        follow: int | None = None,
+        camera: Camera | None = None,
         plots: Plots | None = None,
+        scene: Callable[[Any], Any] | None = None,
     ):
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        self.size, self.follow = size, follow
+        self.size, self.camera = size, camera or Camera.of(first)
         self.dots = max(20, round(100.0 * (size[0] * size[1] / USUAL) ** 0.5))
         self.inches = np.array([(side + 0.01) / self.dots for side in size])
+        self.scene_on = scene or partial(drawn, first.now.world, self.camera)
         self.plots, self.room = plots, TALL if plots else 0.0
         self.background: Any = None
         """What does not move, as it was drawn last."""
@@ -58,19 +66,14 @@ class Sheet:
             self.canvas = FigureCanvasAgg(self.figure)
             self.lay_out(first)
             if plots:
-                plots.draw(self.figure, first.now)
+                plots.draw(self.figure, first.now.model)
             self.show(first)
 
     def lay_out(self, first: Shot) -> None:
         """Make the scene as large as it can be, the legend beside or below it."""
-        figure, world = self.figure, first.now.world
+        figure = self.figure
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        flat = world.dim == 2
-        self.scene: Any = (
-            Plane(axes, world, self.follow)
-            if flat
-            else Space(axes, world, SPACE_ASPECT, self.follow)
-        )
+        self.scene: Any = self.scene_on(axes)
         self.scene.begin(first)
         low, high = axes.get_xlim(), axes.get_ylim()
         aspect = (low[1] - low[0]) / (high[1] - high[0])
@@ -79,7 +82,8 @@ class Sheet:
         columns = max(1, int((wide - 2.0 * SIDE - key.has_wheel(first) * SIGN) / ENTRY))
         rows = -(-len(signs) // columns)
         strip = max(rows * ROW + 0.3, key.has_wheel(first) * SIGN)
-        heights = tall - ABOVE - BELOW - self.room
+        changes = key.changes(first)
+        heights = tall - ABOVE - (LINE if changes else 0.0) - BELOW - self.room
         beside = min(wide - 2.0 * SIDE - COLUMN, heights * aspect)
         below = min(wide - 2.0 * SIDE, (heights - strip) * aspect)
         is_beside = beside >= below
@@ -95,11 +99,11 @@ class Sheet:
             self.legend(signs, first, (left + width + 0.16, top), 1)
         else:
             self.legend(signs, first, (left, bottom - BELOW + 0.08), columns)
-        self.head(first)
+        self.head(first, changes)
         axes.apply_aspect()
-        if self.follow is not None:
+        if self.camera.moves:
             self.scene.show(first)
-        self.rule(first, bottom)
+        self.scene.rule(self.figure, first, (bottom - 0.24) / tall)
 
     def legend(self, signs: list[Any], first: Shot, at: tuple[float, float], columns: int) -> None:
         """The legend with its upper left corner at a place, inches."""
@@ -124,25 +128,34 @@ class Sheet:
             )  # fmt: skip
             self.words = list(made.get_texts())[: self.explained]
 
-    def head(self, first: Shot) -> None:
-        """Title and caption, and on the right the moment."""
+    def head(self, first: Shot, changes: str) -> None:
+        """Title, caption and what of the parameters is changed; on the right the moment."""
         figure, (wide, tall) = self.figure, self.inches
         y = (tall - 0.24) / tall
         figure.text(SIDE / wide, y, key.title(first), va="top", fontsize=14, color=INK,
                     weight="bold")  # fmt: skip
         figure.text(SIDE / wide, (tall - 0.53) / tall, key.caption(first), va="top", fontsize=10,
                     color=key.GREY)  # fmt: skip
+        if changes:
+            room = max(int((wide - 2.0 * SIDE) / LETTER), 8)
+            text = changes if len(changes) <= room else f"{changes[: room - 4]} ..."
+            figure.text(SIDE / wide, (tall - 0.53 - LINE) / tall, text, va="top", fontsize=10,
+                        color=key.GREY)  # fmt: skip
         self.moment = figure.text((wide - SIDE) / wide, y, "", va="top", ha="right", fontsize=14,
                                   color=INK)  # fmt: skip
 
-    def rule(self, first: Shot, bottom: float) -> None:
-        """The scale bar, below the scene."""
-        tall = self.inches[1]
-        axes, world = self.scene.axes, first.now.world
-        if world.dim == 2:
-            key.draw_ruler(self.figure, axes, first, (bottom - 0.24) / tall)
-        elif self.follow is None:
-            self.scene.rule(*key.ruler(first, 0.3 * max(world.size[:2])))
+    @property
+    def box(self) -> tuple[int, int, int, int]:
+        """Where the scene is: left, top, width and height, whole pixels."""
+        at = self.scene.axes.get_position()
+        wide, tall = self.size
+        left, top = round(at.x0 * wide), round((1.0 - at.y1) * tall)
+        return (
+            left,
+            top,
+            max(round(at.x1 * wide) - left, 1),
+            max(round(at.y1 * tall) - round(at.y0 * tall), 1),
+        )
 
     @property
     def moving(self) -> list[Any]:
@@ -168,7 +181,7 @@ class Sheet:
         import matplotlib
 
         with matplotlib.rc_context(self.look):  # type: ignore[arg-type]
-            if self.background is None or self.follow is not None:
+            if self.background is None or self.camera.moves:
                 for one in self.moving:
                     one.set_animated(True)
                 self.canvas.draw()
@@ -185,3 +198,10 @@ class Sheet:
 
         with matplotlib.rc_context(self.look):  # type: ignore[arg-type]
             write_figure(self.figure, path, self.dots)
+
+
+def drawn(world: World, camera: Camera, axes: Any) -> Plane | Space:
+    """A world and the flock in it, drawn on axes."""
+    if world.dim == 2:
+        return Plane(axes, world, camera.follow)
+    return Space(axes, world, SPACE_ASPECT, camera)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from agents.inspection import shells
+from agents.models.declare import Parameters
+from agents.models.model import Model
 from agents.observables.of_agents import OF_AGENTS, measurable, measured
 from agents.observables.of_flocks import SAVED
 from agents.snapshot import Snapshot
@@ -20,13 +22,59 @@ from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.look import COLOURINGS, MEASURED, Look
 from app.viewer.scene.shown.usual import usual
 from worlds.refusal import Refusal, unknown
+from worlds.world import World
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What a page knows of the flock that it shows: all that a picture says of it."""
+
+    model: Model
+    parameters: Parameters
+    seed: int
+    frame: Frame
+
+    @property
+    def world(self) -> World:
+        """Where it lives."""
+        return self.frame.world
+
+    @property
+    def position(self) -> np.ndarray:
+        """(N, dim), length."""
+        return self.frame.position
+
+    @property
+    def heading(self) -> np.ndarray:
+        """(N, dim), unit vectors."""
+        return self.frame.heading
+
+    @property
+    def ids(self) -> np.ndarray:
+        """(N,) int: identities."""
+        return self.frame.ids
+
+    @property
+    def informed(self) -> np.ndarray:
+        """(N,) bool: information agents."""
+        return self.frame.informed
+
+    @property
+    def tick(self) -> int:
+        """Ticks done."""
+        return self.frame.tick
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the start."""
+        return self.frame.tick * self.frame.dt
 
 
 @dataclass(frozen=True)
 class Shot:
-    """A snapshot with the picture that is made of it."""
+    """A flock at a tick with the picture that is made of it."""
 
-    now: Snapshot
+    now: Snapshot | Watched
     made: Picture
 
     @property

@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from app.viewer.pictures import key
+from app.viewer.pictures.camera import Camera
 from app.viewer.pictures.plane import ring
 from app.viewer.pictures.shot import Shot
-from app.viewer.scene.cameras.camera import UP, View, view
+from app.viewer.scene.cameras.camera import UP, View
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.shapes import Mesh, ball, dart
 from app.viewer.scene.draw.solids import joined, prism
@@ -26,8 +28,6 @@ LINES = 8
 """Lines of the floor along its longest side."""
 ZOOM = 0.93
 """Of what the page's camera shows, how much is shown: there is no panel beside it."""
-CLOSE_UP = 1.6
-"""Half of what is shown around a followed agent, display units."""
 PIECE = 0.12
 """Longest side of a face of what is solid, as a share of the world's."""
 
@@ -76,13 +76,13 @@ class Eye(NamedTuple):
 class Space:
     """The scene on its axes. `signs` explain what of the world is drawn."""
 
-    def __init__(self, axes: Any, world: World, aspect: float, follow: int | None = None):
+    def __init__(self, axes: Any, world: World, aspect: float, camera: Camera):
         from matplotlib.collections import LineCollection, PolyCollection
 
-        self.axes, self.world, self.follow, self.aspect = axes, world, follow, aspect
+        self.axes, self.world, self.camera, self.aspect = axes, world, camera, aspect
         self.stage = Stage(3, world.size, tuple(map(bool, world.wraps)), tuple(world.low))
         self.solid = solids(world, self.stage)
-        self.signs: list[Any] = []
+        self.signs: list[Any] = key.signs_of(world, bool(len(self.solid[1])))
         self.floor: Any = PolyCollection([], facecolors="#fbfcfe", edgecolors="none", zorder=1)
         self.lines: Any = LineCollection([], colors="#dfe5ee", linewidths=0.7, zorder=2)
         self.shadows: Any = PolyCollection([], facecolors=SHADOW, edgecolors="none", alpha=0.35,
@@ -105,28 +105,11 @@ class Space:
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
         axes.set_facecolor("none")
-        half = self.stage.half
-        self.eye = Eye.of(view("perspective", 3, -half, half, aspect))
-        self.draw_box()
-        self.explain()
-
-    def explain(self) -> None:
-        """Signs for what of the world is drawn."""
-        from matplotlib.lines import Line2D
-        from matplotlib.patches import Patch
-
-        if len(self.solid[1]):
-            self.signs.append(Patch(facecolor=palette.css(palette.SOLID), label="obstacle"))
-        mission = self.world.mission or Mission()
-        if mission.path:
-            self.signs.append(Line2D([], [], color=PATH, linestyle=(0, (4, 2)),
-                                     label="path of the information agents"))  # fmt: skip
-        if mission.goal:
-            self.signs.append(Line2D([], [], color=GOAL, marker="*", markersize=11,
-                                     linestyle="none", label="goal"))  # fmt: skip
 
     def begin(self, shot: Shot) -> None:
-        """Nothing of the world depends on the flock."""
+        """Look at the world."""
+        self.eye = Eye.of(self.camera.view(shot, self.aspect))
+        self.draw_box()
 
     def draw_box(self) -> None:
         """Floor, its lines, the edges of the box, and the path, as the camera sees them now."""
@@ -153,8 +136,11 @@ class Space:
             if shown is not None:
                 self.way.set_segments(eye.lines(np.stack([shown[:-1], shown[1:]], axis=1)))
 
-    def rule(self, length: float, words: str) -> None:
-        """A bar of a length along the nearest edge of the floor, with words."""
+    def rule(self, _figure: Any, shot: Shot, _y: float) -> None:
+        """A bar along the nearest edge of the floor, with words; where the camera stands still."""
+        if self.camera.moves:
+            return
+        length, words = key.ruler(shot, 0.3 * max(self.world.size[:2]))
         half, eye = self.stage.half, self.eye
         away = 0.045 * self.stage.side
         begin = np.array([-half[0], -half[1] - away, -half[2]])
@@ -170,13 +156,9 @@ class Space:
 
     def show(self, shot: Shot) -> None:
         """Move the agents to where they are."""
-        at = shot.made.at
-        if self.follow is not None:
-            centre = at[shot.row_of(self.follow)]
-            close = view("follow", 3, centre - CLOSE_UP, centre + CLOSE_UP, self.aspect)
-            self.eye = Eye.of(close)
-            self.draw_box()
-        made = shot.made
+        if self.camera.moves:
+            self.begin(shot)
+        made, at, follow = shot.made, shot.made.at, self.camera.follow
         corners = placed(at, shot.now.heading, made.length * made.size)
         triangles = corners[:, dart()[1]].reshape(-1, 3, 3)
         colour = np.repeat(made.colour, len(dart()[1]), axis=0)
@@ -193,8 +175,8 @@ class Space:
         under[..., 2] = -self.stage.half[2]
         under = under[(self.eye.ahead(under) > 0.0).all(axis=1)]
         self.shadows.set_verts(self.eye.seen(under)[0])
-        if self.follow is not None:
-            self.ring.set_data(*self.eye.seen(at[[shot.row_of(self.follow)]])[0].T)
+        if follow is not None:
+            self.ring.set_data(*self.eye.seen(at[[shot.row_of(follow)]])[0].T)
         goal = made.frame.progress.goal
         seen: Any = ([], []) if goal is None else self.eye.seen(self.stage.shown(goal)[None])[0].T
         self.goal.set_data(*seen)

@@ -33,6 +33,7 @@ from app.viewer.web.incoming.handed_over import hand_over
 from app.viewer.web.incoming.kinds import LARGEST
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.visitors import Visitors
+from app.viewer.web.renders import Renders, accept_renders
 from app.viewer.web.serving.front import Front
 from worlds.refusal import Refusal
 
@@ -58,6 +59,7 @@ class Entrance:
     front: Front
     visitors: Visitors = field(default_factory=Visitors)
     log: Log = field(default_factory=Log)
+    renders: Renders = field(default_factory=Renders)
     inner: Any = None
     """The server of websockets, which takes no connections itself."""
     door: Door | None = None
@@ -84,6 +86,7 @@ def open_server(
     for kind in UNWANTED:
         server._websock_server.unregister_handler(kind)
     guard(server)
+    accept_renders(server, entrance.renders)
     loop = server._event_loop
     factory = entrance.inner.server._protocol_factory
     inside = partial(loop.connect_accepted_socket, factory)
@@ -95,6 +98,11 @@ def open_server(
 def front_of(server: viser.ViserServer) -> Front:
     """What answers for a server by HTTP."""
     return entrances[server].front
+
+
+def renders_of(server: viser.ViserServer) -> Renders:
+    """What asks a server's browsers for pictures."""
+    return entrances[server].renders
 
 
 def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
@@ -135,7 +143,12 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
     It takes no connections from the socket: they are brought in by the door.
     """
     serve = websockets.asyncio.server.serve
-    front, visitors, log = entrance.front, entrance.visitors, entrance.log
+    front, visitors, log, renders = (
+        entrance.front,
+        entrance.visitors,
+        entrance.log,
+        entrance.renders,
+    )
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
         def answer(connection: Any, request: Request) -> Response | None:
@@ -149,7 +162,7 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
             "sock": sock,
             "start_serving": False,
             "max_size": LARGEST,
-            "create_connection": partial(Connection, visitors=visitors, log=log),
+            "create_connection": partial(Connection, visitors=visitors, log=log, renders=renders),
             "process_request": answer,
             "process_response": finish,
             "logger": logger(log),

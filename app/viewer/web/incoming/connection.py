@@ -15,6 +15,7 @@ from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
 from app.viewer.web.incoming.waiting import in_turn
+from app.viewer.web.renders import Renders
 
 SLICE = 16 * 1024
 """Bytes that are taken apart before a look whether to go on: the line brings 256 KiB at once."""
@@ -26,15 +27,17 @@ PROTOCOL = f"viser-v{viser.__version__}"
 class Connection(ServerConnection):
     """What is too much is dropped before it is decoded; who goes on is cut off, with a word."""
 
-    def __init__(self, *args: Any, visitors: Visitors, log: Log, **options: Any):
+    def __init__(self, *args: Any, visitors: Visitors, log: Log, renders: Renders, **options: Any):
         super().__init__(*args, **options)
         self.visitors = visitors
+        self.renders = renders
         self.log = log
         self.cut_off = False
 
     def connection_made(self, transport: Any) -> None:
         self.address = address_of(transport.get_extra_info("peername"))
-        self.messages = Messages(self.visitors.messages(self.address), self.complain)
+        shared = self.visitors.messages(self.address)
+        self.messages = Messages(shared, self.complain, expected=self.renders.expects)
         super().connection_made(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:

@@ -33,6 +33,8 @@ class Kind:
 
 CAMERA = "ViewerCameraMessage"
 """What introduces a browser: viser acts on nothing of one that never sent it."""
+RENDER = "GetRenderResponseMessage"
+"""A picture of the scene, of which only those are heard that were asked for."""
 KINDS = {
     CAMERA: Kind(80.0, 160.0),
     "GuiUpdateMessage": Kind(80.0, 300.0),
@@ -46,6 +48,7 @@ KINDS = {
     "TransformControlsDragEndMessage": Kind(10.0, 20.0),
     "FileTransferStartUpload": Kind(2.0, 8.0),
     "FileTransferPart": Kind(20.0, 40.0, LARGEST),
+    RENDER: Kind(40.0, 60.0, LARGEST),
 }
 """Of these a laboratory hears, and of no others."""
 KNOWN = frozenset(messages.Message._subclass_from_type_string())

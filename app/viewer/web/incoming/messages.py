@@ -10,6 +10,7 @@ from app.viewer.web.incoming.kinds import (
     KINDS,
     KNOWN,
     LARGEST,
+    RENDER,
     Unusable,
     demand_shape,
     kind_of,
@@ -31,7 +32,7 @@ class Messages:
     """Judges the messages of one connection; used by viser's thread.
 
     `shared` is a limit that all connections of an address have in common; `log` gets a line for a
-    message that nobody can use.
+    message that nobody can use; `expected` knows the answers that were asked for.
     """
 
     def __init__(
@@ -39,8 +40,10 @@ class Messages:
         shared: RateLimit,
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
+        expected: Callable[[bytes], bool] = lambda _: False,
     ):
         self.shared = shared
+        self.expected = expected
         self.log = log
         self.frames = RateLimit(*ALL, clock)
         self.bytes = RateLimit(*BYTES, clock)
@@ -82,6 +85,10 @@ class Messages:
         if not (limit.take() and self.shared.take()):
             return self.drop()
         demand_shape(kind, data)
+        if kind == RENDER:
+            if not self.expected(data):
+                return self.drop()
+            self.bytes.give_back(len(data))  # we asked for them
         self.introduced = True
         return True
 

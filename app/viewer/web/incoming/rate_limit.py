@@ -48,6 +48,10 @@ class RateLimit:
         self.left -= cost
         return wait
 
+    def give_back(self, cost: float) -> None:
+        """Have so much back that was taken."""
+        self.left = min(self.most, self.fill() + cost)
+
     def owe(self, cost: float, deepest: float) -> None:
         """Take so much whether it is there or not, but never owe more than `deepest`."""
         self.left = max(self.fill() - cost, -deepest)

@@ -1,0 +1,80 @@
+"""Who draws pictures and films: a browser of this machine, as the page shows it, or ourselves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from app.cli.run import tell
+from worlds.refusal import Refusal, unknown
+
+if TYPE_CHECKING:
+    from app.viewer.pictures.browser import Browser
+    from app.viewer.pictures.camera import Aim
+
+AUTO, BROWSER, PLAIN = "auto", "browser", "plain"
+RENDERERS = (AUTO, BROWSER, PLAIN)
+
+
+def demand_renderer(asked: str) -> None:
+    """Refuse what is no renderer. Raises Refusal."""
+    if asked not in RENDERERS:
+        raise unknown("renderer", asked, RENDERERS)
+
+
+@contextmanager
+def browser(asked: str, quiet: bool) -> Iterator[Browser | None]:
+    """A browser that draws; None where it is to be drawn plainly. Raises Refusal."""
+    if asked == PLAIN:
+        yield None
+        return
+    from app.viewer.pictures.browser import NAMED, Browser, find_browser
+
+    program = find_browser()
+    if program is None and asked == BROWSER:
+        raise Refusal(
+            f"--renderer browser: there is no Chromium, Chrome or Edge; {NAMED} names one"
+        )
+    words = "no browser is found: drawn by the plain renderer"
+    made: Browser | None = None
+    if program is not None:
+        try:
+            made = Browser(program).__enter__()
+            words = f"drawn by {program}; --renderer plain takes less time"
+        except Refusal as refusal:
+            if asked == BROWSER:
+                raise
+            words = f"{refusal}: drawn by the plain renderer"
+    if asked == AUTO and not quiet:
+        tell(f"flockscope: {words}")
+    try:
+        yield made
+    finally:
+        if made is not None:
+            made.close()
+
+
+def aim_of(
+    camera: str, follow: int | None, turn: float | None, ticks_a_second: float, ticks: int
+) -> Aim:
+    """Where a camera is to look; going round it does so once in `ticks` unless `turn` (deg/s) says.
+
+    Raises Refusal.
+    """
+    from app.viewer.pictures.camera import CAMERAS, FIXED, FOLLOW, ROUND, Aim
+
+    if camera not in CAMERAS:
+        raise unknown("camera", camera, CAMERAS)
+    if follow is not None and camera not in (FIXED, FOLLOW):
+        raise Refusal(f"--follow {follow} is not allowed with --camera {camera}")
+    if turn is not None and camera != ROUND:
+        raise Refusal(f"--turn {turn:g} is not allowed: it is of --camera {ROUND}")
+    if turn is not None and not 0.1 <= abs(turn) <= 360.0:
+        raise Refusal(f"--turn {turn:g} is outside [0.1, 360] degrees a second, or [-360, -0.1]")
+    kind = FOLLOW if follow is not None else camera
+    if kind != ROUND:
+        return Aim(kind, follow)
+    whole = 2.0 * math.pi / max(ticks, 1)
+    return Aim(kind, per_tick=whole if turn is None else math.radians(turn) / ticks_a_second)

@@ -1,0 +1,176 @@
+"""A browser of one's own, without a window, that draws scenes as the page shows them.
+
+It is the Chromium, Chrome or Edge of this machine, with a profile of its own in a temporary folder;
+it reaches this process and nobody else, and ends with it.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import viser
+
+from app.viewer.pictures.seen import eye_of
+from app.viewer.scene.cameras.camera import UP, View
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
+from app.viewer.web.renders import LEAST, Eye
+from app.viewer.web.server import close_server, open_server, renders_of
+from app.viewer.web.serving.front import Front
+from worlds.refusal import Refusal
+
+NAMED = "FLOCKSCOPE_CHROMIUM"
+"""The environment's word for which browser it is."""
+NAMES = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "microsoft-edge-stable",
+    "msedge",
+)
+ELSEWHERE = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+    "C:/Program Files/Google/Chrome/Application/chrome.exe",
+    "C:/Program Files (x86)/Microsoft/Edge/Application/msedge.exe",
+)
+"""Where they are on systems that do not look for programs by name."""
+ARGUMENTS = (
+    "--headless=new",
+    "--window-size=800,600",
+    "--hide-scrollbars",
+    "--mute-audio",
+    "--ignore-gpu-blocklist",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-default-apps",
+    "--disable-extensions",
+    "--disable-quic",
+    "--disable-sync",
+    "--no-default-browser-check",
+    "--no-first-run",
+    "--no-proxy-server",
+    "--password-store=basic",
+    "--use-mock-keychain",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+)
+STARTS, DRAWS = 45.0, 90.0
+"""Seconds that it has until its page is there, and for a picture."""
+SETTLES = 0.6
+"""Seconds that a scene takes to be there whole when it is drawn first."""
+ENDS = 3.0
+"""Seconds that it has to end by itself."""
+
+
+def find_browser() -> str | None:
+    """The program of a browser that can draw; None if there is none. Raises Refusal."""
+    asked = os.environ.get(NAMED)
+    if asked:
+        found = shutil.which(asked)
+        if found is None:
+            raise Refusal(f"{NAMED} = {asked!r} is no program")
+        return found
+    named = (shutil.which(name) for name in NAMES)
+    there = (path for path in ELSEWHERE if Path(path).is_file())
+    return next((one for one in (*named, *there) if one), None)
+
+
+class Browser:
+    """Draws frames; a context manager. Raises Refusal where the browser does not start."""
+
+    def __init__(self, program: str):
+        self.program = program
+        self.is_new = True
+
+    def __enter__(self) -> Browser:
+        self.server = open_server(port=0, front=Front(("sharp.js",)))
+        self.profile = tempfile.mkdtemp(prefix="flockscope-browser-")
+        self.process: Any = None
+        try:
+            self.scene = Scene(self.server)
+            self.start()
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def start(self) -> None:
+        """Have it open the page of our server. Raises Refusal."""
+        is_root = hasattr(os, "geteuid") and os.geteuid() == 0  # it runs in no sandbox for root
+        self.process = subprocess.Popen(
+            [
+                self.program,
+                *ARGUMENTS,
+                *(["--no-sandbox"] if is_root else []),
+                f"--user-data-dir={self.profile}",
+                f"http://127.0.0.1:{self.server.get_port()}/",
+            ],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        until = time.monotonic() + STARTS
+        while not self.server.get_clients():
+            if self.process.poll() is not None:
+                raise Refusal(f"the browser {self.program!r} ends at once: it cannot run here")
+            if time.monotonic() > until:
+                raise Refusal(f"the browser {self.program!r} opens no page within {STARTS:g} s")
+            time.sleep(0.05)
+
+    @property
+    def client(self) -> viser.ClientHandle:
+        """Its page. Raises Refusal if it is gone."""
+        clients = self.server.get_clients()
+        if not clients:
+            raise Refusal(f"the browser {self.program!r} has ended")
+        return next(iter(clients.values()))
+
+    def show(self, frame: Frame, look: Look) -> None:
+        """Have a frame on its page."""
+        self.scene.show(frame, look)
+
+    def draw(self, size: tuple[int, int], view: View) -> np.ndarray:
+        """The frame as it draws it, (height, width, 3) uint8. Raises Refusal."""
+        client, renders = self.client, renders_of(self.server)
+        with client.atomic():  # what is written in the scene has its size by the page's own camera
+            client.camera.up_direction = UP
+            client.camera.fov, client.camera.near = view.fov, view.near
+            client.camera.position, client.camera.look_at = view.position, view.target
+        if self.is_new:
+            self.is_new = False
+            self.server.flush()
+            time.sleep(SETTLES)
+            renders.ask(client, (LEAST, LEAST), Eye.of(client.camera), patience=DRAWS)
+        return renders.ask(client, size, eye_of(view), exact=True, patience=DRAWS)
+
+    def close(self) -> None:
+        """End it, and take its profile away."""
+        if self.process is not None and self.process.poll() is None:
+            self.process.terminate()
+            try:
+                self.process.wait(ENDS)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        close_server(self.server)
+        for _ in range(10):  # what it has begun to write may come late
+            shutil.rmtree(self.profile, ignore_errors=True)
+            if not Path(self.profile).exists():
+                return
+            time.sleep(0.1)

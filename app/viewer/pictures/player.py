@@ -1,0 +1,186 @@
+"""A run as one HTML file that plays it without a server: viser's page with the scene in it."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import viser
+from viser import _messages as messages
+
+from agents.snapshot import Snapshot
+from app.viewer.pictures import key
+from app.viewer.pictures.camera import PRESETS, USUAL, Aim
+from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
+from app.viewer.scene.draw.picture import as_birds
+from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import Look
+from app.viewer.web.server import close_server, open_server
+from worlds.refusal import Refusal
+
+GRIDS = {"batched_positions": 256.0, "position": 256.0, "batched_wxyzs": 128.0,
+         "batched_scales": 64.0}  # fmt: skip
+"""Steps to a unit that what moves is rounded to: less than a dot of the screen, and what is round
+packs well."""
+SHADES = 4
+"""Steps between two values of a colour."""
+FEW = 60_000
+"""Agents times pictures up to which birds are birds: a bird takes three times what a dart takes."""
+MOST = 2_000_000
+"""Agents times pictures of a file at most: some 30 MB."""
+HOLDS = 1.0
+"""Seconds that the last picture stays."""
+CLOSED = (
+    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; worker-src blob:; "
+    "connect-src data: blob:; style-src 'unsafe-inline'; img-src data: blob:; font-src data:"
+)
+"""The page's own policy: it runs what it holds, and asks nobody for anything."""
+STYLE = """
+.told { position: fixed; top: 12px; left: 16px; right: 16px; z-index: 5; pointer-events: none;
+  font: 14px/1.4 -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; color: #3a4553;
+  text-shadow: 0 0 4px #fff, 0 0 8px #fff; }
+.told b { display: block; font-size: 18px; color: #1b2330; }
+"""
+
+
+LIGHT = 250_000
+"""Agents times pictures up to which a file is some 5 MB at most."""
+
+
+class Player:
+    """Takes frames and makes them a page; a context manager.
+
+    `count`: agents times frames that there will be at most, which says how they are drawn.
+    `camera`: a preset on which it opens, unless on the usual one.
+    """
+
+    def __init__(self, count: int, camera: str = ""):
+        self.count, self.camera = count, camera
+        self.recorded: Any = None
+        self.taken = 0
+
+    def __enter__(self) -> Player:
+        self.server = open_server(port=0)
+        self.scene = Scene(self.server)
+        self.scene.open_on(self.camera)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        close_server(self.server)
+
+    def add(self, frame: Frame, look: Look, seconds: float) -> None:
+        """The next frame, so many seconds after the last."""
+        if as_birds(len(frame.ids), frame.dim, look) and self.count > FEW:
+            look = replace(look, birds=False)
+        if self.recorded is None:
+            self.scene.show(frame, look)
+            self.recorded = self.server.get_scene_serializer()
+            self.recorded._filter = rounding(self.recorded._filter)
+        else:
+            self.recorded.insert_sleep(seconds)
+            self.scene.show(frame, look)
+        self.taken += 1
+
+    def page(self, title: str, caption: str, last: float) -> bytes:
+        """The page; its last picture stays for so many seconds before it begins again."""
+        self.recorded.insert_sleep(last)
+        text = self.recorded.as_html()
+        named = f"<title>{html.escape(title)}</title>"
+        head = f'<meta http-equiv="Content-Security-Policy" content="{CLOSED}">{named}'
+        told = (
+            f"<style>{STYLE}</style><div class='told'><b>{html.escape(title)}</b>"
+            f"{html.escape(caption)}</div>"
+        )
+        before, found, after = text.partition("<head>")
+        body, ends, rest = after.rpartition("</body>")
+        if not (found and ends):
+            raise Refusal(f"the page of viser {viser.__version__} is not built as it was")
+        return (before + found + head + body + told + ends + rest).encode()
+
+
+def page_of(
+    snapshots: Iterable[Snapshot],
+    count: int,
+    fps: float,
+    colour: str | None = None,
+    aim: Aim = USUAL,
+    went_on: Callable[[int], None] = lambda _: None,
+) -> bytes:
+    """A page that plays `count` snapshots, `fps` a second. Raises Refusal.
+
+    `went_on` is told how many are done.
+    """
+    look, fastest, first, last = None, 0.0, None, None
+    player: Player | None = None
+    preset = aim.kind if aim.kind in PRESETS else ""
+    with ExitStack() as held:
+        for done, now in enumerate(snapshots, start=1):
+            look = look or look_of(now, colour)
+            frame = frame_of(now, look, fastest)
+            fastest = frame.speed_scale
+            player = player or held.enter_context(Player(count * len(now.ids), preset))
+            player.add(frame, look, 1.0 / fps)
+            first, last = first or shot(now, look), now
+            went_on(done)
+        assert player is not None
+        assert first is not None
+        assert last is not None
+        return player.page(key.title(first), told(first, last, fps * apart(first, last, count)),
+                           HOLDS)  # fmt: skip
+
+
+def apart(first: Shot, last: Snapshot, count: int) -> float:
+    """Ticks between two of so many pictures."""
+    return (last.tick - first.now.tick) / max(count - 1, 1)
+
+
+def told(first: Shot, last: Snapshot, pace: float) -> str:
+    """What the page says of the run."""
+    changes = key.changes(first)
+    ticks = f"ticks {first.now.tick} to {last.tick}, {pace:.3g} a second"
+    return " · ".join([key.caption(first), *([changes] if changes else []), ticks])
+
+
+def rounding(wanted: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    """What rounds the numbers of a message that is wanted, as it is recorded."""
+
+    def rounded(message: Any) -> bool:
+        if not wanted(message):
+            return False
+        if isinstance(message, messages.SceneNodeUpdateMessage):
+            message.updates = {name: coarse(name, one) for name, one in message.updates.items()}
+        return True
+
+    return rounded
+
+
+def coarse(name: str, value: Any) -> Any:
+    """A property of a node that changes, as coarse as nobody sees.
+
+    >>> coarse("batched_positions", np.array([0.1, 2.0], np.float32)).tolist()
+    [0.1015625, 2.0]
+    """
+    if not isinstance(value, np.ndarray):
+        return value
+    if value.dtype == np.uint8:
+        return np.minimum((value.astype(np.uint16) + SHADES // 2) // SHADES * SHADES, 255).astype(
+            np.uint8
+        )
+    grid = GRIDS.get(name)
+    return value if grid is None else np.round(value * grid) / value.dtype.type(grid)
+
+
+def demand_playable(agents: int, pictures: int) -> None:
+    """Refuse what would be too large a file with one line. Raises Refusal."""
+    if agents * pictures > MOST:
+        apart = -(-agents * pictures // MOST)
+        raise Refusal(
+            f"{pictures} pictures of {agents} agents are too many for an HTML file, of which "
+            f"agents times pictures may be {MOST}: take one of {apart}, by --every {apart}, or "
+            "fewer by --from and --to"
+        )
