@@ -16,10 +16,9 @@ from agents.snapshot import Snapshot
 from app.viewer.pictures import key
 from app.viewer.pictures.camera import PRESETS, USUAL, Aim
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
-from app.viewer.scene.draw.picture import as_birds
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import Look, as_birds
 from app.viewer.web.server import close_server, open_server
 from worlds.refusal import Refusal
 
@@ -75,7 +74,7 @@ class Player:
 
     def add(self, frame: Frame, look: Look, seconds: float) -> None:
         """The next frame, so many seconds after the last."""
-        if as_birds(len(frame.ids), frame.dim, look) and self.count > FEW:
+        if as_birds(frame, look) and self.count > FEW:
             look = replace(look, birds=False)
         if self.recorded is None:
             self.scene.show(frame, look)
