@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.viewer.scene.marks.flock.live_labels import BESIDE, MOST, LiveLabels, age_text, words
 from app.viewer.scene.marks.flock.placing import AFRESH as STAY
-from app.viewer.scene.marks.flock.placing import Sides, chosen_sides
+from app.viewer.scene.marks.flock.placing import Sides, chosen_sides, uncrowded
 from app.viewer.scene.shown.debounce import HOLD, REFRESH, Debounce
 from app.viewer.scene.shown.live import Live
 from app.viewer.scene.shown.look import Look
@@ -157,3 +157,17 @@ def test_ages_are_told_a_few_times_a_second_and_of_the_run_that_is_shown():
 def test_a_simulation_is_shown_as_it_is():
     debounce, one = Debounce(), frame()
     assert debounce.debounced(one) is one
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 40))
+def test_numbers_do_not_lie_upon_each_other_and_those_written_stay(seed, count):
+    rng = np.random.default_rng(seed)
+    at, size = rng.uniform(0.0, 10.0, (count, 2)), np.tile([0.6, 0.3], (count, 1))
+    written = uncrowded(at, size, np.zeros(count, bool))
+    assert written[0]
+    apart = np.abs(at[:, None] - at)
+    over = (apart < size).all(axis=-1) & ~np.eye(count, dtype=bool)
+    assert not over[np.ix_(written, written)].any()
+    assert np.all(over[~written][:, written].any(axis=1))
+    closer = at + rng.uniform(-0.04, 0.04, (count, 2))
+    assert np.all(uncrowded(closer, size, written)[written])

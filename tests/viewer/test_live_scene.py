@@ -208,7 +208,7 @@ def test_the_area_has_its_size_at_a_corner():
     draw(CaptureArea(scene), shown(live_frame(world=replace(AREA, size=(6.1, 6.71)))))
     caption = node(scene, "/area/size")
     assert (caption.visible, caption.text) == (True, "6.10 × 6.71 m")
-    assert caption.position[0] == pytest.approx(-5.0 * 6.1 / 6.71)
+    assert caption.position[0] == pytest.approx(5.0 * 6.1 / 6.71)
     assert caption.position[1] < -5.0
 
 

@@ -27,7 +27,15 @@ ALPHABET = (
 """The digits of base 88, the least first."""
 DIGITS, BYTES = 5, 4
 """So many digits stand for so many bytes."""
-SCRIPTS = ("own-address.js", "look.js", "connection.js", "keys.js", "dials.js", "plots.js")
+SCRIPTS = (
+    "own-address.js",
+    "look.js",
+    "connection.js",
+    "keys.js",
+    "dials.js",
+    "plots.js",
+    "labels.js",
+)
 """The scripts that run before viser's, in every page."""
 STYLES = ("page.css", "gallery.css")
 """How every page looks from its first moment on."""

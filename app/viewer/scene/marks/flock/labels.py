@@ -6,7 +6,11 @@ import numpy as np
 from viser import LabelHandle, SceneApi
 
 from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.marks.flock.placing import box, uncrowded
 from app.viewer.scene.shown.look import NUMBERED_UP_TO
+
+SMALL = 0.75
+"""Size of a number."""
 
 
 class Labels:
@@ -23,6 +27,8 @@ class Labels:
             visible=False,
         )
         self._pool: list[LabelHandle] = []
+        self._written = np.empty(0, int)
+        """Identities whose numbers are written."""
 
     def draw(self, picture: Picture) -> Changes:
         changes: Changes = [(self._leader, "visible", picture.leader is not None)]
@@ -45,20 +51,32 @@ class Labels:
             rows = np.arange(wanted)
         while len(self._pool) < len(rows):
             self._pool.append(self._new(len(self._pool)))
+        written = self._uncrowded(picture, rows)
         changes: Changes = []
-        for label, row in zip(self._pool, rows, strict=False):
+        for label, row, seen in zip(self._pool, rows, written, strict=False):
             changes.append((label, "text", name(picture, int(row))))
             changes.append((label, "position", self._beside(picture, int(row))))
             changes.append((label, "anchor", anchor(picture, int(row))))
-            changes.append((label, "visible", row != picture.leader))
+            changes.append((label, "visible", bool(seen) and row != picture.leader))
         return changes + [(label, "visible", False) for label in self._pool[len(rows) :]]
+
+    def _uncrowded(self, picture: Picture, rows: np.ndarray) -> np.ndarray:
+        """Which of the numbers of these rows are written: in a flat world none upon another."""
+        if picture.stage.dim == 3 or not len(rows):
+            return np.ones(len(rows), bool)
+        ids = picture.frame.ids[rows]
+        texts = [name(picture, int(row)) for row in rows]
+        size = SMALL * picture.stage.side * np.array([box(text) for text in texts])
+        written = uncrowded(picture.at[rows, :2], size, np.isin(ids, self._written))
+        self._written = ids[written]
+        return written
 
     def _new(self, number: int) -> LabelHandle:
         return self._scene.add_label(
             f"{self._root}/flock/identities/{number}",
             "",
             anchor="bottom-center",
-            font_screen_scale=0.75,
+            font_screen_scale=SMALL,
             visible=False,
         )
 

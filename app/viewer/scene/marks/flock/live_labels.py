@@ -8,15 +8,15 @@ import numpy as np
 from viser import LabelHandle, SceneApi
 
 from app.viewer.scene.draw.picture import Changes, Picture
-from app.viewer.scene.marks.flock.placing import LETTER, LINE, Sides
+from app.viewer.scene.marks.flock.placing import Sides, box
 from app.viewer.scene.marks.paths.past import INJECTED
 from app.viewer.scene.shown.live import LATE, LOST, SIMULATED, TRACKED
 
 MOST = 40
 """Of more cars only those that are late or lost are named, and no more of them."""
-BESIDE, OVER = 0.92, 0.5
+BESIDE, OVER = 0.8, 0.5
 """How far from a car's middle its name is, on the floor and, behind it, in height, as multiples of
-its length: clear of the car and of a ring around it, from above and from the side."""
+its length: clear of the car and of the outline around it, from above and from the side."""
 
 
 class Named(NamedTuple):
@@ -64,7 +64,7 @@ class LiveLabels:
             frame.tick * frame.dt,
             [car.identity for car in cars],
             np.array([car.at[:2] for car in cars]),
-            side * np.array([(LETTER * len(car.text), LINE) for car in cars]),
+            side * np.array([box(car.text) for car in cars]),
             BESIDE * picture.length,
             0.5 * picture.length,
         )

@@ -1,4 +1,5 @@
-"""On which side of each car its name stands: where it hides the fewest others, and stays."""
+"""Where words stand beside agents: on the side where they hide the fewest others; and which of
+numbers that would lie upon each other are written."""
 
 from __future__ import annotations
 
@@ -8,9 +9,17 @@ import numpy as np
 
 AFRESH = 0.5
 """Seconds for which names stay on their sides at least."""
-LETTER, LINE = 0.0085, 0.022
-"""Width of a letter and height of a line as multiples of the longest side, as a room that fills a
-window of common size from above shows them."""
+LETTER, LINE, ENDS = 0.0085, 0.022, 0.014
+"""Width of a letter, height of a line and width of both ends of a pill as multiples of the longest
+side, as a room that fills a window of common size from above shows them."""
+LEAVES, COMES = 0.7, 1.0
+"""A number leaves when another is within this share of its size, and comes when none is within
+that."""
+
+
+def box(text: str) -> tuple[float, float]:
+    """Width and height of words of common size, as multiples of the longest side."""
+    return LETTER * len(text) + ENDS, LINE
 
 
 class Sides:
@@ -45,6 +54,20 @@ class Sides:
             sides = chosen_sides(before, at, size, away, room)
             self._below = dict(zip(ids, sides, strict=True))
         return [self._below[one] for one in ids]
+
+
+def uncrowded(at: np.ndarray, size: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Which of M numbers are written, (M,) bool: no two upon each other, first of all those that
+    were, `before` (M,) bool.
+
+    They stand at `at` (M, 2), with widths and heights `size` (M, 2).
+    """
+    written = np.zeros(len(at), bool)
+    for row in np.argsort(~before, kind="stable"):
+        share = LEAVES if before[row] else COMES
+        near = np.abs(at[written] - at[row]) < share * 0.5 * (size[written] + size[row])
+        written[row] = not near.all(axis=1).any()
+    return written
 
 
 def chosen_sides(

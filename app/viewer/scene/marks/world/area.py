@@ -29,7 +29,7 @@ class CaptureArea:
         self._name = f"{root}/world/area"
         self._edge = add_lines(scene, f"{self._name}/edge", thickness=THICK["safe"])
         self._caption = scene.add_label(
-            f"{self._name}/size", "", anchor="top-left", font_screen_scale=0.95, visible=False
+            f"{self._name}/size", "", anchor="top-right", font_screen_scale=0.95, visible=False
         )
         self._tint: Any = None
         self._drawn: object = None
@@ -51,7 +51,7 @@ class CaptureArea:
             self._lay(picture, *within, arm == "emergency")
         edges = box_edges(stage.half)
         edges[..., 2] = ABOVE
-        corner = -stage.half - [0.0, AWAY * stage.side, 0.0]
+        corner = stage.half * [1.0, -1.0, 0.0] - [0.0, AWAY * stage.side, 0.0]
         return [
             *segments(self._edge, edges, tone.single(palette.ARMS[arm])),
             (self._edge, "thickness", THICK[arm]),

@@ -12,7 +12,7 @@ from app.viewer.scene.marks.flock.fleet import CarMeshes
 MOVED, MOVED_LIVE = 1e-4, 1.5e-3
 """A move that shows which way it goes, as a multiple of the longest side; among real cars more than
 the noise of their tracking."""
-CLEAR = 0.95
+CLEAR = 0.8
 """Distance of its name from its middle, as a multiple of its length."""
 
 
