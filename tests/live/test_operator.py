@@ -9,7 +9,7 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
@@ -18,8 +18,10 @@ from app.live.control.arm import OperatorRequest
 from app.live.links.frame import Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.operating.operator import Operator
-from app.live.recording.replay import read
-from live.rooms import LAB, crawling, lab, named, refusing
+from app.live.recording.replay import read, replay
+from app.viewer.live.shelf import is_finished
+from live.rooms import LAB, Steady, crawling, lab, named, refusing
+from tests.viewer.waiting import until as wait_until
 from worlds.refusal import Refusal
 
 ROOT = Path(__file__).parents[2]
@@ -242,6 +244,40 @@ def test_a_recording_is_finished_when_the_operator_closes(cars, tmp_path):
     assert modes[-6:] == [RUN] + [STOP] * 5
     begun = modes.index(RUN)
     assert set(modes[begun:-5]) == {RUN}
+
+
+def happened(operator, kind, count):
+    """Wait until there have been so many events of a kind; the last of them."""
+    ends = time.monotonic() + PATIENCE
+    while len(found := [event for event in operator.events if event.kind == kind]) < count:
+        assert time.monotonic() < ends, f"{kind} did not happen"
+        operator.status()
+        time.sleep(0.01)
+    return found[-1]
+
+
+def test_a_recording_begins_and_ends_while_the_cars_drive(cars, tmp_path):
+    with closing(Operator(lab(cars.text), crawling)) as operator:
+        arm(operator, cars)
+        for number in (1, 2):
+            folder = tmp_path / "shelf" / str(number)
+            operator.record(folder, "browser 3")
+            begun = happened(operator, "record", 2 * number - 1)
+            assert (begun.note, begun.cause) == (str(folder), "browser 3")
+            operator.record(tmp_path / "other", "browser 3")
+            assert "recorded already" in happened(operator, "recording", number).words
+            heard = len(cars.heard)
+            cars.listen(lambda heard=heard: len(cars.heard) > heard + 30)
+            operator.record(None, "browser 3")
+            assert happened(operator, "record", 2 * number).note == ""
+            wait_until(lambda folder=folder: is_finished(folder))
+        assert {command.mode for command in cars.heard[heard:]} == {RUN}
+        ticks = [[one.number for one in read(tmp_path / "shelf" / n).ticks()] for n in ("1", "2")]
+        assert 1 < ticks[0][0] < ticks[0][-1] < ticks[1][0]
+        assert all(one == list(range(one[0], one[-1] + 1)) for one in ticks)
+        assert not (tmp_path / "other").exists()
+    with pytest.raises(Refusal, match="it was begun at tick"):
+        replay(tmp_path / "shelf" / "1", lambda _: Steady())
 
 
 @pytest.fixture

@@ -95,6 +95,10 @@ class StubOperator:
     def place(self, x, y):
         self.placed.append((x, y))
 
+    def record(self, folder, cause):
+        self.recording = folder
+        self.happens("record", "recording", cause, note=str(folder or ""))
+
     def status(self):
         if self.mute:
             return None

@@ -16,6 +16,8 @@ from worlds.extra import demand_parquet
 if TYPE_CHECKING:
     from app.viewer.live.page import LivePage
 
+RECORDINGS = Path("recordings")
+
 
 def lab(
     file: Annotated[
@@ -29,6 +31,13 @@ def lab(
     record: Annotated[
         Path | None,
         typer.Option(help="Record each opening of the room in a new folder in this one."),
+    ] = None,
+    recordings: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder in which the page's Record button records, and whose recordings it plays. "
+            "\\[default: recordings, or that of --record]"
+        ),
     ] = None,
     port: Port = 8080,
     host: Host = "127.0.0.1",
@@ -54,7 +63,8 @@ def lab(
     def opening() -> LivePage:
         from app.viewer.live.page import LivePage
 
-        return LivePage(choices, host, port, record, allow=names)
+        shelf = recordings or record or RECORDINGS
+        return LivePage(choices, host, port, record, shelf, allow=names)
 
     serve(opening, open_browser, quiet)
 

@@ -88,6 +88,7 @@ class Loop:
         self.addresses = dict(addresses)
         self.injected = injected
         self.journal = journal
+        """The recording; another thread may begin and end one."""
         self.period = 1.0 / rate
         self.clock = clock
         self.wait = wait
@@ -174,8 +175,9 @@ class Loop:
         events = (*step.events, *self.trouble_events(now))
         self.events.add(*events)
         arm = control.safety.arm.state
-        if self.journal is not None:
-            self.journal.write(
+        journal = self.journal
+        if journal is not None:
+            journal.write(
                 TickRecord(control.tick, now, tuple(frames), injected, step, arm, events, latency)
             )
         if control.tick % STATUS_EVERY == 0 or step.events:
@@ -227,13 +229,14 @@ class Loop:
         ]
         self.overtaken = []
         self.troubles["source"] = self.feed.trouble
-        self.troubles["recording"] = self.journal.trouble if self.journal is not None else ""
+        journal = self.journal
+        self.troubles["recording"] = journal.trouble if journal is not None else ""
         for kind, trouble in self.troubles.items():
             if trouble != self.known.get(kind, ""):
                 words = trouble or f"the {kind} works again"
                 found.append(Event(self.control.tick, now, kind, words))
                 self.known[kind] = trouble
-        news = self.journal.news() if self.journal is not None else []
+        news = journal.news() if journal is not None else []
         found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
         return found
 
@@ -295,9 +298,10 @@ class Loop:
         if end:
             events = (*events, Event(control.tick, now, "end", end, cause="loop"))
         self.events.add(*events)
-        if self.journal is not None:
+        journal = self.journal
+        if journal is not None:
             arm = control.safety.arm.state
-            self.journal.write(TickRecord(control.tick, now, (), injected, step, arm, events, None))
+            journal.write(TickRecord(control.tick, now, (), injected, step, arm, events, None))
 
     def status(self, now: float, injected: Pose | None, verdict: Verdict) -> Status:
         """What the loop reports of itself at this tick."""

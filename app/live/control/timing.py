@@ -19,6 +19,18 @@ class Summary:
     """Exceeded by one in a hundred."""
     worst: float
 
+    @staticmethod
+    def of(durations: np.ndarray) -> Summary:
+        """The summary of durations (N,), s; those that are NaN are left out."""
+        kept = durations[np.isfinite(durations)]
+        if not len(kept):
+            return Summary(np.nan, np.nan, np.nan)
+        return Summary(
+            float(np.median(kept)),
+            float(np.quantile(kept, 0.99, method="higher")),
+            float(kept.max()),
+        )
+
 
 class Durations:
     """The last durations of something that recurs."""
@@ -41,11 +53,4 @@ class Durations:
         >>> durations.summary().median, durations.summary().worst
         (0.01, 0.04)
         """
-        kept = self.values[: min(self.count, KEPT)]
-        if not self.count:
-            return Summary(np.nan, np.nan, np.nan)
-        return Summary(
-            float(np.median(kept)),
-            float(np.quantile(kept, 0.99, method="higher")),
-            float(kept.max()),
-        )
+        return Summary.of(self.values[: min(self.count, KEPT)])

@@ -7,8 +7,7 @@ import multiprocessing
 import signal
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -16,10 +15,10 @@ from typing import TYPE_CHECKING
 
 from app.live.control.arm import UNDOING, OperatorRequest
 from app.live.control.events import Event
-from app.live.control.loop import Journal, Loop
+from app.live.control.loop import Loop
 from app.live.control.status import Status
 from app.live.laboratory.lab import lab_from_toml
-from app.live.laboratory.parts import RecordingLimits
+from app.live.operating.recorder import Recorder, RecordRequest
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -77,38 +76,20 @@ def serve(
         try:
             lab = lab_from_toml(laboratory, "the laboratory")
             ends = stack.enter_context(closing(opener(lab)))
-            journal = stack.enter_context(journal_in(recording, laboratory, lab.recording))
+            recorder = stack.enter_context(Recorder(laboratory, lab.recording))
+            journal = None if recording is None else recorder.begin(recording)
         except Refusal as refusal:
             line.send(Answer(trouble=str(refusal)))
             return
-        loop = ends.loop(lab, journal)
+        recorder.loop = loop = ends.loop(lab, journal)
         if leaving:
             loop.leave(leaving[0])
-        arguments = (line, stops, loop)
+        arguments = (line, stops, loop, recorder)
         threading.Thread(target=attend, args=arguments, name="operator", daemon=True).start()
         line.send(Answer())
         gc.collect()
         gc.freeze()  # so that later collections are short: they look at what a run makes
         loop.run()
-
-
-@contextmanager
-def journal_in(
-    folder: Path | None, laboratory: str, kept: RecordingLimits
-) -> Iterator[Journal | None]:
-    """A recording in a folder, or none; if it cannot be finished, the terminal says so."""
-    if folder is None:
-        yield None
-        return
-    from app.live.recording.record import Recording
-
-    with ExitStack() as stack:
-        journal = stack.enter_context(Recording(folder, laboratory, kept))
-        yield journal
-        try:
-            stack.close()
-        except Refusal as refusal:
-            print(f"flockscope: {refusal}", file=sys.stderr)
 
 
 class InOrder:
@@ -136,7 +117,7 @@ class InOrder:
                 self.ask(stops.recv())
 
 
-def attend(line: Connection, stops: Connection, loop: Loop) -> None:
+def attend(line: Connection, stops: Connection, loop: Loop, recorder: Recorder) -> None:
     """Pass on the operator's requests, emergency stops first, and answer it; the loop ends when the
     operator is gone."""
     parent = multiprocessing.parent_process()
@@ -153,6 +134,8 @@ def attend(line: Connection, stops: Connection, loop: Loop) -> None:
             match line.recv():
                 case NumberedRequest() as asked:
                     asking.ask(asked)
+                case RecordRequest() as wanted:
+                    recorder.ask(wanted)
                 case (int(known), hand):
                     loop.attended = loop.clock()
                     if hand is not None:

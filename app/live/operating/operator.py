@@ -21,6 +21,7 @@ from app.live.control.status import Status
 from app.live.laboratory.lab import Lab
 from app.live.operating.ends import Opener
 from app.live.operating.loop_process import Answer, NumberedRequest, serve
+from app.live.operating.recorder import RecordRequest
 from worlds.refusal import Refusal
 
 PATIENCE = 180.0
@@ -112,6 +113,11 @@ class Operator:
             if self.stopped is None or now - self.stopped >= AGAIN:
                 self.stopped = now
                 self.stops.send(NumberedRequest(next(self.numbers), request))
+
+    def record(self, folder: Path | None, cause: str) -> None:
+        """Record in a new folder from now on, or with None no more; events say what came of it."""
+        with self.lock, suppress(OSError):
+            self.line.send(RecordRequest(folder, cause))
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m, with the next call of `status`. Raises Refusal."""

@@ -278,8 +278,14 @@ def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Ste
             "its beginning"
         )
     control = Control(recorded.lab.safety(), driver)
-    newest = None
+    newest, begins = None, control.tick + 1
     for tick in recorded.ticks():
+        if control.tick < begins < tick.number:
+            raise Refusal(
+                f"{str(recorded.folder)!r} cannot be replayed: it was begun at tick "
+                f"{tick.number} of its loop, and a replay needs it from its beginning; "
+                "`flockscope live lab` shows it"
+            )
         newest = tick.frames[-1] if tick.frames else newest
         control.see(tick.now, tick.requests, newest)
         yield tick, control.act(tick.now, tick.injected)

@@ -13,7 +13,7 @@ from app.viewer.live.session_state import SessionState
 NO_BROWSER = f"no browser arms after {TRIES} wrong codes; the key a in the terminal does"
 MOST = 4
 """Reasons that are listed one by one."""
-Kind = Literal["opening", "failed", "safe", "running", "held up", "emergency"]
+Kind = Literal["opening", "failed", "replay", "safe", "running", "held up", "emergency"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,10 @@ def banner_of(state: SessionState, status: Status | None) -> Banner:
             return Banner("emergency", "EMERGENCY STOP", "Opening; it begins stopped.")
         words = state.compiling or "Waiting for the control loop."
         return Banner("opening", "Opening …", words[:1].upper() + words[1:])
+    if state.phase == "replay":
+        words = "An earlier recording. The room is closed: nothing is sent to any car."
+        late = ("an emergency stop is latched",) if state.latched else ()
+        return Banner("replay", "REPLAY", words, late)
     if state.phase != "open":
         title = "Closed" if state.phase == "closed" else "Not open"
         return Banner("failed", title, state.trouble or "The cars stop themselves.")

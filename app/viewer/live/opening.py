@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Protocol
 
 from app.live.control.arm import OperatorRequest
@@ -54,6 +55,10 @@ class OperatorProtocol(Protocol):
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m."""
+        ...
+
+    def record(self, folder: Path | None, cause: str) -> None:
+        """Record in a new folder from now on, or no more."""
         ...
 
     def status(self) -> Status | None:

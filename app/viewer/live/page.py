@@ -15,6 +15,7 @@ from app.viewer.live.framing import roster
 from app.viewer.live.panels.log import LogPanel
 from app.viewer.live.panels.monitors import BLOCKS, contents
 from app.viewer.live.panels.plots import LivePlots
+from app.viewer.live.panels.recording import RecordingPanel, TimeLinePanel
 from app.viewer.live.panels.room import RoomPanel
 from app.viewer.live.panels.rule import RulePanel
 from app.viewer.live.panels.state import StatePanel
@@ -55,8 +56,9 @@ MakeSession = Callable[[Choices, Path | None], Session]
 class LivePage:
     """Serves one session to any number of browsers.
 
-    Nothing in it can hold up the control loop, which is another process. Raises Refusal if the port
-    is busy.
+    Nothing in it can hold up the control loop, which is another process. `recording`: the folder in
+    which each opening is recorded; `recordings`: that of what the page records, and lists. Raises
+    Refusal if the port is busy.
     """
 
     def __init__(
@@ -65,6 +67,7 @@ class LivePage:
         host: str = "127.0.0.1",
         port: int = 8080,
         recording: Path | None = None,
+        recordings: Path | None = None,
         make_session: MakeSession = Session,
         allow: tuple[Allowed, ...] = (),
     ):
@@ -77,6 +80,7 @@ class LivePage:
         except BaseException:
             close_server(self.server)
             raise
+        self.session.shelf = recordings or recording
         stops(self.server, self.session.emergency)
         self.notices = Notices(self.server, self.session.notices)
         self.scene = Scene(self.server)
@@ -110,6 +114,7 @@ class LivePage:
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
         self.state = StatePanel(gui, self.session)
+        self.time_line = TimeLinePanel(gui, self.session)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
             self.rule = RulePanel(gui, self.session, choices.rules)
@@ -117,6 +122,8 @@ class LivePage:
             self.place = RoomPanel(gui, self.session, choices)
         with tabs.add_tab("View"):
             self.view = ViewPanel(gui, usual(lab.rate), CONTROLS, self.point, "car")
+        with tabs.add_tab("Record"):
+            self.recording = RecordingPanel(gui, self.session)
         with tabs.add_tab("Log"):
             self.log = LogPanel(gui, self.session)
         left = gui.add_panel()
@@ -185,6 +192,8 @@ class LivePage:
         armed = status is not None and status.arm == "armed" and state.phase == "open"
         self.rule.refresh(state, armed)
         self.place.refresh(state, status, armed)
+        self.recording.refresh(state, armed)
+        self.time_line.refresh()
         self.log.refresh()
 
     def measure(self) -> None:

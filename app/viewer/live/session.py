@@ -8,9 +8,8 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from datetime import datetime
-from itertools import count
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from agents.models.declare import Parameters
 from agents.models.model import Model
@@ -27,7 +26,8 @@ from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.framing import Setting, deserted
 from app.viewer.live.opening import Opening, OperatorProtocol
 from app.viewer.live.readings import RoomReadings
-from app.viewer.live.session_requests import CLOSED, SessionRequests
+from app.viewer.live.replaying import Replaying
+from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
 from app.viewer.run.words import in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
@@ -51,7 +51,8 @@ class Session(SessionRequests):
     """Opens and closes the control loop of a laboratory in a thread of its own, and polls it 50
     times a second; `frame`, `status`, `readings` and `state` are always the latest.
 
-    With `recording`, a folder, each opening is recorded in a new folder in it.
+    With `recording`, a folder, each opening is recorded in a new folder in it. An earlier recording
+    is shown in the place of a loop, never beside one.
     """
 
     def __init__(
@@ -138,7 +139,11 @@ class Session(SessionRequests):
         with suppress(Exception):  # what is wrong with the loop that is left has become a notice
             self.poll()
         self.close_loop()
+        self.replaying = None
         self.forget()
+        if isinstance(choices, Path):
+            self.show_recording(choices, cause)
+            return
         self.change(
             phase="opening",
             trouble="",
@@ -157,6 +162,29 @@ class Session(SessionRequests):
         except Exception as error:
             self.trace(error)
             self.fail(in_words(error))
+
+    def show_recording(self, folder: Path, cause: str) -> None:
+        """Show a recording, with no loop open."""
+        empty: dict[str, Any] = {"model": None, "values": {}, "recording": "", "compiling": ""}
+        self.change(phase="opening", trouble="", run=self.state.run + 1, **empty)
+        self.say("room", f"closed, to show the recording {folder.name}", cause)
+        try:
+            shown = Replaying(folder, self.state.run)
+        except Exception as error:
+            self.trace(error)
+            self.fail(in_words(error))
+            return
+        while not self.moves.empty():  # what was meant for another one
+            self.moves.get_nowait()
+        self.replaying = shown
+        self.change(phase="replay")
+
+    def replay(self, shown: Replaying) -> None:
+        """Play on the recording that is shown."""
+        while not self.moves.empty():
+            self.moves.get_nowait()(shown)
+        self.status, self.frame = shown.play(time.monotonic())
+        self.readings = shown.readings
 
     def open(self, lab: Lab, cause: str) -> None:
         """Open a laboratory, unless another is chosen or the session closed. Raises Refusal."""
@@ -200,6 +228,8 @@ class Session(SessionRequests):
     def poll(self) -> None:
         """Ask the loop that is open for its status, and pass on what is new."""
         opening = self.opening
+        if self.replaying is not None:
+            self.replay(self.replaying)
         if opening is None:
             return
         try:
@@ -233,6 +263,8 @@ class Session(SessionRequests):
         elif event.kind == "reset":
             self.latch = ""
             self.change(latched=False)
+        elif event.kind == "record":
+            self.change(recording=event.note)
 
     def lose(self, opening: Opening) -> None:
         """Close a loop that has ended by itself; `reopen` and `choose` open one again."""
@@ -265,10 +297,3 @@ class Session(SessionRequests):
         if not isinstance(error, Refusal) and in_words(error) != self.traced:
             self.traced = in_words(error)
             traceback.print_exception(error)
-
-
-def new_folder(folder: Path, now: datetime) -> Path:
-    """A folder in `folder` that does not exist, named for the time: `2026-11-22-093015`."""
-    name = now.strftime("%Y-%m-%d-%H%M%S")
-    names = (name if number == 1 else f"{name}-{number}" for number in count(1))
-    return next(folder / one for one in names if not (folder / one).exists())

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import datetime
+from itertools import count
+from pathlib import Path
 from typing import Any
 
 from app.live.control.arm import Action, OperatorRequest
 from app.live.operating.choices import Choices
 from app.viewer.live.opening import Opening
 from app.viewer.live.page_input import number, parameter_value, whole_number, word
+from app.viewer.live.replaying import Replaying
 from app.viewer.live.session_state import SessionState
+from app.viewer.live.shelf import on_shelf
 from app.viewer.run.words import in_words
 from worlds.refusal import Refusal
 
@@ -34,8 +39,14 @@ class SessionRequests:
         """Notices for all browsers."""
         self.chosen = choices.choosing()
         """What was chosen last."""
-        self.next: tuple[Choices, str] | None = self.chosen, ""
-        """What is to be opened next, and who chose it."""
+        self.next: tuple[Choices | Path, str] | None = self.chosen, ""
+        """What is to be opened next, a room or a recording, and who chose it."""
+        self.shelf: Path | None = None
+        """The folder of recordings that are made by a button, and listed."""
+        self.replaying: Replaying | None = None
+        """The recording that is shown; no loop is open then."""
+        self.moves: queue.SimpleQueue[Callable[[Replaying], None]] = queue.SimpleQueue()
+        """What is to be done with it."""
         self.opening: Opening | None = None
         self.changing = threading.Lock()
         """Guards the state and the choice; held for moments only."""
@@ -107,11 +118,7 @@ class SessionRequests:
         """
         asked = {"source": source, "link": link, "rule": rule}
         with self.telling():
-            opening = self.opening
-            if self.closing.is_set():
-                raise Refusal("the room is closed")
-            if opening is not None and opening.armed:
-                raise Refusal("no other room is opened while the cars are armed: disarm them first")
+            self.demand_unarmed("no other room is opened")
             with self.changing:
                 last = self.chosen
             made = last.choosing(
@@ -129,6 +136,47 @@ class SessionRequests:
         """Close the loop, if one is open, and open it again."""
         self.choose(cause=cause)
 
+    def record(self, on: bool, cause: str) -> None:
+        """Record what happens in the open room in a new folder of the shelf, or no more."""
+        with self.telling():
+            opening = self.open_one()
+            if not on:
+                opening.operator.record(None, cause)
+            elif self.shelf is None:
+                raise Refusal("nothing is recorded: there is no folder for recordings")
+            else:
+                opening.operator.record(new_folder(self.shelf, datetime.now()), cause)
+
+    def play(self, name: str, cause: str) -> None:
+        """Close the room and show a recording of the shelf. Not while the cars are armed."""
+        with self.telling():
+            self.demand_unarmed("no recording is shown")
+            folder = on_shelf(self.shelf, name)
+            with self.changing:
+                self.next = folder, cause
+            self.woken.set()
+
+    def seek(self, time: float) -> None:
+        """Show a time of the recording, s."""
+        with self.telling():
+            at = number("time", time)
+            self.move(lambda shown: shown.seek(at))
+
+    def toggle_replay(self) -> None:
+        """Pause the recording, or play it on."""
+        self.move(Replaying.toggle)
+
+    def replay_at(self, speed: float) -> None:
+        """Play the recording so many times as fast as it was."""
+        with self.telling():
+            times = number("speed", speed)
+            self.move(lambda shown: setattr(shown, "speed", times))
+
+    def move(self, what: Callable[[Replaying], None]) -> None:
+        """Have something done with the recording that is shown, if one is."""
+        if self.replaying is not None:
+            self.moves.put(what)
+
     def browsers(self, count: int) -> None:
         """Say how many browsers are open: armed by a browser, the cars stop when none is left."""
         opening = self.opening
@@ -145,6 +193,14 @@ class SessionRequests:
         except Exception as error:
             self.notices.put(in_words(error))
 
+    def demand_unarmed(self, what: str) -> None:
+        """Raise Refusal while cars are armed, and once the session is closed."""
+        opening = self.opening
+        if self.closing.is_set():
+            raise Refusal("the room is closed")
+        if opening is not None and opening.armed:
+            raise Refusal(f"{what} while the cars are armed: disarm them first")
+
     def open_one(self) -> Opening:
         """The open loop. Raises Refusal if none is open."""
         opening = self.opening
@@ -158,3 +214,10 @@ class SessionRequests:
             if self.state.phase == "closed":
                 changes.pop("phase", None)
             self.state = replace(self.state, **changes)
+
+
+def new_folder(folder: Path, now: datetime) -> Path:
+    """A folder in `folder` that does not exist, named for the time: `2026-11-22-093015`."""
+    name = now.strftime("%Y-%m-%d-%H%M%S")
+    names = (name if number == 1 else f"{name}-{number}" for number in count(1))
+    return next(folder / one for one in names if not (folder / one).exists())

@@ -7,7 +7,8 @@ from typing import Any, Literal
 
 from agents.models.model import Model
 
-Phase = Literal["opening", "open", "failed", "closed"]
+Phase = Literal["opening", "open", "replay", "failed", "closed"]
+"""`replay`: no loop is open, and an earlier recording is shown."""
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,8 @@ class StatePanel:
         self.arm.disabled = not now.armable
         self.disarm.visible = now.kind in ("running", "held up")
         self.reset.visible = now.kind == "emergency" and state.phase == "open"
-        self.again.visible = now.kind == "failed" and state.phase == "failed"
+        self.again.visible = now.kind in ("failed", "replay") and state.phase != "closed"
+        self.again.label = "Back to the room" if now.kind == "replay" else "Open again"
         if now.kind != "safe" or not state.browsers_arm:
             self.confirming.withdraw()
 

@@ -1,0 +1,142 @@
+"""Recording: begun and ended while the room is open; earlier ones are played."""
+
+from __future__ import annotations
+
+import html
+import time
+from pathlib import Path
+
+import viser
+
+from app.viewer.live.panels.state import whose
+from app.viewer.live.session import Session
+from app.viewer.live.session_state import SessionState
+from app.viewer.live.shelf import listed, size
+from app.viewer.panels.style import block
+from app.viewer.web.values import show
+
+NONE = "none"
+LOOK = 1.0
+"""Seconds between two looks at the disk."""
+HELD = 0.5
+"""Seconds after somebody has moved the time line for which nothing else moves it."""
+SPEEDS = {"1/4": 0.25, "1/2": 0.5, "1": 1.0, "2": 2.0, "4": 4.0, "10": 10.0}
+STEP = 0.05
+"""Of the time line, s."""
+
+
+class TimeLinePanel:
+    """In view while an earlier recording plays: how far it is, pause and speed."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session):
+        self.session = session
+        self.moved = 0.0
+        self.slider = gui.add_slider(
+            "Time, s", 0.0, 1.0, STEP, 0.0, visible=False, hint="Drag to any time of the recording"
+        )
+        self.speed = gui.add_dropdown(
+            "Speed", tuple(SPEEDS), initial_value="1", visible=False, hint="Times as fast as it was"
+        )
+        self.switch = gui.add_button(
+            "Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray", visible=False
+        )
+        self.slider.on_update(self.dragged)
+        self.speed.on_update(self.paced)
+        self.switch.on_click(self.toggled)
+
+    async def dragged(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            self.moved = time.monotonic()
+            self.session.seek(float(self.slider.value))
+
+    async def paced(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            self.session.replay_at(SPEEDS[self.speed.value])
+
+    async def toggled(self, _event: viser.GuiEvent) -> None:
+        self.session.toggle_replay()
+
+    def refresh(self) -> None:
+        """Follow the recording that plays, if one does."""
+        played = self.session.replaying
+        for control in (self.slider, self.speed, self.switch):
+            if control.visible != (played is not None):
+                control.visible = played is not None
+        if played is None:
+            return
+        if self.slider.max != max(played.seconds, STEP):
+            self.slider.max = max(played.seconds, STEP)
+            show(self.speed, "1")
+        if time.monotonic() - self.moved > HELD:
+            show(self.slider, round(min(played.time, played.seconds), 2))
+        self.switch.label = "Pause" if played.plays else "Play"
+        self.switch.icon = viser.Icon.PLAYER_PAUSE if played.plays else viser.Icon.PLAYER_PLAY
+
+
+class RecordingPanel:
+    """A button that begins and ends the recording, and a list of those that are there."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session):
+        self.session = session
+        self.due = 0.0
+        self.begun: tuple[str, float] = "", 0.0
+        """The folder of the recording that goes on, and since when, s."""
+        self.told = gui.add_html("")
+        self.button = gui.add_button(
+            "Record",
+            icon=viser.Icon.PLAYER_RECORD,
+            color="red",
+            hint="Poses, commands and events go to a new folder on the machine of the room",
+        )
+        self.earlier = gui.add_dropdown(
+            "Earlier", (NONE,), hint="Recordings in the folder, by the time at which they began"
+        )
+        self.play = gui.add_button(
+            "Play",
+            icon=viser.Icon.PLAYER_PLAY,
+            color="gray",
+            hint="Closes the room and shows the recording; nothing is sent to any car meanwhile",
+        )
+        self.button.on_click(self.pressed)
+        self.play.on_click(self.played)
+
+    async def pressed(self, event: viser.GuiEvent) -> None:
+        self.session.record(not self.session.state.recording, whose(event))
+
+    async def played(self, event: viser.GuiEvent) -> None:
+        if self.earlier.value != NONE:
+            self.session.play(self.earlier.value, whose(event))
+
+    def refresh(self, state: SessionState, armed: bool) -> None:
+        """Show what is recorded, and once a second what is there."""
+        now = time.monotonic()
+        if state.recording != self.begun[0]:
+            self.begun, self.due = (state.recording, now), 0.0
+        self.button.label = "Stop recording" if state.recording else "Record"
+        self.button.icon = viser.Icon.PLAYER_STOP if state.recording else viser.Icon.PLAYER_RECORD
+        self.button.disabled = state.phase != "open" or self.session.shelf is None
+        self.play.disabled = armed or self.earlier.value == NONE
+        if now < self.due:
+            return
+        self.due = now + LOOK
+        names = listed(self.session.shelf) or (NONE,)
+        if tuple(self.earlier.options) != names:
+            kept = self.earlier.value
+            self.earlier.options = names
+            show(self.earlier, kept if kept in names else names[0])
+        self.told.content = block(told(state, self.session.shelf, now - self.begun[1]))
+
+
+def told(state: SessionState, shelf: Path | None, seconds: float) -> str:
+    """Whether something is recorded, and where, HTML."""
+    if state.recording:
+        minutes, rest = divmod(int(seconds), 60)
+        megabytes = size(Path(state.recording)) / 1e6
+        dot = '<span class="fs-dot" style="background:#d6001c"></span>'
+        return (
+            f'<div class="fs-status">{dot}<span><b>recording</b> · {minutes}:{rest:02d} · '
+            f"{megabytes:.1f} MB</span></div>"
+            f'<div class="fs-quiet">in {html.escape(state.recording)}</div>'
+        )
+    where = "" if shelf is None else f" Recordings are in {html.escape(str(shelf))}."
+    return f'<div class="fs-quiet">Nothing is recorded.{where}</div>'
