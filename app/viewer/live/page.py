@@ -115,6 +115,7 @@ class LivePage:
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
         self.state = StatePanel(gui, self.session)
         self.time_line = TimeLinePanel(gui, self.session)
+        recorded = gui.add_html("", visible=False)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
             self.rule = RulePanel(gui, self.session, choices.rules)
@@ -123,7 +124,7 @@ class LivePage:
         with tabs.add_tab("View"):
             self.view = ViewPanel(gui, usual(lab.rate), CONTROLS, self.point, "car")
         with tabs.add_tab("Record"):
-            self.recording = RecordingPanel(gui, self.session)
+            self.recording = RecordingPanel(gui, self.session, recorded)
         with tabs.add_tab("Log"):
             self.log = LogPanel(gui, self.session)
         left = gui.add_panel()

@@ -31,6 +31,7 @@ class TimeLinePanel:
     def __init__(self, gui: viser.GuiApi, session: Session):
         self.session = session
         self.moved = 0.0
+        self.name = gui.add_html("", visible=False)
         self.slider = gui.add_slider(
             "Time, s", 0.0, 1.0, STEP, 0.0, visible=False, hint="Drag to any time of the recording"
         )
@@ -59,11 +60,12 @@ class TimeLinePanel:
     def refresh(self) -> None:
         """Follow the recording that plays, if one does."""
         played = self.session.replaying
-        for control in (self.slider, self.speed, self.switch):
+        for control in (self.name, self.slider, self.speed, self.switch):
             if control.visible != (played is not None):
                 control.visible = played is not None
         if played is None:
             return
+        self.name.content = block(f'<div class="fs-quiet">{html.escape(played.name)}</div>')
         if self.slider.max != max(played.seconds, STEP):
             self.slider.max = max(played.seconds, STEP)
             show(self.speed, "1")
@@ -76,8 +78,10 @@ class TimeLinePanel:
 class RecordingPanel:
     """A button that begins and ends the recording, and a list of those that are there."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session):
+    def __init__(self, gui: viser.GuiApi, session: Session, line: viser.GuiHtmlHandle):
+        """`line` is in view whichever tab is open: it says that something is recorded."""
         self.session = session
+        self.line = line
         self.due = 0.0
         self.begun: tuple[str, float] = "", 0.0
         """The folder of the recording that goes on, and since when, s."""
@@ -92,8 +96,8 @@ class RecordingPanel:
             "Earlier", (NONE,), hint="Recordings in the folder, by the time at which they began"
         )
         self.play = gui.add_button(
-            "Play",
-            icon=viser.Icon.PLAYER_PLAY,
+            "Show this recording",
+            icon=viser.Icon.HISTORY,
             color="gray",
             hint="Closes the room and shows the recording; nothing is sent to any car meanwhile",
         )
@@ -124,19 +128,26 @@ class RecordingPanel:
             kept = self.earlier.value
             self.earlier.options = names
             show(self.earlier, kept if kept in names else names[0])
-        self.told.content = block(told(state, self.session.shelf, now - self.begun[1]))
+        self.told.content = block(where(state, self.session.shelf))
+        if state.recording:
+            self.line.content = block(how_much(state.recording, now - self.begun[1]))
+        self.line.visible = bool(state.recording)
 
 
-def told(state: SessionState, shelf: Path | None, seconds: float) -> str:
-    """Whether something is recorded, and where, HTML."""
+def how_much(folder: str, seconds: float) -> str:
+    """How long something has been recorded, and how large it is, HTML."""
+    minutes, rest = divmod(int(seconds), 60)
+    return (
+        '<div class="fs-status"><span class="fs-dot" style="background:#d6001c"></span>'
+        f"<span><b>recording</b> · {minutes}:{rest:02d} · {size(Path(folder)) / 1e6:.1f} MB</span>"
+        "</div>"
+    )
+
+
+def where(state: SessionState, shelf: Path | None) -> str:
+    """Where something is recorded, or would be, HTML."""
     if state.recording:
-        minutes, rest = divmod(int(seconds), 60)
-        megabytes = size(Path(state.recording)) / 1e6
-        dot = '<span class="fs-dot" style="background:#d6001c"></span>'
-        return (
-            f'<div class="fs-status">{dot}<span><b>recording</b> · {minutes}:{rest:02d} · '
-            f"{megabytes:.1f} MB</span></div>"
-            f'<div class="fs-quiet">in {html.escape(state.recording)}</div>'
-        )
-    where = "" if shelf is None else f" Recordings are in {html.escape(str(shelf))}."
-    return f'<div class="fs-quiet">Nothing is recorded.{where}</div>'
+        words = f"Recorded in {state.recording}."
+    else:
+        words = "Nothing is recorded." + ("" if shelf is None else f" Recordings are in {shelf}.")
+    return f'<div class="fs-quiet">{html.escape(words)}</div>'
