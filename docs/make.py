@@ -69,7 +69,8 @@ def parameter_row(one: Declared) -> str:
     if one.kind == "switch":
         default = str(one.default).lower()
     source = f"{one.description} ({one.source})".replace("|", "\\|")
-    return f"| `{one.name}` | ${one.symbol}$ | {default} | {one.allowed} | {source} |"
+    slider = "" if one.proposed is None else "{:g} to {:g}".format(*one.proposed)
+    return f"| `{one.name}` | ${one.symbol}$ | {default} | {one.allowed} | {slider} | {source} |"
 
 
 def listed(words: tuple[str, ...]) -> str:
@@ -275,8 +276,8 @@ $$
 
 ## Parameters
 
-| name | symbol | default | allowed | what it is |
-|---|---|---|---|---|
+| name | symbol | default | allowed | slider | what it is |
+|---|---|---|---|---|---|
 {rows}
 
 {to_try(model)}## Try it

@@ -24,7 +24,8 @@
     sent.last = null;
   };
   const give = (uuid, value) => {
-    if (client === null || !(uuid in dials)) return;
+    const slider = document.getElementById(uuid);
+    if (client === null || slider === null || slider.hasAttribute("data-disabled")) return;
     const message = { type: "GuiUpdateMessage", uuid, updates: { value } };
     client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages: [message] } }));
     if (sent.last !== null && sent.last.uuid !== uuid) flush();
@@ -156,9 +157,10 @@
       if (!thumb) continue;
       const made = drawn.get(slider) || build(uuid, slider);
       const value = Number(thumb.getAttribute("aria-valuenow"));
+      made.root.toggleAttribute("data-disabled", slider.hasAttribute("data-disabled"));
       if (value !== made.value || dials[uuid] !== made.dial) show(uuid, made, value);
     }
   };
   document.addEventListener("DOMContentLoaded", () => new MutationObserver(look).observe(
-    document.body, { subtree: true, childList: true, attributeFilter: ["aria-valuenow", "data-dials"] }));
+    document.body, { subtree: true, childList: true, attributeFilter: ["aria-valuenow", "data-dials", "data-disabled"] }));
 }

@@ -44,6 +44,13 @@ def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     return found
 
 
+OF_PARAMETERS = (
+    *("name", "symbol", "unit", "default", "allowed", "low", "high", "proposed"),
+    *("description", "source"),
+)
+"""What is said of a parameter."""
+
+
 def is_model(name: str) -> bool:
     """Whether there is a model of that name by now."""
     from agents.catalogue import MODELS
@@ -58,10 +65,8 @@ def model(name: str) -> Thing:
 
     found = find_model(name)
     row = next(row for row in models() if row["name"] == name)
-    columns = ("name", "symbol", "unit", "default", "allowed", "low", "high", "description")
     row["parameters"] = [
-        {**{key: getattr(one, key) for key in columns}, "source": one.source}
-        for one in declared(found.parameters)
+        {key: getattr(one, key) for key in OF_PARAMETERS} for one in declared(found.parameters)
     ]
     row["tries"] = [
         {**asdict(one), "set": dict(one.set), "changes": one.changes, "found": one.proof.in_words}

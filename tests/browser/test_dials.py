@@ -134,10 +134,10 @@ def test_what_is_changed_is_marked_so_that_it_can_be_read_in_both_themes(slider)
 
 def test_a_wide_range_above_zero_is_looked_at_by_its_logarithm(slider, window, laboratory):
     before = laboratory.simulation.state.run
-    laboratory.simulation.setup(at_home("cucker-smale", agents=20, seed=1))
+    laboratory.simulation.setup(at_home("hwvem-nav", world="obstacles"))
     until(lambda: laboratory.simulation.state.run > before)
-    until(lambda: "K" in laboratory.parameters.controls)
-    slide = slider("K")
+    until(lambda: "c_att" in laboratory.parameters.controls)
+    slide = slider("c_att")
     low, high = slide.one.proposed
     assert slide.ends() == [low, high]
     share = math.log(slide.one.default / low) / math.log(high / low)

@@ -6,6 +6,7 @@ import math
 import random
 import threading
 import time
+from concurrent.futures import Future
 from typing import Any
 
 import msgspec
@@ -93,6 +94,40 @@ def test_what_is_not_at_its_default_is_listed_and_goes_back(laboratory, browser)
     turn(browser, panel.back, "Undo")
     until(lambda: eta() == 0.0)
     until(lambda: not panel.back.visible)
+
+
+def test_an_answer_to_an_older_value_takes_a_slider_nowhere(laboratory, browser, monkeypatch):
+    panel, simulation = laboratory.parameters, laboratory.simulation
+    eta, answers = panel.controls["eta"], []
+
+    def asked(*_):
+        answers.append(Future())
+        return answers[-1]
+
+    monkeypatch.setattr(simulation, "set", asked)
+    for value in (1.0, 2.0, 3.0):
+        turn(browser, eta, value)
+    until(lambda: len(answers) == 3)
+    answers[0].set_result(2.0)
+    answers[1].set_result(2.0)
+    time.sleep(0.2)
+    assert eta.value == 3.0
+    answers[2].set_exception(ValueError("refused"))
+    until(lambda: eta.value == simulation.state.values["eta"])
+
+
+def test_a_slider_comes_to_what_the_flock_has(laboratory):
+    panel, simulation = laboratory.parameters, laboratory.simulation
+    simulation.set("eta", 0.75)
+    until(lambda: panel.controls["eta"].value == 0.75)
+    panel.note("eta", False)
+    panel.controls["eta"].value = 1.75
+    time.sleep(0.3)
+    assert panel.controls["eta"].value == 1.75, "it is not taken from whoever moves it"
+    until(lambda: panel.controls["eta"].value == 0.75)
+    panel.undo()
+    panel.give("eta", 0.0, False)
+    until(lambda: simulation.state.values["eta"] == 0.0)
 
 
 def test_every_key_has_its_command(laboratory):

@@ -50,6 +50,8 @@ class ParametersPanel:
         self.back = gui.add_button_group("Changes", (UNDO, DEFAULTS), visible=False)
         self.back.on_click(self.go_back)
         self.past: list[Step] = []
+        self.touched: dict[tuple[str, bool], float] = {}
+        """When a parameter was changed last, by its name and whether of the model beside."""
         self.changes: dict[str, Any] = {}
         """Parameters that are not at their default -> the default, as they are shown."""
         self.dials = Dials(gui)
@@ -66,7 +68,10 @@ class ParametersPanel:
             return
         if state.run != self.shown_run:
             self.shown_run = state.run
-            self.follow(state)
+            if state.models != self.models:
+                self.models, self.past = state.models, []
+                self.rebuild(state)
+        self.agree(state)
         fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
         for control in (*self.controls.values(), *self.beside_controls.values()):
             if control.disabled != fixed:
@@ -93,7 +98,7 @@ class ParametersPanel:
 
     def note(self, name: str, beside: bool) -> None:
         """Keep what a parameter is before it is changed; of a drag only what was before it."""
-        now = time.monotonic()
+        now = self.touched[name, beside] = time.monotonic()
         state = self.simulation.state
         value = (state.beside_values if beside else state.values).get(name)
         last = self.past[-1] if self.past else None
@@ -111,19 +116,21 @@ class ParametersPanel:
 
     def give(self, name: str, value: Any, beside: bool) -> None:
         """Give a parameter a value, and show it."""
+        self.touched[name, beside] = time.monotonic()
         self.simulation.set(name, value, beside, self.models)
         (self.beside_controls if beside else self.controls)[name].value = value
 
-    def follow(self, state: State) -> None:
-        """Other controls for another model, values for the same."""
-        models = state.models
-        if models != self.models:
-            self.models, self.past = models, []
-            self.rebuild(state)
-        for name, control in self.controls.items():
-            control.value = state.values[name]
-        for name, control in self.beside_controls.items():
-            control.value = state.beside_values[name]
+    def agree(self, state: State) -> None:
+        """Have controls show what the flock has, but for what somebody has just changed: that may
+        not have come to the flock yet."""
+        if state.busy or state.models != self.models:
+            return
+        sides = (self.controls, state.values), (self.beside_controls, state.beside_values)
+        for beside, (controls, values) in enumerate(sides):
+            for name, control in controls.items():
+                lately = time.monotonic() - self.touched.get((name, bool(beside)), -math.inf) < DRAG
+                if not lately and name in values:
+                    control.value = values[name]
 
     def rebuild(self, state: State) -> None:
         """Controls for the model's parameters, and for those that only the one beside it has."""
@@ -133,29 +140,30 @@ class ParametersPanel:
         name, beside = state.models
         model = MODELS[name]
         own = declared(model.parameters)
-        wants, moves = sides(model, own)
-        self.beside_controls = {}
+        both = frozenset(state.values) if beside is None else shared_by(name, beside)
+        others = [] if beside is None else declared(MODELS[beside].parameters)
+        values, beside_values = state.values, state.beside_values or {}
+        self.controls, self.beside_controls = {}, {}
         with self.folder:
             if beside is not None:
-                self.gui.add_html(block(whose(own, shared_by(model.name, beside))))
-            controls = {}
-            for title, part in (("Rule", wants), (f"Body: {model.body.title}", moves)):
-                if part:
+                self.gui.add_html(block('<div class="fs-quiet">These act on both models.</div>'))
+            titles = "Rule", f"Body: {model.body.title}"
+            for title, part in zip(titles, sides(model, own), strict=True):
+                if shared := [one for one in part if one.name in both]:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
-                for one in part:
-                    controls[one.name] = self.control(one, state.values[one.name])
-            self.controls = controls
-            if state.beside_values and beside is not None:
-                others = [
-                    one
-                    for one in declared(MODELS[beside].parameters)
-                    if one.name in state.beside_values
-                ]
-                with self.gui.add_folder(f"Only {MODELS[beside].title}"):
-                    self.beside_controls = {
-                        one.name: self.control(one, state.beside_values[one.name], beside=True)
-                        for one in others
-                    }
+                    self.controls |= self.controls_of(shared, values)
+            if alone := [one for one in own if one.name not in both]:
+                with self.gui.add_folder(f"Only {model.title}"):
+                    self.controls |= self.controls_of(alone, values)
+            if alone := [one for one in others if one.name in beside_values]:
+                with self.gui.add_folder(f"Only {MODELS[beside or name].title}"):
+                    self.beside_controls = self.controls_of(alone, beside_values, beside=True)
+
+    def controls_of(
+        self, some: list[Declared], values: dict[str, Any], beside: bool = False
+    ) -> dict[str, Any]:
+        """The controls of some parameters by name, of the model beside alone if so."""
+        return {one.name: self.control(one, values[one.name], beside) for one in some}
 
     def control(self, one: Declared, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
@@ -171,7 +179,8 @@ class ParametersPanel:
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
-            if answer.exception() is not None or answer.result() != value:
+            newer = made.value != value
+            if not newer and (answer.exception() is not None or answer.result() != value):
                 state = self.simulation.state
                 values = state.beside_values if beside else state.values
                 made.value = values.get(one.name, value)
@@ -227,12 +236,3 @@ def differing(changed: list[Declared], values: dict[str, Any]) -> str:
 def in_short(value: Any) -> str:
     """A parameter's value for people."""
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def whose(own: list[Declared], both: frozenset[str]) -> str:
-    """Which of the first model's parameters act on the second one too."""
-    single = [html.escape(worded(one)[0]) for one in own if one.name not in both]
-    words = "These act on both models"
-    if single:
-        words += f"; on the first alone: {', '.join(single)}"
-    return f'<div class="fs-quiet">{words}.</div>'

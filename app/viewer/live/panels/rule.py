@@ -100,7 +100,8 @@ class RulePanel:
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
-            if answer.cancelled() or answer.exception() is not None or answer.result() != value:
+            refused = answer.cancelled() or answer.exception() is not None
+            if made.value == value and (refused or answer.result() != value):
                 made.value = self.session.state.values.get(one.name, value)
 
         made.on_update(changed)
