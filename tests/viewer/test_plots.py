@@ -11,18 +11,31 @@ import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
+from viser import uplot
 
 from agents.flock import Flock
 from agents.spec import Spec
+from app.viewer.lab.panels.numbers import NumbersTable, tabled
 from app.viewer.lab.panels.overlay import Overlay
 from app.viewer.measuring.course import Conditions, Course
 from app.viewer.measuring.curves import over_earlier, thinned
 from app.viewer.measuring.earlier import KEPT, EarlierRuns
+from app.viewer.measuring.numbers import Number, numbers
 from app.viewer.measuring.readings import Readings
+from app.viewer.panels.chart import Chart, Curve, Shown
 from app.viewer.panels.plotted import KINDS
+from app.viewer.panels.sending import Sender
 from app.viewer.run.beside import companion
+from app.viewer.web.server import close_server, open_server
 
 ORDER = ("polarisation", "angular-momentum")
+
+
+@pytest.fixture
+def server():
+    made = open_server(port=0)
+    yield made
+    close_server(made)
 
 
 def read(flock: Flock, ticks: int, each: int = 5) -> Readings:
@@ -221,3 +234,73 @@ def test_a_plot_is_taken_as_a_figure():
     assert len({line.strength for line in plotted.lines}) == 2
     assert len(plotted.lines) == 4
     assert set(KINDS) == {"CSV", "PNG", "SVG"}
+
+
+class NoMore:
+    """Nobody has asked for more numbers."""
+
+    def values(self, _readings: Readings, _last: float) -> dict[str, Number]:
+        return {}
+
+
+def test_all_numbers_are_told_in_full_with_their_units():
+    readings = run(seed=4, model="olfati-saber", ticks=10)
+    found = numbers(readings, {"more": Number(0.5, "1")})
+    assert found["tick"] == (10, "ticks")
+    assert found["time"] == (pytest.approx(10 * readings.flock.dt), "s")
+    assert found["polarisation"] == (readings.flock.observe("polarisation"), "1")
+    assert found["gyration radius"] == (readings.flock.observe("gyration-radius"), "m")
+    assert found["group 1"].value == found["largest group"].value
+    assert found["more"] == (0.5, "1")
+    led = numbers(run(seed=4, model="hwvem"), {})
+    layers = [number.value for name, number in led.items() if name.startswith("layer ")]
+    assert layers[0] == 1
+    assert sum(layers) + led.get("in no layer", Number(0, "")).value == 13
+
+
+def test_a_table_of_two_flocks_has_a_column_for_each(server):
+    table = NumbersTable(server, NoMore(), Sender())
+    table.refresh((run(seed=4), run(seed=4, model="safe")), math.inf)
+    read_back = pd.read_csv(io.BytesIO(table.csv()), index_col="name")
+    assert list(read_back) == ["vem", "safe", "unit"]
+    first, second = table.runs
+    assert read_back.vem["polarisation"] == first.values["polarisation"]
+    assert read_back.safe["polarisation"] == second.values["polarisation"]
+    assert np.isnan(read_back.vem["crashes"])
+    assert read_back.unit["crashes"] == "agents"
+    table.refresh((first,), math.inf)
+    alone = pd.read_csv(io.BytesIO(table.csv()), index_col="name")
+    assert list(alone) == ["value", "unit"]
+    assert repr(first.values["polarisation"]) in tabled(table.header, table.rows)
+
+
+def shown(at, *labels: str) -> Shown:
+    curves = tuple(Curve("#000000", np.arange(float(len(at))), label) for label in labels)
+    return Shown("", np.array(at, float), curves, ("tick", ""), uplot.Scale())
+
+
+def test_a_chart_that_is_made_anew_keeps_its_ends_until_it_is_there(server):
+    chart = Chart(server.gui)
+    chart.show(shown([0], "a"))
+    assert chart.plot.data[0].tolist() == [0, 1], "a chart needs some time to show"
+    chart.show(shown([0, 5, 9], "a"))
+    assert chart.plot.data[0].tolist() == [0, 5, 9]
+    chart.show(shown([0, 2], "a", "b"))
+    assert len(chart.plot.series) == len(chart.plot.data) == 3
+    assert chart.plot.data[0].tolist() == [0, 9]
+    chart.show(shown([0, 2], "a", "b"))
+    assert chart.plot.data[0].tolist() == [0, 2]
+    assert chart.plot.data[2].tolist() == [0, 1]
+    chart.show(shown([0, 1, 2], "a", "c"))
+    assert chart.plot.data[0].tolist() == [0, 1, 2]
+
+
+def test_a_chart_has_few_points_but_the_last_of_every_curve(server):
+    chart = Chart(server.gui, points=100)
+    at = np.arange(5000.0)
+    ended = np.where(at <= 1234, at, np.nan)
+    pens = Curve("#000000", at, "a"), Curve("#000000", ended, "b")
+    chart.show(Shown("", at, pens, ("tick", ""), uplot.Scale()))
+    drawn = chart.plot.data[0]
+    assert len(drawn) <= 103
+    assert {0.0, 1234.0, 4999.0} <= set(drawn)

@@ -20,6 +20,7 @@ from app.viewer.lab.panels.guide import Guide
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.monitors import BLOCKS, contents
 from app.viewer.lab.panels.more import MoreNumbers
+from app.viewer.lab.panels.numbers import NumbersTable
 from app.viewer.lab.panels.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.scene_files import SceneFiles
@@ -157,6 +158,7 @@ class Laboratory:
             self.plots = Plots(self.server)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
+            self.numbers = NumbersTable(self.server, self.more, self.plots.sender)
         dock(gui, left)
         self.guide = Guide(Tries(self.simulation, self.parameters, self.setup))
         self.inspector = Inspector(gui, lambda: self.select(None))
@@ -389,6 +391,7 @@ class Laboratory:
             contents(state, frame, readings, self.browsers(), beside, self.more, last)
         )
         self.crashes.refresh(readings, beside)
+        self.numbers.refresh((readings,) if beside is None else (readings, beside), last)
         watched = self.plots.names | self.more.names
         if watched != self.watched:
             self.watched = watched

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,32 +93,63 @@ class Chart:
     def draw(self, shown: Shown) -> None:
         """Tell browsers what has changed of the curves; there are some.
 
-        Whatever is not only new data has a browser make the chart anew.
+        Whatever is not only new data has a browser make the chart anew. viser's client then takes
+        the share of the times that it shows from the old chart and the new data, and is wrong if
+        those have other ends: so the new ones only come with the next call.
         """
+        columns = self.columns(shown)
         scales = {"x": X, "y": shown.y}
+        pens = (shown.titles[0], *(curve.pen for curve in shown.curves))
+        anew = (scales, shown.titles, pens) != (self.scales, self.titles, self.pens)
+        if anew and self.plot.visible:
+            columns = self.between(columns, others=pens != self.pens)
+        if not same(columns, self.plot.data):
+            self.plot.data = columns
         if scales != self.scales:
             self.scales = self.plot.scales = scales
         if shown.titles != self.titles:
             self.titles = shown.titles
             self.plot.axes = axes(*shown.titles)
-        drawn = self.drawn(shown)
-        columns = (shown.at[drawn], *(curve.values[drawn] for curve in shown.curves))
-        pens = (shown.titles[0], *(curve.pen for curve in shown.curves))
         if pens != self.pens:
             self.pens = pens
-            self.plot.data = columns
             made = (series(*curve.pen) for curve in shown.curves)
             self.plot.series = (uplot.Series(label=shown.titles[0]), *made)
-        elif any(
-            not np.array_equal(a, b, equal_nan=True)
-            for a, b in zip(columns, self.plot.data, strict=True)
-        ):
-            self.plot.data = columns
+
+    def columns(self, shown: Shown) -> tuple[np.ndarray, ...]:
+        """The times and the curves as they are drawn: over some time, be it ever so short."""
+        drawn = self.drawn(shown)
+        columns = (shown.at[drawn], *(curve.values[drawn] for curve in shown.curves))
+        if columns[0][0] < columns[0][-1]:
+            return columns
+        return (
+            columns[0][:1] + np.array([0.0, 1.0]),
+            *(np.append(one[:1], np.nan) for one in columns[1:]),
+        )
+
+    def between(self, columns: tuple[np.ndarray, ...], others: bool) -> tuple[np.ndarray, ...]:
+        """What a chart that is made anew begins with: its curves, if their ends are the same.
+
+        If not, the curves as they were, or none if they are `others`.
+        """
+        before = self.plot.data
+        ends = before[0][[0, -1]]
+        if np.array_equal(ends, columns[0][[0, -1]]):
+            return columns
+        if not others:
+            return before
+        return (ends, *(np.full(2, np.nan) for _ in columns[1:]))
 
     def drawn(self, shown: Shown) -> np.ndarray:
         """Which of the points are drawn: few enough, and always the last of every curve."""
         known = (np.flatnonzero(np.isfinite(curve.values))[-1:] for curve in shown.curves)
         return np.unique(np.concatenate([thinned(shown.at, self.points), *known]))
+
+
+def same(columns: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> bool:
+    """Whether all of some columns are those of others."""
+    return len(columns) == len(others) and all(
+        np.array_equal(a, b, equal_nan=True) for a, b in zip(columns, others, strict=True)
+    )
 
 
 def axes(x: str, y: str) -> tuple[uplot.Axis, uplot.Axis]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -12,6 +13,9 @@ from app.viewer.panels.style import CSS, block
 
 MARK = block('<div class="fs-page fs-short fs-large"></div>')
 """By it the page knows what Escape and a click beside it close, and how wide it is."""
+
+SETTLED = 0.1
+"""Seconds until a browser has done what it was told last: what it is to change must be there."""
 
 
 class Sheets:
@@ -39,8 +43,10 @@ class Sheets:
 
         async def close(_event: viser.GuiEvent) -> None:
             with self.lock:
-                if self.open.pop(client.client_id, None) is not None:
-                    modal.close()
+                known = self.open.pop(client.client_id, None) is not None
+            if known:
+                await asyncio.sleep(SETTLED)
+                modal.close()
 
         done.on_click(close)
         self.open[client.client_id] = filled

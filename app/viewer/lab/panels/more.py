@@ -9,6 +9,7 @@ import viser
 from agents.observables.catalogue import OBSERVABLES
 from app.viewer.measuring.joules import SAVES, Joules
 from app.viewer.measuring.measured import over_a_run, told, words
+from app.viewer.measuring.numbers import Number, observed
 from app.viewer.measuring.readings import Readings
 
 JOULES = "joules-per-metre"
@@ -66,4 +67,17 @@ class MoreNumbers:
                 found[words(name)] = told(name, readings.over(name, last))
             elif name != SIZES:
                 found[words(name)] = told(name, readings.values.get(name))
+        return found
+
+    def values(self, readings: Readings, last: float) -> dict[str, Number]:
+        """The same numbers in full, but for those of one tick, which the readings have."""
+        found = {
+            words(name): observed(name, readings.over(name, last), readings.flock.model)
+            for name in self.chosen
+            if name in OBSERVABLES and OBSERVABLES[name].over is not None
+        }
+        saved = self.joules.of(readings) if JOULES in self.chosen else None
+        if saved is not None:
+            found["energy saved by formation"] = Number(saved[0], "J/m")
+            found["energy needed alone"] = Number(saved[1], "J/m")
         return found

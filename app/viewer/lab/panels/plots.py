@@ -38,8 +38,8 @@ class Plots:
         self.offered: tuple[str, ...] = ()
         self.choices: dict[str, tuple[str, ...]] = choices(())
         self.runs = EarlierRuns()
-        sender = Sender()
-        self.charts = [ChosenChart(server, number, sender) for number in range(1, CHARTS + 1)]
+        self.sender = Sender()
+        self.charts = [ChosenChart(server, number, self.sender) for number in range(1, CHARTS + 1)]
         self.window = gui.add_dropdown(
             "Plots of",
             tuple(WINDOWS),
@@ -47,13 +47,13 @@ class Plots:
             "over it, too",
         )
         self.earlier = gui.add_dropdown(
-            "Over runs",
+            "Earlier runs",
             tuple(EARLIER),
             initial_value="the last one",
             hint="Runs of the same model before this one, faint and dotted below it. Reset and "
             "Setup end a run; three are kept",
         )
-        self.forget = gui.add_button("Forget earlier runs", color="gray", visible=False)
+        self.forget = gui.add_button_group("Runs kept", ("Forget them",), visible=False)
         self.forget.on_click(self.forgotten)
 
     @property
