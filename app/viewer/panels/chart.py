@@ -12,7 +12,7 @@ from viser import uplot
 from app.viewer.measuring.curves import thinned
 from app.viewer.panels.style import block
 
-HEIGHT, POINTS = 184, 400
+HEIGHT, POINTS = 190, 400
 """Of a chart in a panel: pixels, and points of a curve at most, about."""
 LARGE_HEIGHT, LARGE_POINTS = 440, 1500
 """The same of one that is shown large."""
@@ -21,7 +21,7 @@ DASH = (6.0, 5.0)
 X = uplot.Scale(time=False)
 """Numbers, and no dates."""
 TYPE = '11px "Flockscope Sans", sans-serif'
-ROOM = {"x": 24, "y": 42, "title": 17}
+ROOM = {"x": 28, "y": 42, "title": 18}
 """Pixels for the numbers at the axes, and for the title of one."""
 
 
