@@ -188,7 +188,7 @@ def test_a_world_in_which_the_flock_cannot_be_leaves_the_old_one(simulation):
             raise Refusal("dim = 3 is not allowed: hwvem is defined in 2-D")
         return Walker(start)
 
-    simulation.build = build
+    simulation.building.build = build
     world = World("tall", (5.0, 5.0, 5.0), ("open",) * 3)
     simulation.edits.open_layout("tall.toml", world.to_toml().encode())
     assert "dim = 3" in simulation.notices.get(timeout=5)

@@ -16,6 +16,7 @@ from agents import Flock
 from agents.record import KEY
 from app.viewer.gallery.opened import opened
 from app.viewer.run import stored as limits
+from app.viewer.run.parquet_pages import unpacked_bytes
 from app.viewer.run.stored import Stored, stored
 from worlds.refusal import Refusal
 
@@ -153,6 +154,17 @@ def test_what_unpacks_to_too_much_is_refused_before_it_is_unpacked(state, monkey
     assert len(content) < limits.LARGEST
     monkeypatch.setattr(pq.ParquetFile, "read", lambda *_, **__: pytest.fail("it was unpacked"))
     assert f"holds {rows} rows" in refused(content)
+
+
+def test_pages_say_themselves_what_they_unpack_to(state, monkeypatch):
+    content = packed(state, compression="zstd", data_page_size=64, write_statistics=True)
+    meta = pq.ParquetFile(io.BytesIO(content)).metadata
+    columns = [meta.row_group(0).column(k) for k in range(meta.num_columns)]
+    with_headers = sum(one.total_uncompressed_size for one in columns)
+    assert 0.4 * with_headers < unpacked_bytes(content, meta) < with_headers
+    monkeypatch.setattr(limits, "MOST_BYTES", 500)
+    monkeypatch.setattr(pq.ParquetFile, "read", lambda *_, **__: pytest.fail("it was unpacked"))
+    assert "more than the laboratory takes" in refused(content)
 
 
 def test_a_file_from_a_browser_is_bounded(monkeypatch, state):

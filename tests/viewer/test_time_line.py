@@ -10,6 +10,7 @@ import pytest
 
 from agents.flock import Flock
 from agents.record import Recorder
+from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.run.history import History, Moment
 from app.viewer.run.home import at_home
@@ -145,7 +146,35 @@ def test_a_recording_is_gone_on_from_to_the_bit(played, recorded):
     assert np.array_equal(played.frame.position, recorded[1][30])
 
 
+def test_a_laboratory_opens_on_a_recording(recorded):
+    opened = stored("flight.parquet", path=recorded[0])
+    laboratory = Laboratory(opened=opened, port=0, running=False)
+    simulation = laboratory.simulation
+    until(lambda: simulation.state.line and simulation.state.line.recording == "flight.parquet")
+    assert simulation.state.speed == EVERY * 15.0
+    laboratory.run.set_up()
+    until(lambda: simulation.state.run == 2 and not simulation.state.busy, 60)
+    assert simulation.state.stored is None
+    assert (simulation.state.spec.model, simulation.state.spec.agents) == ("vem", 30)
+    laboratory.close()
+
+
 # Live runs.
+
+
+def test_a_state_is_begun_again_with_parameters_and_world_as_they_are(simulate, tmp_path):
+    flock = Flock("vem", agents=30, rng=4, eta=0.3)
+    flock.run(12)
+    flock.save(tmp_path / "state.parquet")
+    opened = stored("state.parquet", path=tmp_path / "state.parquet")
+    live = simulate(spec=opened.spec, stored=opened)
+    assert live.frame.tick == 12
+    live.set("eta", 1.0).result(10)
+    live.edits.change(lambda editor: editor.add(Disc(centre=(1.2, 1.2), radius=0.1))).result(30)
+    live.reset()
+    until(lambda: live.state.run == 2 and live.frame.run == 2, 60)
+    assert (live.frame.tick, live.state.values["eta"]) == (12, 1.0)
+    assert len(live.frame.world.obstacles) == len(live.run.flock.world.obstacles) == 1
 
 
 def test_what_is_gone_on_from_comes_to_the_same_bits(simulate):

@@ -54,6 +54,9 @@ from app.viewer.web.serving.front import Front
 from app.viewer.web.uploads import accept_uploads
 from app.viewer.web.values import show
 
+FROM_THE_START = ", from tick 0"
+"""Said of a scene that is made of a state or a recording: it has their run, not their tick."""
+
 
 class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
@@ -233,7 +236,7 @@ class Laboratory:
         state, before = self.simulation.state, self.told_scene()
         spec, beside = state.again()
         scene = SavedScene(
-            title or MODELS[spec.model].title,
+            title or MODELS[spec.model].title + (FROM_THE_START if state.stored else ""),
             spec,
             beside,
             speed=state.speed,

@@ -18,7 +18,8 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
-from app.viewer.run.beside import Pair, companion
+from app.viewer.run.beside import companion
+from app.viewer.run.building import Building
 from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
@@ -80,8 +81,7 @@ class Simulation:
         self.state = State(spec, beside, running=running, busy=True, speed=speed)
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
-        self.build = build
-        self.build_beside = build_beside
+        self.building = Building(build, build_beside)
         self.compile = compiling
         self.compiling: Compiling | None = None
         """What compiles, or has compiled, what the run calls."""
@@ -307,7 +307,7 @@ class Simulation:
         (spec, beside, stored), self.next = self.next, None
         self.state = replace(self.state, busy=True)
         try:
-            flock = self.new_flock(spec, stored)
+            flock = self.building.flock(spec, stored)
             refuse_too_dense(flock)
             run = self.new_run(flock, beside, stored)
         except Refusal as refusal:
@@ -320,7 +320,7 @@ class Simulation:
         self.run, self.preview = run, None
         self.have_compiled(run)
         if self.state.compiling is not None and is_quick(run):
-            twin = self.new_flock(spec.but(seed=flock.seed), stored, interpret=True)
+            twin = self.building.flock(spec.but(seed=flock.seed), stored, interpret=True)
             self.preview = Preview(run)
             self.run = self.new_run(twin, beside, stored)
             for one in self.run.both:
@@ -344,25 +344,10 @@ class Simulation:
             beside_values=self.run.beside_values,
         )
 
-    def new_flock(self, spec: Spec, stored: Stored | None, **more: Any) -> Flock:
-        """The flock of a run, where it begins. Raises Refusal."""
-        if stored is None:
-            return self.build(spec, **more)
-        flock = stored.flock(self.build, **more)
-        if not stored.is_played and flock.parameters.model_dump() != spec.parameters:
-            flock.set(**spec.parameters)
-        return flock
-
     def new_run(self, flock: Flock, beside: Spec | None, stored: Stored | None) -> Run:
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
-        if stored is not None and stored.is_played:
-            return Playback(flock, number, self.wanted, self.watched, stored)
-        if beside is None:
-            return Run(flock, number, self.wanted, self.watched)
-        second = self.build_beside(flock, beside)
-        refuse_too_dense(second)
-        return Pair(flock, second, number, self.wanted, self.watched)
+        return self.building.run(flock, beside, stored, number, self.wanted, self.watched)
 
     def have_compiled(self, *runs: Run) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""

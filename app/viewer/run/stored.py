@@ -15,6 +15,7 @@ from agents.snapshot import Snapshot
 from agents.spec import Spec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name
 from app.viewer.run.home import MOST_AGENTS, lively_speed
+from app.viewer.run.parquet_pages import unpacked_bytes
 from worlds.extra import demand_parquet
 from worlds.layout import layout_names
 from worlds.refusal import Refusal, unknown
@@ -27,6 +28,8 @@ LARGEST = 10_000_000
 `flockscope lab FILE`."""
 MOST_NUMBERS = 2**25
 """Numbers that are decoded together."""
+MOST_BYTES = 2**28
+"""Bytes to which a file from a browser unpacks."""
 MOST_ROWS = 2**26
 """Rows of a file, all ticks together."""
 MOST_SIDE = 1e6
@@ -116,7 +119,7 @@ def stored(name: str, content: bytes | None = None, path: Path | None = None) ->
 
 
 def demand_modest(recording: Recording, name: str, whole: bool) -> None:
-    """Raise Refusal for a file that unpacks to too much, by what its footer says.
+    """Raise Refusal for a file that unpacks to too much, by what its footer and its pages say.
 
     `whole`: whether that holds for the file and not only for what is decoded together.
     """
@@ -129,8 +132,11 @@ def demand_modest(recording: Recording, name: str, whole: bool) -> None:
             sum(max(one.column(k).num_values, one.num_rows) for k in range(one.num_columns))
             for one in groups
         ]
-    most = max([sum(numbers) if whole else max(numbers, default=0), 0])
-    if most > MOST_NUMBERS or recording.rows > MOST_ROWS or min(numbers, default=0) < 0:
+    most = sum(numbers) if whole else max(numbers, default=0)
+    much = most > MOST_NUMBERS or recording.rows > MOST_ROWS or min(numbers, default=0) < 0
+    if not much and recording.content is not None:
+        much = unpacked_bytes(recording.content, meta) > MOST_BYTES
+    if much:
         raise Refusal(
             f"{name} holds {recording.rows} rows of {len(recording.names)} columns: more than "
             "the laboratory takes"

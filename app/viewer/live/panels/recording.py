@@ -125,9 +125,8 @@ class RecordingPanel:
         self.due = now + LOOK
         names = listed(self.session.shelf) or (NONE,)
         if tuple(self.earlier.options) != names:
-            kept = self.earlier.value
             self.earlier.options = names
-            show(self.earlier, kept if kept in names else names[0])
+            show(self.earlier, names[0])
         self.told.content = block(where(state, self.session.shelf))
         if state.recording:
             self.line.content = block(how_much(state.recording, now - self.begun[1]))
