@@ -81,6 +81,7 @@ class Drawing:
                 self.before()
                 if self.draw():
                     due = max(due, began - 0.5 * self.period()) + self.period()
+                self.scene.look_through()
                 if began >= panels_due and self.drawn is not None:
                     panels_due = began + PANELS
                     self.panels()

@@ -7,12 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
-from app.viewer.scene.beside import Beside, meant, sights
+from app.viewer.scene.beside import ROOT, Beside, meant, sights
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.picture import Changes, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.hands.gizmo import Dragged, Grabbed, LeaderGizmo
 from app.viewer.scene.marks.hands.handles import Handles
+from app.viewer.scene.marks.world.see_through import SeeThrough, Watched
 from app.viewer.scene.marks.world.surroundings import Fog, set_light
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.picking import slack
@@ -32,6 +33,7 @@ class Scene:
         scene.set_up_direction("+z")
         scene.world_axes.visible = False
         set_light(scene)
+        self._roots = root, ROOT
         self._parts = Parts(scene, root)
         self._beside = Beside(scene)
         self._fog = Fog(scene)
@@ -39,6 +41,7 @@ class Scene:
         self._gizmo = LeaderGizmo(scene, root)
         self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
+        self._see_through = SeeThrough()
         self._sights: tuple[Sight, ...] = ()
         self._clicked: list[Clicked] = []
         scene.on_click()(self._click)  # type: ignore[arg-type]
@@ -63,6 +66,26 @@ class Scene:
                 setattr(handle, name, value)
         self._sights = sights(shown, other)
         self._viewpoints.update(self._sights)
+
+    def look_through(self) -> None:
+        """Let browsers see the agents that they follow through what is in the way.
+
+        Call it from the thread that draws, also while nothing moves: cameras do.
+        """
+        self._see_through.look(self._watched)
+
+    def _watched(self) -> list[Watched]:
+        sights = self._sights
+        return [
+            Watched(
+                client,
+                sights[side].picture,
+                row,
+                client.camera.position - sights[side].aside,
+                self._roots[side],
+            )
+            for client, side, row in self._viewpoints.followed()
+        ]
 
     def on_clicked(self, callback: Clicked) -> None:
         """Call `callback(row, origin, direction, beside)` when there is a click into the picture.

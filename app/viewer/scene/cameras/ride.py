@@ -27,14 +27,14 @@ class Ride:
     ) -> None:
         """`aside` (3,) is where the room of the flock `side` stands."""
         self.side, self.before = side, before
-        self._identity = int(picture.frame.ids[row])
+        self.identity = int(picture.frame.ids[row])
         self._place = self._seen = picture.at[row] + aside
         self._ahead = straightened(picture.frame.heading[row])
         self.view = self._look(picture, row, aside)
 
     def move(self, picture: Picture, aside: np.ndarray, passed: float) -> bool:
         """Go on to a new frame, `passed` seconds after the last; whether the agent is there."""
-        rows = np.flatnonzero(picture.frame.ids == self._identity)
+        rows = np.flatnonzero(picture.frame.ids == self.identity)
         if not len(rows):
             return False
         row = int(rows[0])

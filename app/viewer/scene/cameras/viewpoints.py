@@ -173,6 +173,19 @@ class Viewpoints:
                 self._forget(clients[client_id])
                 _set(clients[client_id], ride.before)
 
+    def followed(self) -> list[tuple[ClientHandle, int, int]]:
+        """Of whom a camera follows or rides on: the browser, the flock's side, the agent's row."""
+        with self._lock:
+            known = self._followed | {
+                number: (ride.side, ride.identity) for number, ride in self._riders.items()
+            }
+        clients, found = self._server.get_clients(), []
+        for number, (side, identity) in known.items():
+            if number in clients and side < len(self._sights):
+                rows = np.flatnonzero(self._sights[side].picture.frame.ids == identity)
+                found += [(clients[number], side, int(row)) for row in rows]
+        return found
+
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
         start = view(self.first or _first(picture), picture.stage.dim, *whole(self._sights), 1.0)

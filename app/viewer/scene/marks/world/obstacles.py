@@ -23,6 +23,9 @@ what is taller would lean over the agents beside it."""
 LIGHT = 1.45
 """Light on a surface turned up to the sun, as a multiple of its own colour."""
 BALL = ball(96, 48)
+REST, ONE = "rest", "one"
+PIECES = tuple(f"{piece}/{part}" for piece in (REST, ONE) for part in ("solid", "edges", "spheres"))
+"""All that may be drawn of obstacles, by the end of its name."""
 
 
 class Obstacles:
@@ -35,8 +38,8 @@ class Obstacles:
     def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._world: World | None = None
         self._stage: Stage | None = None
-        self._rest = Piece(scene, f"{root}/world/obstacles/rest")
-        self._one = Piece(scene, f"{root}/world/obstacles/one")
+        self._rest = Piece(scene, f"{root}/world/obstacles/{REST}")
+        self._one = Piece(scene, f"{root}/world/obstacles/{ONE}")
         self._apart: int | None = None
         """Which obstacle is a node of its own."""
 
@@ -68,19 +71,29 @@ class Piece:
         self._name = name
         self._nodes: list[Any] = []
 
-    def draw(self, obstacles: Sequence[Any], world: World, stage: Stage) -> None:
-        """Draw these obstacles of a world instead of those before."""
+    def remove(self) -> None:
+        """Draw none."""
         for node in self._nodes:
             node.remove()
         self._nodes = []
+
+    def draw(
+        self,
+        obstacles: Sequence[Any],
+        world: World,
+        stage: Stage,
+        opacity: float | None = None,
+    ) -> None:
+        """Draw these obstacles of a world instead of those before."""
+        self.remove()
         spheres = [sphere for each in obstacles for sphere in each.spheres()]
         if spheres and stage.dim == 3:
-            self._add_spheres(spheres, stage)
+            self._add_spheres(spheres, stage, opacity)
         solids = footprints(replace(world, obstacles=tuple(obstacles)))
         if solids:
-            self._add_prisms(solids, world, stage)
+            self._add_prisms(solids, world, stage, opacity)
 
-    def _add_prisms(self, solids: dict, world: World, stage: Stage) -> None:
+    def _add_prisms(self, solids: dict, world: World, stage: Stage, opacity: float | None) -> None:
         """Those that stand upright: one mesh, and the lines along their edges."""
         meshes, lines = [], []
         for (bottom, top), outline in solids.items():
@@ -96,6 +109,7 @@ class Piece:
                 stage.placed(vertices).astype(np.float32),
                 faces.astype(np.uint32),
                 color=tone.single(palette.SOLID, LIGHT),
+                opacity=opacity,
                 flat_shading=True,
             ),
             self._scene.add_line_segments(
@@ -107,7 +121,7 @@ class Piece:
             ),
         ]
 
-    def _add_spheres(self, spheres: list, stage: Stage) -> None:
+    def _add_spheres(self, spheres: list, stage: Stage, opacity: float | None) -> None:
         centre = stage.shown(np.array([place for place, _ in spheres]))
         radius = stage.scale * np.array([radius for _, radius in spheres])
         self._nodes.append(
@@ -118,6 +132,7 @@ class Piece:
                 batched_positions=centre.astype(np.float32),
                 batched_scales=radius.astype(np.float32),
                 batched_colors=tone.lit(palette.SOLID, LIGHT),
+                opacity=opacity,
                 lod="off",
             )
         )
