@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from worlds.writing import writing
 
@@ -15,6 +15,11 @@ UNDATED: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationD
 
 def write_figure(figure: Any, path: Path, dots: int = DOTS) -> None:
     """Write a figure as its ending says, PNG, SVG or PDF; a file is replaced. Raises Refusal."""
-    kind = path.suffix.lower().lstrip(".")
     with writing("picture", path) as file:
-        figure.savefig(file, format=kind, dpi=dots, metadata=UNDATED.get(kind))
+        save_figure(figure, file, path.suffix, dots)
+
+
+def save_figure(figure: Any, file: BinaryIO, ending: str, dots: int = DOTS) -> None:
+    """Write a figure into a file that is open."""
+    kind = ending.lower().lstrip(".")
+    figure.savefig(file, format=kind, dpi=dots, metadata=UNDATED.get(kind))

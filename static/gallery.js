@@ -41,6 +41,7 @@
     if (before) before.remove();
     inner.append(make("p", "fs-wrong", words));
   };
+  window.flockscopeSheet = { make, button, sheet, close, complain };  /* take.js has its own */
   const say = (title, words) => sheet(title, "fs-ask").append(make("p", "", words));
 
   /* Open a scene; where others watch, only once somebody has said so. `how`: "&sure=1" once that

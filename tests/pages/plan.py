@@ -34,6 +34,8 @@ class Otherwise:
 
 
 OTHERWISE = (
+    Otherwise("film", "--renderer plain", "tests/browser/test_take.py has a browser draw"),
+    Otherwise("picture", "--renderer plain", "tests/browser/test_take.py has a browser draw"),
     Otherwise(
         "lab --host 0.0.0.0", "--host 127.0.0.1 --port 0 --open", "tests serve this machine only"
     ),

@@ -30,6 +30,7 @@ from app.viewer.lab.panels.tries import Tries
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world import WorldPanel
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
+from app.viewer.lab.taking import Taking
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
@@ -114,6 +115,7 @@ class Laboratory:
             self.look_at(scene)
         self.listen()
         self.drawing = Drawing(self.scene, self.latest, self.browsers, self.want, self.refresh)
+        self.taking = Taking(self)
         self.drawing.start()
 
     @property

@@ -18,7 +18,7 @@ from app.viewer.gallery.words import command_line, python
 from app.viewer.web.serving.front import Answering, Front, content, words
 from worlds.refusal import Refusal
 
-SCRIPTS = ("gallery.js",)
+SCRIPTS = ("gallery.js", "take.js")
 """What the page needs to ask."""
 GALLERY, OPEN, TAKE = "/gallery.json", "/open", "/scene.json"
 MARK, WORD = "X-Flockscope", "scene"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.figure import write_figure
+from app.figure import save_figure, write_figure
 from app.viewer.pictures import key
 from app.viewer.pictures.camera import Camera
 from app.viewer.pictures.plane import Plane
@@ -198,6 +199,15 @@ class Sheet:
 
         with matplotlib.rc_context(self.look):  # type: ignore[arg-type]
             write_figure(self.figure, path, self.dots)
+
+    def as_bytes(self, ending: str) -> bytes:
+        """The same as bytes."""
+        import matplotlib
+
+        made = io.BytesIO()
+        with matplotlib.rc_context(self.look):  # type: ignore[arg-type]
+            save_figure(self.figure, made, ending, self.dots)
+        return made.getvalue()
 
 
 def drawn(world: World, camera: Camera, axes: Any) -> Plane | Space:

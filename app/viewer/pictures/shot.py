@@ -31,7 +31,7 @@ class Watched:
 
     model: Model
     parameters: Parameters
-    seed: int
+    seed: int | None
     frame: Frame
 
     @property

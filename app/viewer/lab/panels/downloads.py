@@ -17,6 +17,7 @@ class Downloads:
     def __init__(self, gui: viser.GuiApi, simulation: Simulation):
         self.simulation = simulation
         self.sending = False
+        gui.add_markdown("**Picture, film, page that plays**: *Take*, on the picture.")
         gui.add_markdown(
             "**Spec**: model, parameters, world and seed. Run it again with "
             "`flockscope run FILE.toml`; it gives the same numbers."
