@@ -11,6 +11,7 @@ from agents.engine.arrays import Context
 from agents.engine.block import Me, Near
 from agents.engine.noise import tick_key
 from agents.models.calling import call
+from agents.models.model import Model
 from agents.observables.neighbours import nearest_of, separation
 from agents.snapshot import Snapshot, State
 from worlds.compiled import plain_python
@@ -61,6 +62,8 @@ class Inspection:
     """Points among its signals, NAME_x and NAME_y of each; it heads for the last of them."""
     minds: bool = False
     """Whether these points count now."""
+    model: Model | None = None
+    """What it is of: the words and units of its signals."""
 
 
 def as_me(flock: State, row: int, signals: np.ndarray) -> Me:
@@ -247,4 +250,5 @@ def inspected(
         view,
         rule.places,
         known.get(rule.places_while) == 1.0,
+        flock.model,
     )

@@ -129,3 +129,12 @@ def test_a_body_of_one_speed_has_that_whatever_it_is_handed_and_others_have_what
     assert (Flock("vem", agents=3, world="wu2023-multi", rng=1).speed == 0.03).all()
     assert (Flock("reynolds", start=start, world="open", size=4.0, rng=1).speed == 0.7).all()
     assert Flock("boundary-points", agents=9, rng=1).speed.std() > 0.1
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_column_is_called_by_words_and_words_name_only_columns(name):
+    model = MODELS[name]
+    called = [model.words_of(column) for column in model.columns]
+    assert all(words and "_" not in words for words in called)
+    for part in (model.rule, model.body):
+        assert all({one, f"{one}_x"} & set(model.columns) for one in part.words)

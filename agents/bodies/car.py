@@ -13,7 +13,17 @@ from typing import Any, Literal
 
 from agents.bodies.cars.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
 from agents.bodies.cars.command import command, received, sent
-from agents.bodies.cars.signals import FRESH, PACE, QUEUE, ROWS, SIGNALS, STEERING, STOPS, STUCK
+from agents.bodies.cars.signals import (
+    FRESH,
+    PACE,
+    QUEUE,
+    ROWS,
+    SIGNALS,
+    STEERING,
+    STOPS,
+    STUCK,
+    WORDS,
+)
 from agents.bodies.tracking import Tracking
 from agents.engine.block import Moved
 from agents.models.declare import Body, Rule, Vehicle, parameter
@@ -260,6 +270,7 @@ BODY = Body(
         **dict.fromkeys((name for name in SIGNALS if name.startswith("wheel")), "rad"),
         "clearance": "m",
     },
+    words={**WORDS, "clearance": "room to the next car"},
     sees_obstacles=True,
     stops=True,
     lasts=lambda p: p.dt,

@@ -216,6 +216,7 @@ FLYER = Body(
     size="body",
     touches=touches,
     measures=("saved",),
+    words={"saved": "drag saved"},
     measure=measure,
     begins=begins,
     stops=True,

@@ -224,6 +224,7 @@ BODY = Body(
     move=move,
     speed=lambda p: p.v0,
     signals=("heard",),
+    words={"heard": "heard by others?"},
     deafens=True,
     sees_obstacles=True,
     passes=passes,

@@ -259,6 +259,8 @@ class Rule:
     units: Mapping[str, str] = field(default_factory=dict)
     """Units of its signals and its memory by name, of points and vectors NAME_x, NAME_y, ... by
     NAME; what has none is a pure number."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """What people call these, by the same names, in few words; what is 1 or 0 as a question."""
     places: tuple[str, ...] = ()
     """Points in that memory, NAME_x and NAME_y of each; an agent heads for the last of them."""
     places_while: str = ""
@@ -364,6 +366,8 @@ class Body:
     """Compiled: (me, near, p, out). Measures it, on the flock as the tick finds it."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Units of its signals and of what is measured, as those of a rule."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """What people call these."""
     begins: Callable[[Any, np.random.Generator, int], np.ndarray] | None = None
     """Speeds (n,) at the start, from the parameters; None: 0."""
     speed: Callable[[Any], float] | None = None

@@ -59,6 +59,15 @@ def calls(wanted: Callable, function: Callable) -> bool:
     return any(one is wanted or calls(wanted, one) for one in inner)
 
 
+def whole(column: str) -> str:
+    """The name of the point or vector that a column is a part of; its own, if of none.
+
+    >>> whole("aim_x"), whole("phase")
+    ('aim', 'phase')
+    """
+    return column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """A rule and a body under one name, with one set of parameters.
@@ -137,8 +146,12 @@ class Model:
     def unit_of(self, column: str) -> str:
         """The unit of one of `columns`, 1 for a pure number."""
         units = {**self.rule.units, **self.body.units}
-        point = column[:-2] if column[-2:] in ("_x", "_y", "_z") else column
-        return self.in_units(units.get(column, units.get(point, "1")))
+        return self.in_units(units.get(column, units.get(whole(column), "1")))
+
+    def words_of(self, column: str) -> str:
+        """What people call one of `columns`, or the point or vector that it is a part of."""
+        words, name = {**self.rule.words, **self.body.words}, whole(column)
+        return words.get(column, words.get(name, name.replace("_", " ")))
 
     @property
     def informed(self) -> int:

@@ -273,6 +273,13 @@ GUARDED = Rule(
         "next": "length",
         "next_radius": "length",
     },
+    words={
+        "room": "to its ball's middle",
+        "room_radius": "its ball's radius",
+        "wish": "velocity it wants",
+        "next": "to its next ball's",
+        "next_radius": "next ball's radius",
+    },
     perceive=perceive,
     weigh=weigh,
     zones=REPELLED_ALL_ROUND,

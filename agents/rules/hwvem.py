@@ -163,6 +163,7 @@ HWVEM = Rule(
     decide=decide,
     sifts=True,
     signals=("layer",),
+    words={"layer": "layer (leader: 1)"},
     prepare=prepare,
     remember=remember,
     weigh=weigh,

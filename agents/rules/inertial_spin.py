@@ -161,6 +161,7 @@ RULE = Rule(
     wish="acceleration",
     memory=("spin_x", "spin_y", "spin_z"),
     units={"spin": "s"},
+    words={"spin": "spin"},
     perceive=perceive,
     checked="a turn runs through the flock as a wave, the faster the stronger it is ordered "
     "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "

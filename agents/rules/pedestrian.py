@@ -333,6 +333,11 @@ RULE = Rule(
     signals=("way_x", "way_y"),
     show=show,
     memory=("known", "deviation"),
+    words={
+        "way": "desired direction",
+        "known": "desired speed known?",
+        "deviation": "speed off the mean by",
+    },
     perceive=perceive,
     weigh=weigh,
     forces=FORCES,

@@ -101,6 +101,7 @@ WVEM = Rule(
     parameters=WeightedVicsek,
     decide=decide,
     signals=("layer",),
+    words={"layer": "layer (leader: 1)"},
     prepare=prepare,
     weigh=weigh,
     informed=1,

@@ -138,6 +138,7 @@ class StubFlock:
             signals={"layer": 2.0},
             minds=True,
             places=(),
+            model=None,
         )
 
     def save(self, path) -> None:

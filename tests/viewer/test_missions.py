@@ -13,7 +13,7 @@ from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from agents.spec import Spec
-from app.viewer.lab.panels.inspector import signal_facts
+from app.viewer.lab.panels.card import signal_facts
 from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
 from app.viewer.lab.panels.setup import differs
 from app.viewer.measuring.extremes import MOST_AGENTS, Extremes

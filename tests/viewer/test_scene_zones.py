@@ -9,7 +9,7 @@ import pytest
 
 from agents.inspection import Inspection, Shell
 from agents.state.crashes import Crashes
-from app.viewer.lab.panels.inspector import card
+from app.viewer.lab.panels.card import folds, head
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.colouring import MOST_SAVED, agent_colours, legend
 from app.viewer.scene.draw.oklch import decoded
@@ -178,26 +178,29 @@ def test_zones_differ_in_lightness_as_well_as_in_hue():
 
 
 def test_the_card_counts_the_neighbours_in_each_zone():
-    words = card(frame(), frame().inspected)
+    told = folds(frame(), frame().inspected)
+    label, words = told["zones"]
+    assert label == "Zones: 3 noticed"
     for name, extent, count in (
-        ("repulsion", "0 – 1", 1),
-        ("orientation", "1 – 3", 1),
-        ("attraction", "3 – 6", 1),
+        ("repulsion", "0 – 1 length", 1),
+        ("orientation", "1 – 3 length", 1),
+        ("attraction", "3 – 6 length", 1),
         ("not noticed", "", 1),
     ):
         assert f"{name}</td><td>{extent}</td><td>{count}</td>" in words
     assert "sees 270°" in words
-    assert words.count("100 %") == 1
-    assert "and 0 more" not in words
+    assert told["heard"][0] == "Listens to 1 agent"
+    assert told["heard"][1].count("100 %") == 1
+    assert "and 0 more" not in told["heard"][1]
 
 
 def test_the_card_of_a_crashed_agent_says_when_and_against_what():
     one = frame()
     flying = np.array([False, True, True, True, True, True])
     crash = Crashes(np.array([7]), np.array([1]), np.array([0]), one.position[:1], np.array([2]))
-    words = card(replace(one, active=flying, crashes=crash), one.inspected)
-    assert "tick 7, an obstacle or a wall" in words
-    assert "Zones" not in words
+    lying = replace(one, active=flying, crashes=crash)
+    assert "tick 7, an obstacle or a wall" in head(lying, one.inspected)
+    assert not {"zones", "forces", "heard"} & set(folds(lying, one.inspected))
 
 
 def test_saving_is_teal_paying_is_orange_and_neither_is_grey():

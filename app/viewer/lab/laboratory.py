@@ -373,7 +373,8 @@ class Laboratory:
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame
-        self.inspector.refresh(looked_at, self.selected)
+        drawn_at = self.scene.where(self.selected, int(self.selected_beside))
+        self.inspector.refresh(looked_at, self.selected, drawn_at)
         if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()
 

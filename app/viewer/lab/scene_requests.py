@@ -18,8 +18,8 @@ from app.viewer.gallery.words import command_line, python
 from app.viewer.web.serving.front import Answering, Front, content, words
 from worlds.refusal import Refusal
 
-SCRIPTS = ("gallery.js", "take.js")
-"""What the page needs to ask."""
+SCRIPTS = ("gallery.js", "take.js", "card.js")
+"""What the page needs to ask, and to keep its card beside its agent."""
 GALLERY, OPEN, TAKE = "/gallery.json", "/open", "/scene.json"
 MARK, WORD = "X-Flockscope", "scene"
 """A header that no foreign page can send: a browser would ask first whether it may."""

@@ -87,6 +87,13 @@ class Scene:
             for client, side, row in self._viewpoints.followed()
         ]
 
+    def where(self, row: int | None, side: int = 0) -> tuple[float, ...]:
+        """Where on the display an agent of the flock `side` was drawn last, (3,); () if nowhere."""
+        if row is None or side >= len(self._sights):
+            return ()
+        shown, aside = self._sights[side]
+        return tuple((shown.at[row] + aside).tolist()) if row < len(shown.at) else ()
+
     def on_clicked(self, callback: Clicked) -> None:
         """Call `callback(row, origin, direction, beside)` when there is a click into the picture.
 

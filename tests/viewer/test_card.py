@@ -1,0 +1,153 @@
+"""The card of an agent: words and units for every row, six of them at first, the rest folded up."""
+
+from __future__ import annotations
+
+import html
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+
+from agents.bodies.cars.signals import ON_ITS_WAY
+from agents.catalogue import MODELS
+from agents.flock import Flock
+from agents.inspection import Inspection
+from agents.models.model import whole
+from app.viewer.lab.panels.card import FIRST, facts, folds, head
+from app.viewer.lab.panels.inspector import Inspector
+from app.viewer.run.home import at_home
+from app.viewer.run.picture import Camera
+from app.viewer.scene.shown.frame import Frame
+
+VALUE = 0.25
+ANGLES, UNIT_FREE = {"heading", "climb"}, {"group", "listens to"}
+
+
+def inspected(name: str) -> tuple[Frame, Inspection]:
+    """Agent 3 of a model at home that hears agents 1 and 2, one of them thrice as much."""
+    flock = Flock(at_home(name, seed=3, agents=5))
+    rule, body, dim = flock.model.rule, flock.model.body, flock.world.dim
+    forces = {force: np.arange(1.0, dim + 1) for force in (*rule.forces, *body.forces)}
+    seen = Inspection(
+        int(flock.ids[3]),
+        3,
+        np.array([1, 2]),
+        np.ones((2, dim)),
+        np.array([3.0, 1.0]),
+        dict.fromkeys(flock.model.columns, VALUE),
+        forces,
+        places=rule.places,
+        minds=True,
+        model=flock.model,
+    )
+    return Camera(flock, 1).take(), seen
+
+
+def rows(text: str) -> dict[str, str]:
+    """The rows of the tables in some HTML, first cell -> last."""
+    cells = (re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text))
+    return {html.unescape(row[0]): html.unescape(row[-1]) for row in cells}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_row_has_words_and_its_unit(name):
+    frame, seen = inspected(name)
+    model, told = MODELS[name], facts(frame, seen)
+    length, pace = model.in_units("length"), model.in_units("length/time")
+    assert list(told)[:2] == [f"position ({length})", "heading"]
+    assert told["speed"].endswith(f" {pace}")
+    assert told["neighbours"] == "2 agents"
+    for column in model.columns:
+        if ON_ITS_WAY in column:
+            continue
+        words = {**model.rule.words, **model.body.words}
+        called = words.get(column, words.get(whole(column), ""))
+        assert called, f"{column} of {name} has no words"
+        assert len(called) <= 24
+        unit = model.unit_of(column)
+        shown = next(row for row in told if row.startswith(called.removesuffix("?")))
+        if called.endswith("?"):
+            assert told[shown] == "yes"
+        elif unit != "1":
+            assert unit in (shown + told[shown]).replace("(", " ").replace(")", " ").split()
+    for row, value in told.items():
+        assert row not in ANGLES or value.endswith("°")
+        assert "_" not in row
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_six_rows_come_first_and_the_others_are_folded_up(name):
+    frame, seen = inspected(name)
+    told = facts(frame, seen)
+    folded = folds(frame, seen)
+    assert list(rows(head(frame, seen))) == list(told)[:FIRST]
+    rest = rows(folded["rest"][1]) if "rest" in folded else {}
+    assert list(rest) == list(told)[FIRST:]
+    assert len(rest) == max(0, len(told) - FIRST)
+    if rest:
+        more = len(rest)
+        assert folded["rest"][0] == (f"{more} more rows" if more > 1 else "1 more row")
+    assert ("forces" in folded) == bool(seen.forces)
+    assert folded["heard"][0] == "Listens to 2 agents"
+    assert list(rows(folded["heard"][1]).values()) == ["75 %", "25 %"]
+
+
+@pytest.mark.parametrize("name", ["boundary-points", "vasarhelyi", "olfati-saber", "squashing"])
+def test_forces_have_the_unit_of_what_they_are_terms_of(name):
+    frame, seen = inspected(name)
+    model = MODELS[name]
+    unit = model.in_units("length/time") + ("²" if model.rule.wish == "acceleration" else "")
+    told = rows(folds(frame, seen)["forces"][1])
+    assert len(told) == len(seen.forces)
+    assert all(value.endswith(f" {unit}") for value in told.values())
+
+
+def test_drag_saved_is_among_the_first_and_in_per_cent():
+    frame, seen = inspected("safe")
+    assert rows(head(frame, seen))["drag saved"] == "+25.0 %"
+    unknown = replace(seen, signals={"saved": np.nan})
+    assert facts(frame, unknown)["drag saved"] == "unknown"
+
+
+def test_one_that_listens_to_nobody_says_so():
+    frame, seen = inspected("vem")
+    alone = replace(seen, weights=np.zeros(2))
+    assert facts(frame, alone)["listens to"] == "nobody"
+    assert "heard" not in folds(frame, alone)
+
+
+@pytest.fixture(scope="module")
+def server():
+    made = viser.ViserServer(port=0, verbose=False)
+    yield made
+    made.stop()
+
+
+def test_the_window_says_whose_it_is_and_where_that_one_is_drawn(server):
+    frame, seen = inspected("guarded")
+    inspector = Inspector(server.gui, lambda: None)
+    assert not inspector.panel.visible
+    inspector.refresh(replace(frame, inspected=seen), 3, (1.0, -2.5, 0.25))
+    assert inspector.panel.visible
+    assert 'data-at="1.0000 -2.5000 0.2500"' in inspector.head.content
+    assert f"Agent {seen.id}" in inspector.head.content
+    shown = {name for name, (folder, _) in inspector.folds.items() if folder.visible}
+    assert shown == {"rest", "heard"}
+    inspector.refresh(frame, 3, (1.0, -2.5, 0.25))
+    assert "Looking closer" in inspector.head.content
+    assert not any(folder.visible for folder, _ in inspector.folds.values())
+    inspector.refresh(frame, None)
+    assert not inspector.panel.visible
+
+
+def test_browsers_are_told_nothing_while_nothing_changes(server, monkeypatch):
+    frame, seen = inspected("guarded")
+    inspector = Inspector(server.gui, lambda: None)
+    one = replace(frame, inspected=seen)
+    inspector.refresh(one, 3, (1.0, 2.0, 3.0))
+    told = []
+    monkeypatch.setattr(server.gui._websock_interface, "queue_message", told.append)
+    inspector.refresh(one, 3, (1.0, 2.0, 3.0))
+    assert told == []
