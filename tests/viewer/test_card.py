@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 import viser
 
-from agents.bodies.cars.signals import ON_ITS_WAY
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.models.model import whole
-from app.viewer.lab.panels.card import FIRST, facts, folds, head
+from app.viewer.lab.panels.card import FIRST, ON_ITS_WAY, facts, folds, head
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.run.home import at_home
 from app.viewer.run.picture import Camera

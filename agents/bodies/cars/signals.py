@@ -22,8 +22,6 @@ SIGNALS = (
     *(f"{what} sent {ago}" for ago in range(1, LONGEST + 1) for what in ("wheel", "throttle")),
 )
 """Their names; the commands sent, 1 for the latest, each a tick after the next."""
-ON_ITS_WAY = " sent "
-"""In the names of commands that have not arrived yet."""
 WORDS = {
     "fresh": "has not moved yet?",
     "steering": "front wheels turned",

@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from agents.bodies.cars.signals import ON_ITS_WAY
 from agents.inspection import UNSEEN, Inspection
 from agents.models.model import whole
 from agents.state.crashes import CAUSES, Crashes
@@ -19,6 +18,8 @@ from app.viewer.scene.marks.inspected.reasons import force_colours
 from app.viewer.scene.shown.frame import Frame
 from worlds.counting import counted
 
+ON_ITS_WAY = " sent "
+"""In the names of a car's commands that have not arrived yet."""
 FIRST = 6
 """Rows that are always there."""
 MOST_NEIGHBOURS = 6
