@@ -14,6 +14,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.run.history import History, Moment
 from app.viewer.run.home import at_home
+from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.stored import stored
 from tests.viewer.waiting import until
@@ -136,6 +137,23 @@ def test_what_is_measured_of_a_recording_is_that_of_the_tick(played):
     assert played.readings.series("polarisation").arrays()[0].max() == 10
 
 
+def test_an_agent_of_a_recording_is_looked_at_from_close(played):
+    flock = Flock("vem", agents=30, rng=4, eta=0.3)
+    flock.run(15)
+    played.want(Wanted(row=3, links=True)).result(10)
+    seek(played, 15)
+
+    def seen():
+        played.look_again().result(10)
+        return played.frame.tick == 15 and played.frame.inspected
+
+    there, here = until(seen, 120), flock.inspect(3)
+    assert there.id == here.id
+    assert np.array_equal(there.neighbours, here.neighbours)
+    assert np.array_equal(there.weights, here.weights)
+    assert np.array_equal(played.frame.links, flock.links())
+
+
 def test_a_recording_is_gone_on_from_to_the_bit(played, recorded):
     seek(played, 20)
     played.time_line.go_on().result(10)
@@ -232,10 +250,14 @@ def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
     live.step(20).result(10)
     shown(live, 40)
     seek(live, 0)
+    assert live.state.values["eta"] == 1.5
     with pytest.raises(Refusal, match="looked back at"):
         live.set("eta", 0.9).result(10)
+    live.time_line.to_now().result(10)
+    assert live.state.values["eta"] == 0.2
+    seek(live, 0)
     live.time_line.go_on().result(10)
-    assert live.state.values["eta"] == 1.5
+    assert live.run.flock.parameters.eta == live.state.values["eta"] == 1.5
 
 
 def test_two_flocks_go_back_together(simulate):

@@ -82,9 +82,12 @@ class TimeLine:
             then = now if tick >= now.tick else self.history.before(tick)
             if then is None:
                 raise Refusal("nothing is kept yet of this run to look back at")
-            host.state = replace(host.state, running=False, rate=0.0)
             self.present = None if then is now else now
             restore(run, then)
+            values, others = run.values, run.beside_values
+            host.state = replace(
+                host.state, running=False, rate=0.0, values=values, beside_values=others
+            )
             for one in run.both:
                 one.readings.notes = self.present is None
                 one.readings.aside.forget()
