@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from cli.calling import refusal
 
-from app.cli.lab import parameters, scene_of
+from app.cli.lab import opened_by, parameters
 from app.viewer.gallery.collection import FIRST, built_in
 from worlds.refusal import Refusal
 
@@ -101,13 +101,13 @@ def test_settings_are_checked_and_a_little_noise_keeps_it_alive():
 
 
 def test_it_opens_scenes_by_name_and_from_files(tmp_path):
-    assert scene_of(None, None, None, {}, None) == built_in(FIRST)
-    assert scene_of(None, "vem", None, {}, None) is None
-    assert scene_of(None, None, None, {"agents": 5}, None) is None
-    assert scene_of("mill", None, None, {}, None) == built_in("mill")
+    assert opened_by(None, None, None, None, {}, None) == built_in(FIRST)
+    assert opened_by(None, None, "vem", None, {}, None) is None
+    assert opened_by(None, None, None, None, {"agents": 5}, None) is None
+    assert opened_by(None, "mill", None, None, {}, None) == built_in("mill")
     file = tmp_path / "mine.toml"
     file.write_text(built_in("order").to_toml(), encoding="utf-8")
-    assert scene_of(str(file), None, None, {}, None) == built_in("order")
+    assert opened_by(None, str(file), None, None, {}, None) == built_in("order")
 
 
 @pytest.mark.parametrize(
