@@ -84,7 +84,7 @@ def test_what_is_not_at_its_default_is_listed_and_goes_back(laboratory, browser)
     assert not panel.back.visible
     for value in (1.4, 1.5):
         turn(browser, panel.controls["eta"], value)
-    until(lambda: "Noise η</b> 1.5 (default 0)" in panel.changed.content)
+    until(lambda: "<td>Noise η</td><td>0 → 1.5</td>" in panel.changed.content)
     assert panel.back.visible
     turn(browser, panel.back, "All to defaults")
     until(lambda: eta() == 0.0)

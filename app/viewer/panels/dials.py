@@ -94,7 +94,7 @@ def marks(uuids: list[str]) -> str:
     labels = ", ".join(f'label[for="{uuid}"]' for uuid in uuids)
     return (
         f"<style>:is({labels}) {{ color: var(--fs-accent); font-weight: 600; }}"
-        f":is({labels})::before {{ content: '\u25cf\u2002'; }}</style>"
+        f":is({labels})::before {{ content: '\u25cf\u2002'; font-size: 0.7em; }}</style>"
     )
 
 

@@ -18,7 +18,7 @@ from agents.models.declare import Declared, declared
 from agents.models.model import Model
 from app.viewer.panels.dials import Dials, allowed, decimals, step_of
 from app.viewer.panels.notation import plain
-from app.viewer.panels.style import block
+from app.viewer.panels.style import block, table
 from app.viewer.run.beside import shared_by
 from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.state import State
@@ -224,13 +224,15 @@ def raised(found: re.Match[str]) -> str:
 
 
 def differing(changed: list[Declared], values: dict[str, Any]) -> str:
-    """What is not at its default, and what that is."""
-    told = (
-        f"<b>{html.escape(f'{one.words} {plain(one.symbol)}')}</b> "
-        f"{html.escape(f'{in_short(values[one.name])} (default {in_short(one.default)})')}"
+    """What is not at its default, what that is, and what it is now: a line each."""
+    rows = {
+        html.escape(f"{one.words} {plain(one.symbol)}"): html.escape(
+            f"{in_short(one.default)} \u2192 {in_short(values[one.name])}"
+        )
         for one in changed
-    )
-    return block(f'<div class="fs-quiet">Changed: {", ".join(told)}</div>') if changed else ""
+    }
+    title = f'<div class="fs-head">Changed: {len(rows)}</div>'
+    return block(f'{title}<div class="fs-changed">{table(rows)}</div>') if rows else ""
 
 
 def in_short(value: Any) -> str:

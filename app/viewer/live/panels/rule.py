@@ -19,6 +19,11 @@ from app.viewer.panels.parameters import add_control, sides
 from app.viewer.panels.style import block
 from app.viewer.web.values import show
 
+CHOOSING = (
+    "What drives the cars: another one can be chosen while they are not armed, and the room is "
+    "then opened again."
+)
+
 
 class RulePanel:
     """Sliders, switches and choices that act on the running loop; the rule only while not armed."""
@@ -30,8 +35,7 @@ class RulePanel:
             "Rule",
             rules,
             initial_value=session.state.rule,
-            hint="What drives the cars. Another one can be chosen while they are not armed; the "
-            "room is then opened again",
+            hint=CHOOSING,
         )
         self.rule.on_update(self.chosen)
         self.about = gui.add_html("", visible=False)
@@ -74,10 +78,11 @@ class RulePanel:
             for one in declared(state.model.parameters)
             if one.name not in NOT_SIMULATED and one.name in state.values
         ]
+        summary = state.model.rule.summary
+        self.rule.hint = f"{summary} {CHOOSING}"
         self.about.visible = True
-        self.about.content = block(
-            f'<div class="fs-quiet">{html.escape(state.model.rule.summary)}</div>'
-        )
+        first = html.escape(f"{summary.partition('. ')[0].rstrip('.')}.")
+        self.about.content = block(f'<div class="fs-quiet">{first}</div>')
         titles = "Rule", f"Body: {state.model.body.title}"
         self.controls = {}
         with self.folder:
