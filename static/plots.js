@@ -15,6 +15,8 @@
       if (chart.root !== root || dressed.has(chart)) continue;
       dressed.add(chart);
       for (const one of chart.series) one.value = (_, value) => told(value);
+      /* Where a curve has no value it has no dot either. */
+      chart.cursor.dataIdx = (_, curve, at) => Number.isNaN(chart.data[curve][at]) ? null : at;
     }
   };
   const over = (event) => event.target.closest && event.target.closest(".uplot-container .u-over");

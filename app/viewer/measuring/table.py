@@ -23,9 +23,13 @@ def unit(name: str, models: Iterable[Model]) -> str:
 
 
 def titled(name: str, models: Iterable[Model]) -> str:
-    """An observable in words, with its unit if it is no pure number."""
+    """An observable in words, with its unit if it is no pure number and not named for it.
+
+    >>> titled("polarisation", ()), titled("mean-neighbours", ()), titled("groups", ())
+    ('polarisation', 'mean neighbours (agents)', 'groups')
+    """
     found = unit(name, models)
-    return words(name) if found == "1" else f"{words(name)} ({found})"
+    return words(name) if found in ("1", words(name)) else f"{words(name)} ({found})"
 
 
 def table(

@@ -14,7 +14,7 @@ from app.viewer.panels.style import block
 
 HEIGHT, POINTS = 190, 400
 """Of a chart in a panel: pixels, and points of a curve at most, about."""
-LARGE_HEIGHT, LARGE_POINTS = 440, 1500
+LARGE_HEIGHT, LARGE_POINTS = 400, 1500
 """The same of one that is shown large."""
 PADDING = (10, 14, 0, 0)
 DASH = (6.0, 5.0)
