@@ -75,8 +75,11 @@ def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, la
     until(lambda: laboratory.selected_beside, 10, "a click on an agent of the second flock")
     page.get_by_text("Listens to").wait_for(timeout=60_000)
     assert simulation.frame.inspected is None
-    upper = int(np.argmax(simulation.frame.position.sum(axis=1)))
-    page.mouse.click(*on_page(window, laboratory, 0, upper))
+    page.wait_for_timeout(500)
+    in_sight = "([x, y]) => document.elementFromPoint(x, y).matches('canvas')"
+    places = [on_page(window, laboratory, 0, row) for row in range(len(simulation.frame.ids))]
+    clear = next(place for place in places if page.evaluate(in_sight, list(place)))
+    page.mouse.click(*clear)
     until(lambda: laboratory.selected is not None and not laboratory.selected_beside)
     window.press("Close")
 
