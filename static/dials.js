@@ -82,7 +82,6 @@
     root.dataset.of = uuid;
     root.addEventListener("pointerdown", (event) => take(uuid, made, event));
     root.addEventListener("pointermove", (event) => drag(uuid, made, event));
-    for (const end of ["pointerup", "pointercancel"]) root.addEventListener(end, (event) => drop(uuid, made, event));
     thumb.addEventListener("keydown", (event) => step(uuid, made, event));
     slider.before(root);
     drawn.set(slider, made);
@@ -98,7 +97,7 @@
     event.preventDefault();
     const { left, right } = made.thumb.getBoundingClientRect(), x = event.clientX;
     const on = x >= left - slack && x <= right + slack;
-    held = { uuid, x, on, by: on ? x - (left + right) / 2 : 0, moved: false };
+    held = { uuid, made, x, on, by: on ? x - (left + right) / 2 : 0, moved: false };
     made.root.setPointerCapture(event.pointerId);
     made.thumb.focus({ preventScroll: true });
     document.documentElement.setAttribute("data-dragging", "");
@@ -113,16 +112,18 @@
     give(uuid, value);
   };
   /* A click beside the thumb brings it there, once it is no half of a double click. */
-  const drop = (uuid, made, event) => {
-    if (held === null || held.uuid !== uuid) return;
-    const { on, moved } = held, x = event.clientX;
+  const drop = (event) => {
+    if (held === null || !event.isPrimary) return;
+    const { uuid, made, on, moved } = held, x = event.clientX;
     held = null;
     document.documentElement.removeAttribute("data-dragging");
     clearTimeout(waiting);
     if (event.type === "pointerup" && !moved && !on)
-      waiting = setTimeout(() => give(uuid, nearest(dials[uuid], at(made, x))), patience);
+      waiting = setTimeout(() => { if (uuid in dials) give(uuid, nearest(dials[uuid], at(made, x))); }, patience);
     look();
   };
+  /* Wherever that is: a slider may be taken away while it is held. */
+  for (const end of ["pointerup", "pointercancel"]) window.addEventListener(end, drop);
   const step = (uuid, made, event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const steps = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];

@@ -151,3 +151,17 @@ def test_a_wide_range_above_zero_is_looked_at_by_its_logarithm(slider, window, l
     until(lambda: slide.control.value == 0.0)
     until(lambda: slide.thumb_at() == pytest.approx(0.0, abs=0.01))
     assert slide.ends() == [low, high]
+
+
+def test_sliders_go_on_after_one_was_taken_away_while_it_was_held(slider, laboratory):
+    before, state = slider("eta"), laboratory.simulation.state
+    before.page.mouse.move(*before.at(before.thumb_at()))
+    before.page.mouse.down()
+    laboratory.simulation.setup(at_home("hwvem-nav", world="obstacles"))
+    until(lambda: laboratory.simulation.state.run > state.run)
+    until(lambda: before.root.count() == 0, what="other sliders")
+    before.page.mouse.up()
+    after = slider("eta")
+    until(lambda: after.root.count() == 1)
+    after.drag(0.5)
+    until(lambda: after.control.value == pytest.approx(3.15, abs=0.051))
