@@ -95,7 +95,7 @@ def test_each_control_stands_in_its_group_and_each_group_once(server, monkeypatc
     FlockView(server.gui, usual_of(Spec("vem")), lambda *_: None)
     assert made == [AGENTS, WORLD, CAMERA]
     assert {control.group for control in SEEN.values()} == {AGENTS, WORLD}
-    assert {control.group for control in CONTROLS.values()} == {AGENTS, WORLD}
+    assert {control.group for control in CONTROLS.values()} == {"Cars", WORLD}
 
 
 def test_a_trail_s_length_is_there_with_a_trail_or_a_wake(view):

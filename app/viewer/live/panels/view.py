@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import Any
 
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import LIVE_COLOURINGS, OWN, RIBBON, Look
+from app.viewer.scene.shown.look import AGENTS, LIVE_COLOURINGS, OWN, RIBBON, Look
 from app.viewer.scene.shown.usual import Usual, turns
 
+CARS = "Cars"
+"""What agents are here."""
 FOR_CARS: dict[str, dict[str, Any]] = {
     "colour": {
         "hint": "What a car's colour means; its state is the outline around it",
@@ -26,7 +28,10 @@ FOR_CARS: dict[str, dict[str, Any]] = {
     "mission": {"label": "Injected car", "hint": "The car that they follow"},
 }
 """Those controls that mean something for real cars, and what is otherwise about each."""
-CONTROLS = {name: replace(controls_of(Look)[name], **more) for name, more in FOR_CARS.items()}
+CONTROLS = {
+    name: replace(one, **FOR_CARS[name], group=CARS if one.group == AGENTS else one.group)
+    for name, one in ((name, controls_of(Look)[name]) for name in FOR_CARS)
+}
 
 
 def usual(rate: float) -> Usual:
