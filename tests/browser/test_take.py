@@ -1,17 +1,22 @@
 """What one takes along: a film that a browser drew, a page that plays, and what the page gives."""
 
 import json
+import os
+import signal
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
-from cli.calling import call
-from imageio_ffmpeg import count_frames_and_secs
+from cli.calling import call, start, wait_until
+from imageio_ffmpeg import count_frames_and_secs, read_frames
 from PIL import Image
 
 from tests.browser.conftest import absent
 from tests.viewer.waiting import until
 
 SEEN = (640, 480)
+WANTED = (800, 600)
 
 
 @pytest.fixture
@@ -43,6 +48,34 @@ def test_a_browser_films_a_run(tmp_path):
     assert abs(first[scene] - second[scene]).mean() > 3.0, "it goes round"
 
 
+def runs_in(folder):
+    """Whether a program runs that was told of a folder."""
+    told = (path for path in Path("/proc").glob("[0-9]*/cmdline"))
+    return any(str(folder).encode() in words(path) for path in told)
+
+
+def words(path):
+    """The words of a program that runs, b"" if it has just ended."""
+    with suppress(OSError):
+        return path.read_bytes()
+    return b""
+
+
+@pytest.mark.usefixtures("drawing")
+def test_ctrl_c_ends_the_browser_too(tmp_path):
+    process = start("film", "vem", "--agents", 20, "--to", 10**5, "--pixels", "320x320", "--renderer",
+                    "browser", "--out", tmp_path / "a.mp4",
+                    env={**os.environ, "TMPDIR": str(tmp_path)})  # fmt: skip
+    wait_until(lambda: list(tmp_path.glob("flockscope-film-*/film.mp4")), process)
+    assert runs_in(tmp_path / "flockscope-browser-")
+    process.send_signal(signal.SIGINT)
+    stdout, stderr = process.communicate(timeout=60)
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr.splitlines()[-1] == "flockscope: stopped; no film was written"
+    assert list(tmp_path.iterdir()) == []
+    assert not runs_in(tmp_path / "flockscope-browser-")
+
+
 def test_a_page_plays_without_a_server_or_a_network(drawing, tmp_path):
     out = tmp_path / "run.html"
     result = call("film", "vem", "--agents", 40, "--seed", 2, "--to", 60, "--speed", 10, "--out",
@@ -67,3 +100,41 @@ def test_a_page_plays_without_a_server_or_a_network(drawing, tmp_path):
     assert (np.ptp(scene, axis=2) > 90).sum() > 300, "agents have colours"
     assert [url for url in asked if not url.startswith(("file:", "blob:", "data:"))] == []
     page.close()
+
+
+def test_the_page_gives_a_picture_of_what_it_shows(window, tmp_path):
+    """Of the size asked for, with the scene's own colours, and a legend beside it."""
+    page = window.page
+    page.click(".fs-open >> text=Take")
+    page.evaluate(
+        "([select, size]) => { const one = document.querySelectorAll('.fs-take select')[select];"
+        " one.append(new Option(size, size)); one.value = size; }",
+        [1, f"{WANTED[0]}x{WANTED[1]}"],
+    )
+    with page.expect_download(timeout=60_000) as found:
+        page.click("text=Save picture")
+    assert found.value.suggested_filename.endswith("-seed3-tick0.png")
+    found.value.save_as(tmp_path / "seen.png")
+    with Image.open(tmp_path / "seen.png") as picture:
+        assert picture.size == WANTED
+        seen = np.asarray(picture.convert("RGB"), int)
+    coloured = np.ptp(seen, axis=2) > 90
+    assert coloured[:, :400].sum() > 200, "agents"
+    assert coloured[60:320, 500:].sum() > 500, "the wheel of headings"
+
+
+def test_the_page_films_what_it_shows(window, laboratory, tmp_path):
+    """From Record to Stop; it goes on by itself meanwhile."""
+    page = window.page
+    page.click(".fs-open >> text=Take")
+    page.select_option(".fs-take >> nth=1 >> select >> nth=1", "640x360")
+    page.click("text=Record")
+    page.wait_for_selector(".fs-recording >> text=/Recording 0:0[1-9]/", timeout=60_000)
+    laboratory.simulation.step(5)
+    with page.expect_download(timeout=60_000) as found:
+        page.click(".fs-recording >> text=Stop")
+    assert found.value.suggested_filename.endswith(".mp4")
+    found.value.save_as(tmp_path / "seen.mp4")
+    assert next(read_frames(str(tmp_path / "seen.mp4")))["size"] == (640, 360)
+    assert count_frames_and_secs(str(tmp_path / "seen.mp4"))[0] >= 20
+    page.wait_for_selector(".fs-recording", state="detached", timeout=30_000)

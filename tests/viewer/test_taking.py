@@ -164,6 +164,38 @@ def test_who_goes_leaves_nothing(laboratory, page):
     assert (answer.status, answer.text) == (403, "this page is not connected\n")
 
 
+def test_two_browsers_film_at_once_each_its_own(laboratory, page):
+    other = Page(next(NUMBERS))
+    asyncio.run(laboratory.taking.welcome(other))
+    try:
+        for one, size in ((page, "400x320"), (other, "640x360")):
+            assert wanted(laboratory, one, do="film", kind="gif", size=size).status == 200
+        visits = list(laboratory.taking.visits.values())
+        until(lambda: all(one.filming.seconds > 0.5 for one in visits), 30)
+        wanted(laboratory, page, do="stop")
+        until(lambda: page.files, 30)
+        assert colours(page.files.pop()[1])[0] == (400, 320)
+        assert json.loads(wanted(laboratory, other).text)["filming"]
+        wanted(laboratory, other, do="stop")
+        until(lambda: other.files, 30)
+        assert colours(other.files.pop()[1])[0] == (640, 360)
+    finally:
+        asyncio.run(laboratory.taking.farewell(other))
+
+
+def test_films_want_an_extra_and_say_so(laboratory, page, monkeypatch):
+    """A page that plays is made without it."""
+
+    def absent(purpose):
+        raise Refusal(f"{purpose} needs the package")
+
+    monkeypatch.setattr(taking, "demand_film", absent)
+    assert json.loads(wanted(laboratory, page).text)["missing"] == "a film needs the package"
+    answer = wanted(laboratory, page, do="film", kind="mp4", size="400x320")
+    assert (answer.status, answer.text) == (400, "a film needs the package\n")
+    assert wanted(laboratory, page, do="film", kind="html", size="400x320").status == 200
+
+
 def test_discarded_is_discarded(laboratory, page):
     wanted(laboratory, page, do="film", kind="gif", size="400x320")
     wanted(laboratory, page, do="discard")
