@@ -63,8 +63,8 @@ def words(path):
 
 @pytest.mark.usefixtures("drawing")
 def test_ctrl_c_ends_the_browser_too(tmp_path):
-    process = start("film", "vem", "--agents", 20, "--to", 10**5, "--pixels", "320x320", "--renderer",
-                    "browser", "--out", tmp_path / "a.mp4",
+    run = ("film", "vem", "--agents", 20, "--to", 10**5, "--pixels", "320x320", "--out")
+    process = start(*run, tmp_path / "a.mp4", "--renderer", "browser",
                     env={**os.environ, "TMPDIR": str(tmp_path)})  # fmt: skip
     wait_until(lambda: list(tmp_path.glob("flockscope-film-*/film.mp4")), process)
     assert runs_in(tmp_path / "flockscope-browser-")

@@ -124,6 +124,7 @@ class Browser:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            env={**os.environ, **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), self.profile)},
         )
         until = time.monotonic() + STARTS
         while not self.server.get_clients():
