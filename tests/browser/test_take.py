@@ -72,7 +72,8 @@ def test_ctrl_c_ends_the_browser_too(tmp_path):
     stdout, stderr = process.communicate(timeout=60)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "flockscope: stopped; no film was written"
-    assert list(tmp_path.iterdir()) == []
+    assert [one for one in tmp_path.iterdir() if "flockscope" in one.name] == []
+    assert not (tmp_path / "a.mp4").exists()
     assert not runs_in(tmp_path / "flockscope-browser-")
 
 

@@ -71,7 +71,7 @@ STARTS, DRAWS = 45.0, 90.0
 """Seconds that it has until its page is there, and for a picture."""
 SETTLES = 0.6
 """Seconds that a scene takes to be there whole when it is drawn first."""
-ENDS = 3.0
+ENDS = 10.0
 """Seconds that it has to end by itself."""
 
 
@@ -124,7 +124,6 @@ class Browser:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            env={**os.environ, **dict.fromkeys(("TMPDIR", "TMP", "TEMP"), self.profile)},
         )
         until = time.monotonic() + STARTS
         while not self.server.get_clients():
