@@ -109,7 +109,7 @@ def status(state: State) -> str:
     line = state.line
     colour, words = GREY, "paused"
     if line is not None and line.looks_back:
-        colour, words = VIOLET, f"looking back at tick {line.at}"
+        colour, words = VIOLET, "looking back"
     if state.compiling is not None:
         colour, words = (VIOLET, "preview") if state.preview else (ORANGE, "waiting")
         title += compile_bar(state.compiling, state.preview)
