@@ -11,8 +11,9 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from make_looks import SIZES, THEMES
@@ -88,32 +89,53 @@ class Walk:
         return seen.resize((round(size[0] * HIGH / size[1]), HIGH))
 
 
-@contextmanager
-def served(*command: str) -> Iterator[str]:
-    """A command that serves a page; the page's address."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "flockscope", *command, "--port", "0", "--no-open"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    assert process.stdout is not None
-    try:
-        for line in process.stdout:
-            if found := re.search(r"http://\S+", line):
-                yield found[0]
-                break
-    finally:
-        process.terminate()
-        process.wait()
+class Served:
+    """A command that serves a page; a context manager."""
+
+    def __init__(self, *command: str):
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "flockscope", *command, "--port", "0", "--no-open"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.said: list[str] = []
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def __enter__(self) -> Served:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.terminate()
+        self.process.wait()
+
+    def listen(self) -> None:
+        """Keep what it prints."""
+        assert self.process.stdout is not None
+        self.said.extend(self.process.stdout)
+
+    def find(self, what: str) -> str:
+        """The first piece of what it prints that fits a pattern, as soon as it is there."""
+        end = time.monotonic() + PATIENCE / 1000
+        while time.monotonic() < end and self.process.poll() is None:
+            if found := re.search(what, "".join(self.said)):
+                return found[0]
+            time.sleep(0.05)
+        raise SystemExit(f"no {what} in: {''.join(self.said)}")
+
+    @property
+    def address(self) -> str:
+        """Of the page."""
+        return self.find(r"http://\S+")
 
 
 def teacher(walk: Walk) -> None:
     """Gallery, scene, three experiments, a picture for the blackboard."""
     page = walk.page
-    with served("lab") as address:
-        walk.open(address)
-        page.get_by_text("running").first.wait_for(timeout=PATIENCE)
+    with Served("lab") as lab:
+        walk.open(lab.address)
+        walk.running()
         walk.look("opens")
         walk.press("Gallery")
         page.locator(".fs-choice").first.wait_for()
@@ -132,22 +154,47 @@ def teacher(walk: Walk) -> None:
             walk.press("Close")
             page.wait_for_timeout(5000)
             walk.look(f"experiment-{number + 1}")
+        walk.take(PICTURE)
 
 
 def researcher(walk: Walk) -> None:
     """Two models beside each other, the numbers of both, a film, the spec."""
-    with served("lab", "boundary-points", "--beside", "olfati-saber", "--seed", "3") as address:
-        walk.open(address)
-        walk.page.get_by_text("running").first.wait_for(timeout=PATIENCE)
-        walk.page.wait_for_timeout(8000)
+    page = walk.page
+    with Served("lab", "boundary-points", "--beside", "olfati-saber", "--seed", "3") as lab:
+        walk.open(lab.address)
+        walk.running()
+        page.wait_for_timeout(8000)
         walk.look("beside")
+        walk.press("Pause")
+        walk.take(lambda: walk.press("CSV"))
+        walk.press("Large")
+        walk.look("plot")
+        page.keyboard.press("Escape")
+        walk.film()
+        walk.tab("Save")
+        walk.take(lambda: walk.press("Download spec (TOML)"))
+        walk.look("taken")
 
 
 def roboticist(walk: Walk) -> None:
     """Emulated cars: armed, driven, stopped, looked at once more."""
-    with served("live", "lab") as address:
-        walk.open(address)
+    page = walk.page
+    with Served("live", "lab", "--record", str(walk.folder / "drives")) as lab:
+        code = lab.find(r"(?<=with the code )\d{6}")
+        walk.open(lab.address)
+        page.get_by_text("Ready to be armed").wait_for(timeout=PATIENCE)
         walk.look("room")
+        walk.press("Arm …")
+        page.locator(".mantine-Modal-body input").fill(code)
+        walk.look("asked")
+        walk.press("Arm")
+        page.locator(".fs-running").wait_for(timeout=PATIENCE)
+        page.wait_for_timeout(8000)
+        walk.look("drives")
+        page.locator(".fs-stop").click()
+        page.get_by_text("All cars are told to stop").wait_for()
+        walk.look("stopped")
+        walk.replay()
 
 
 WALKS = {"teacher": teacher, "researcher": researcher, "roboticist": roboticist}
