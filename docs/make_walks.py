@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from make_looks import SIZES, THEMES
 from make_screenshots import ARGUMENTS
@@ -63,6 +64,17 @@ class Walk:
         coming.value.save_as(kept)
         print(f"{kept.name}: {kept.stat().st_size} bytes")
         return kept
+
+    def running(self) -> None:
+        """Wait until what the page shows runs, compiled."""
+        self.page.get_by_text("running").first.wait_for(timeout=PATIENCE)
+        self.page.locator(".fs-compiling").wait_for(state="detached", timeout=PATIENCE)
+
+    def taking(self) -> Any:
+        """The sheet of what can be taken along, opened: its parts."""
+        self.press("Take")
+        self.page.locator("section.fs-take").first.wait_for()
+        return self.page.locator("section.fs-take")
 
     def look(self, name: str) -> None:
         """A sheet of the page as it is, at all sizes and in all themes."""
@@ -154,7 +166,9 @@ def teacher(walk: Walk) -> None:
             walk.press("Close")
             page.wait_for_timeout(5000)
             walk.look(f"experiment-{number + 1}")
-        walk.take(PICTURE)
+        walk.taking()
+        walk.look("take")
+        walk.take(lambda: walk.press("Save picture"))
 
 
 def researcher(walk: Walk) -> None:
@@ -165,12 +179,16 @@ def researcher(walk: Walk) -> None:
         walk.running()
         page.wait_for_timeout(8000)
         walk.look("beside")
+        walk.taking().last.get_by_label("Pixels").select_option("640x360")
+        walk.press("Record")
+        page.wait_for_timeout(10_000)
+        walk.look("films")
+        walk.take(lambda: page.locator(".fs-recording").get_by_text("Stop").click())
         walk.press("Pause")
         walk.take(lambda: walk.press("CSV"))
         walk.press("Large")
         walk.look("plot")
         page.keyboard.press("Escape")
-        walk.film()
         walk.tab("Save")
         walk.take(lambda: walk.press("Download spec (TOML)"))
         walk.look("taken")
@@ -194,7 +212,16 @@ def roboticist(walk: Walk) -> None:
         page.locator(".fs-stop").click()
         page.get_by_text("All cars are told to stop").wait_for()
         walk.look("stopped")
-        walk.replay()
+        walk.press("Reset the emergency stop")
+        walk.tab("Room")
+        walk.look("again")
+        choice = page.get_by_label("Earlier", exact=True)
+        choice.click()
+        page.get_by_role("option").last.click()
+        walk.press("Show this recording")
+        page.get_by_label("Time, s").first.wait_for(timeout=PATIENCE)
+        page.wait_for_timeout(8000)
+        walk.look("replayed")
 
 
 WALKS = {"teacher": teacher, "researcher": researcher, "roboticist": roboticist}
