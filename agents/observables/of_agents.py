@@ -44,9 +44,18 @@ OF_AGENTS = BUILT_IN | plug_ins("flockscope.colourings", brought, BUILT_IN)
 """All of them: the built-in ones, then those of other packages, which replace none of these."""
 
 
+ON_ITS_WAY = " sent "
+"""In the names of a car's commands that have not arrived yet."""
+
+
 def measurable(columns: tuple[str, ...]) -> tuple[str, ...]:
-    """What each agent of a flock has a number of: `OF_AGENTS`, and its model's `columns`."""
-    return tuple(dict.fromkeys([*OF_AGENTS, *columns]))
+    """What each agent of a flock has a number of: `OF_AGENTS`, and its model's `columns`.
+
+    >>> measurable(("speed", "steering sent 1"))[-1]
+    'speed'
+    """
+    own = (name for name in columns if ON_ITS_WAY not in name)
+    return tuple(dict.fromkeys([*OF_AGENTS, *own]))
 
 
 def measured(flock: Any, name: str) -> np.ndarray | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from agents.inspection import UNSEEN, Inspection
 from agents.models.model import whole
+from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.crashes import CAUSES, Crashes
 from app.viewer.measuring import measured
 from app.viewer.panels.style import table
@@ -18,8 +19,6 @@ from app.viewer.scene.marks.inspected.reasons import force_colours
 from app.viewer.scene.shown.frame import Frame
 from worlds.counting import counted
 
-ON_ITS_WAY = " sent "
-"""In the names of a car's commands that have not arrived yet."""
 FIRST = 6
 """Rows that are always there."""
 MOST_NEIGHBOURS = 6
