@@ -98,7 +98,9 @@ def test_a_page_names_every_force_and_everything_remembered():
 
 
 def is_model(page, model):
-    """Whether there is such a model; a file must be one that the page has saved."""
+    """Whether there is such a model; a file must be one that the page has saved or recorded."""
+    if model.endswith(".parquet"):
+        return f"--record {model}" in (ROOT / page).read_text(encoding="utf-8")
     if model.endswith(".py"):
         return f"Saved as `{model}`" in (ROOT / page).read_text(encoding="utf-8")
     return by_name(model)

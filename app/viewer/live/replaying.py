@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_by, obedient
 from app.live.control.arm import State
 from app.live.control.driver import Companion
 from app.live.control.pose import Pose
@@ -27,8 +27,6 @@ from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
 
 STILL = (0.0, 0.0)
-CARS = "squashing"
-"""As the cars of which rule those are drawn whose own is not at hand."""
 ARMS: tuple[State, ...] = ("safe", "armed", "emergency")
 
 
@@ -46,7 +44,7 @@ class Replaying:
             model = cars_by(lab.rule)
             self.values = model.parameters(**lab.parameters).model_dump()
         except (Refusal, ValueError):  # a rule that is not at hand is not needed to look on
-            model, self.values = cars_by(CARS), {}
+            model, self.values = cars_by(next(iter(obedient()))), {}
         self.setting = Setting.of(run, lab, model)
         self.tables = lru_cache(2)(self.load)
         self.spans = [span(part) for part in self.recorded.parts]
