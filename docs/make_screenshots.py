@@ -5,6 +5,7 @@ Names of pictures as arguments take these alone.
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 import time
@@ -27,6 +28,8 @@ HERE = Path(__file__).parent
 LIVE = "live-armed.png"
 BESIDE = {"laboratory-beside.png": "vem-a-nav", "laboratory-pocket.png": "olfati-saber"}
 """The second model of a picture that has two."""
+UNFOLDED = {"laboratory-zones.png": "Zones", "laboratory-forces.png": "Forces"}
+"""What of an agent's card is unfolded in a picture: how that begins."""
 ARGUMENTS = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -200,6 +203,8 @@ def take(
         while laboratory.selected is not None and laboratory.simulation.frame.inspected is None:
             time.sleep(0.1)
         arrange(laboratory, page)
+        if name in UNFOLDED:
+            page.get_by_text(re.compile(f"^{UNFOLDED[name]}:")).first.click()
         time.sleep(2.0)
         page.screenshot(path=HERE / name)
         browser.close()
