@@ -21,8 +21,8 @@ from agents.flock import Flock
 from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.home import at_home
+from app.viewer.run.past.stored import Stored, stored
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.stored import Stored, stored
 from benchmarks.stream import Reader
 
 TICKS = 600

@@ -26,7 +26,7 @@ from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
     from app.viewer.gallery.saved_scene import SavedScene
-    from app.viewer.run.stored import Stored
+    from app.viewer.run.past.stored import Stored
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""

@@ -15,7 +15,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
 from app.cli.lab import parameters
-from app.viewer.lab.panels.compared import compared
+from app.viewer.lab.panels.monitors.compared import compared
 from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
 from app.viewer.run.beside import Pair, companion, named, pace_note, ratio, shared_by
 from app.viewer.run.home import at_home

@@ -14,8 +14,8 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.models.model import whole
-from app.viewer.lab.panels.card import FIRST, ON_ITS_WAY, facts, folds, head
-from app.viewer.lab.panels.inspector import Inspector
+from app.viewer.lab.panels.agent.card import FIRST, ON_ITS_WAY, facts, folds, head
+from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.run.home import at_home
 from app.viewer.run.picture import Camera
 from app.viewer.scene.shown.frame import Frame

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.guide import about
-from app.viewer.lab.panels.tries import Tries, is_done, lesson, where
+from app.viewer.lab.panels.guide.guide import about
+from app.viewer.lab.panels.guide.tries import Tries, is_done, lesson, where
 from app.viewer.run.home import at_home
 from app.viewer.run.state import State
 

@@ -11,7 +11,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
-from app.viewer.lab.panels.bars import size_bars
+from app.viewer.lab.panels.monitors.bars import size_bars
 from app.viewer.measuring.measured import cards, offered, scale, told, unit
 from app.viewer.measuring.readings import Readings
 from app.viewer.run.home import at_home

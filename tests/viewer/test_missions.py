@@ -13,8 +13,8 @@ from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from agents.spec import Spec
-from app.viewer.lab.panels.card import signal_facts
-from app.viewer.lab.panels.monitors import headed, mission_numbers, mission_title, numbers
+from app.viewer.lab.panels.agent.card import signal_facts
+from app.viewer.lab.panels.monitors.monitors import headed, mission_numbers, mission_title, numbers
 from app.viewer.lab.panels.setup import differs
 from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
 from app.viewer.measuring.readings import Readings, arrived

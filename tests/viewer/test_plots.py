@@ -15,8 +15,8 @@ from viser import uplot
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.lab.panels.numbers import NumbersTable, tabled
-from app.viewer.lab.panels.overlay import Overlay
+from app.viewer.lab.panels.monitors.numbers import NumbersTable, tabled
+from app.viewer.lab.panels.plots.overlay import Overlay
 from app.viewer.measuring.course import Conditions, Course
 from app.viewer.measuring.curves import over_earlier, thinned
 from app.viewer.measuring.earlier import KEPT, EarlierRuns

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.bars import layer_bars
+from app.viewer.lab.panels.monitors.bars import layer_bars
 from app.viewer.measuring.rate_limit import RateLimit
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.notation import equation_svg, plain

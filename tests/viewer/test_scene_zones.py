@@ -9,7 +9,7 @@ import pytest
 
 from agents.inspection import Inspection, Shell
 from agents.state.crashes import Crashes
-from app.viewer.lab.panels.card import folds, head
+from app.viewer.lab.panels.agent.card import folds, head
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.colouring import MOST_SAVED, agent_colours, legend
 from app.viewer.scene.draw.oklch import decoded

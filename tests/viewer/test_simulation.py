@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from app.viewer.lab.panels.card import facts
+from app.viewer.lab.panels.agent.card import facts
 from app.viewer.run.home import at_home
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation

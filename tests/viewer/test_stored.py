@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from agents import Flock
 from agents.record import KEY
 from app.viewer.gallery.opened import opened
-from app.viewer.run import stored as limits
-from app.viewer.run.parquet_pages import unpacked_bytes
-from app.viewer.run.stored import Stored, stored
+from app.viewer.run.past import stored as limits
+from app.viewer.run.past.parquet_pages import unpacked_bytes
+from app.viewer.run.past.stored import Stored, stored
 from worlds.refusal import Refusal
 
 

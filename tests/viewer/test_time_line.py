@@ -12,11 +12,11 @@ from agents.flock import Flock
 from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
-from app.viewer.run.history import History, Moment
 from app.viewer.run.home import at_home
+from app.viewer.run.past.history import History, Moment
+from app.viewer.run.past.stored import stored
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.stored import stored
 from tests.viewer.waiting import until
 from worlds.obstacles import Disc
 from worlds.refusal import Refusal

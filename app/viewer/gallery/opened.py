@@ -8,7 +8,7 @@ import stat
 from pathlib import Path
 
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
-from app.viewer.run.stored import PARQUET, Stored, stored
+from app.viewer.run.past.stored import PARQUET, Stored, stored
 from worlds.reading import read_text
 from worlds.refusal import Refusal
 

@@ -14,21 +14,21 @@ from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import Spec
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.lab.panels.crashes import CrashLists
+from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.lab.panels.downloads import Downloads
-from app.viewer.lab.panels.guide import Guide
-from app.viewer.lab.panels.inspector import Inspector
-from app.viewer.lab.panels.monitors import BLOCKS, contents
-from app.viewer.lab.panels.more import MoreNumbers
-from app.viewer.lab.panels.numbers import NumbersTable
-from app.viewer.lab.panels.plots import Plots
+from app.viewer.lab.panels.guide.guide import Guide
+from app.viewer.lab.panels.guide.tries import Tries
+from app.viewer.lab.panels.monitors.crashes import CrashLists
+from app.viewer.lab.panels.monitors.monitors import BLOCKS, contents
+from app.viewer.lab.panels.monitors.more import MoreNumbers
+from app.viewer.lab.panels.monitors.numbers import NumbersTable
+from app.viewer.lab.panels.plots.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.time_line import TimeLinePanel
-from app.viewer.lab.panels.tries import Tries
 from app.viewer.lab.panels.view import FlockView
-from app.viewer.lab.panels.world import WorldPanel
+from app.viewer.lab.panels.world.world import WorldPanel
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
 from app.viewer.lab.taking import Taking
 from app.viewer.measuring.readings import Readings
@@ -37,11 +37,11 @@ from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.home import at_home, lively_speed, usual_of
+from app.viewer.run.past.stored import LARGEST, Stored
 from app.viewer.run.picture import Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
 from app.viewer.run.steering import leader, usable_pose
-from app.viewer.run.stored import LARGEST, Stored
 from app.viewer.scene.drawing import Drawing
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.between import Between

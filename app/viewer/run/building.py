@@ -10,10 +10,10 @@ from agents.spec import Spec
 from app.viewer.editing.free_places import set_free
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.run.beside import Pair
+from app.viewer.run.past.playback import Playback
+from app.viewer.run.past.stored import Stored
 from app.viewer.run.picture import Wanted
-from app.viewer.run.playback import Playback
 from app.viewer.run.run import Run
-from app.viewer.run.stored import Stored
 from worlds.world import World
 
 

@@ -24,13 +24,13 @@ from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.pace import Pace
+from app.viewer.run.past.playback import Playback
+from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.time_line import TimeLine
 from app.viewer.run.picture import Wanted
-from app.viewer.run.playback import Playback
 from app.viewer.run.preview import Preview, is_quick
 from app.viewer.run.run import Run
 from app.viewer.run.state import State
-from app.viewer.run.stored import Stored
-from app.viewer.run.time_line import TimeLine
 from app.viewer.run.words import Astray, in_words
 from app.viewer.run.zones import stopped
 from app.viewer.scene.shown.frame import Frame

@@ -7,7 +7,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.viewer.run.compiling import Estimate
-from app.viewer.run.stored import Stored
+from app.viewer.run.past.stored import Stored
 
 
 @dataclass(frozen=True)

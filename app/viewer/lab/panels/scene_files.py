@@ -9,7 +9,7 @@ import viser
 
 from app.viewer.gallery.opened import ENDINGS, opened
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
-from app.viewer.run.stored import LARGEST, Stored
+from app.viewer.run.past.stored import LARGEST, Stored
 from worlds.refusal import Refusal
 
 

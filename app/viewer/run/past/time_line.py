@@ -15,11 +15,11 @@ from typing import Any, Protocol
 from app.viewer.measuring.rate_limit import RateLimit
 from app.viewer.run.beside import Pair
 from app.viewer.run.edits import Edits
-from app.viewer.run.history import History, Moment
-from app.viewer.run.playback import Playback, fixed
+from app.viewer.run.past.history import History, Moment
+from app.viewer.run.past.playback import Playback, fixed
+from app.viewer.run.past.stored import Stored
 from app.viewer.run.run import Run
 from app.viewer.run.state import Line, State
-from app.viewer.run.stored import Stored
 from worlds.refusal import Refusal
 
 SETTLED = 0.25

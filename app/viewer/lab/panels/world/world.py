@@ -13,7 +13,7 @@ import viser
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
 from app.viewer.editing.pick import floor_place, obstacle_hit
-from app.viewer.lab.panels.world_controls import (
+from app.viewer.lab.panels.world.world_controls import (
     DISC,
     NONE,
     POLYGON,

@@ -8,7 +8,7 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.models.declare import declared
-from app.viewer.lab.panels.tries import Tries
+from app.viewer.lab.panels.guide.tries import Tries
 from app.viewer.panels.hotkeys import KEYS, OWN_KEYS
 from app.viewer.panels.notation import equation_svg
 from app.viewer.panels.parameters import worded

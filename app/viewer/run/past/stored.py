@@ -15,7 +15,7 @@ from agents.snapshot import Snapshot
 from agents.spec import Spec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name
 from app.viewer.run.home import MOST_AGENTS, lively_speed
-from app.viewer.run.parquet_pages import unpacked_bytes
+from app.viewer.run.past.parquet_pages import unpacked_bytes
 from worlds.extra import demand_parquet
 from worlds.layout import layout_names
 from worlds.refusal import Refusal, unknown

@@ -8,7 +8,7 @@ import viser
 
 from agents.models.model import Model
 from agents.observables.catalogue import usual_charts
-from app.viewer.lab.panels.overlay import Overlay
+from app.viewer.lab.panels.plots.overlay import Overlay
 from app.viewer.measuring.curves import choices, worded
 from app.viewer.measuring.earlier import EarlierRuns
 from app.viewer.measuring.measured import told

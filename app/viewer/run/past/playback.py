@@ -6,9 +6,9 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.snapshot import Snapshot
+from app.viewer.run.past.stored import Stored
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
-from app.viewer.run.stored import Stored
 from worlds.refusal import Refusal
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.viewer.lab.panels.card import Fold, folds, head
+from app.viewer.lab.panels.agent.card import Fold, folds, head
 from app.viewer.panels.form import sight
 from app.viewer.panels.style import block
 from app.viewer.scene.shown.frame import Frame

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import viser
 
-from app.viewer.lab.panels.more import MoreNumbers
+from app.viewer.lab.panels.monitors.more import MoreNumbers
 from app.viewer.measuring.numbers import numbers, rows
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.plotted import csv_text, file_stem

@@ -5,10 +5,10 @@ from __future__ import annotations
 import html
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.bars import layer_bars, size_bars
-from app.viewer.lab.panels.compared import compared, keeping_up, titled_columns
-from app.viewer.lab.panels.crashes import counted
-from app.viewer.lab.panels.more import SIZES, MoreNumbers
+from app.viewer.lab.panels.monitors.bars import layer_bars, size_bars
+from app.viewer.lab.panels.monitors.compared import compared, keeping_up, titled_columns
+from app.viewer.lab.panels.monitors.crashes import counted
+from app.viewer.lab.panels.monitors.more import SIZES, MoreNumbers
 from app.viewer.measuring import measured
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.monitors import CARDS, KEY

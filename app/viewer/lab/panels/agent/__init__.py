@@ -1,0 +1,1 @@
+"""The card of the agent that was clicked."""

@@ -1,0 +1,1 @@
+"""The guide to the running model, and what there is to try."""

@@ -1,0 +1,1 @@
+"""The world, changed by hand."""

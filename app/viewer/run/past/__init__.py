@@ -1,0 +1,1 @@
+"""What has been: the last minutes of a live run, recordings and states from files."""
