@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 
 import numpy as np
 import pyarrow as pa
@@ -16,6 +17,7 @@ from agents import Flock
 from agents.record import KEY
 from app.viewer.gallery.opened import opened
 from app.viewer.run.past import stored as limits
+from app.viewer.run.past.at_arms_length import rewritten
 from app.viewer.run.past.parquet_pages import unpacked_bytes
 from app.viewer.run.past.stored import Stored, stored
 from worlds.refusal import Refusal
@@ -172,17 +174,34 @@ def test_a_file_from_a_browser_is_bounded(monkeypatch, state):
     assert "`flockscope lab FILE` opens larger ones" in refused(packed(state))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(data=st.data())
 def test_bytes_that_are_changed_are_refused_or_make_a_flock(state, data):
     content = bytearray(packed(state))
     for _ in range(data.draw(st.integers(1, 4))):
         content[data.draw(st.integers(4, len(content) - 1))] = data.draw(st.integers(0, 255))
     try:
-        made = stored("sent.parquet", bytes(content))
+        made = opened("sent.parquet", bytes(content))
     except Refusal as error:
         line = str(error)
     else:
         line = made.kind
         assert np.isfinite(made.flock(Flock, interpret=True).position).all()
     assert "\n" not in line
+
+
+def test_a_file_that_ends_the_process_that_reads_it_is_refused(state, monkeypatch, tmp_path):
+    aborts = tmp_path / "aborts"
+    aborts.write_text("#!/bin/sh\nkill -ABRT $$\n")
+    aborts.chmod(0o700)
+    monkeypatch.setattr(sys, "executable", str(aborts))
+    with pytest.raises(Refusal, match=r"^sent\.parquet cannot be read: it is broken$"):
+        opened("sent.parquet", packed(state))
+
+
+def test_what_is_opened_was_written_by_ours(state):
+    content = packed(state, compression="gzip", row_group_size=3)
+    anew = pq.ParquetFile(io.BytesIO(rewritten("sent.parquet", content)))
+    assert anew.metadata.num_row_groups == 1
+    assert anew.metadata.row_group(0).column(0).compression == "ZSTD"
+    assert anew.read().equals(pq.read_table(io.BytesIO(content)), check_metadata=True)

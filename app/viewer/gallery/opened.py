@@ -7,7 +7,9 @@ import re
 import stat
 from pathlib import Path
 
+from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
+from app.viewer.run.past.at_arms_length import rewritten
 from app.viewer.run.past.stored import PARQUET, Stored, stored
 from worlds.reading import read_text
 from worlds.refusal import Refusal
@@ -24,7 +26,7 @@ def opened(name: str, content: bytes) -> SavedScene | Stored:
     """What a file from a browser is, whatever it is called. Raises Refusal."""
     demand_kind(name, content[:HEAD])
     if content.startswith(PARQUET):
-        return stored(name, content)
+        return stored(name, rewritten(plain_name(name), content))
     return read_scene(name, content)
 
 
