@@ -24,7 +24,8 @@ def newest(chart) -> float:
 
 @pytest.fixture
 def measured(window, laboratory):
-    """The window, with a flock that has run for some ticks."""
+    """The window, with a flock that has run for some ticks, and no run before it."""
+    laboratory.plots.runs.clear()
     laboratory.simulation.go()
     until(lambda: laboratory.simulation.frame.tick > 60)
     laboratory.simulation.pause()

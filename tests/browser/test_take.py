@@ -107,6 +107,7 @@ def test_the_page_gives_a_picture_of_what_it_shows(window, tmp_path):
     """Of the size asked for, with the scene's own colours, and a legend beside it."""
     page = window.page
     page.click(".fs-open >> text=Take")
+    page.locator(".fs-take select").nth(1).wait_for()
     page.evaluate(
         "([select, size]) => { const one = document.querySelectorAll('.fs-take select')[select];"
         " one.append(new Option(size, size)); one.value = size; }",

@@ -76,7 +76,7 @@ def place(tmp_path, monkeypatch):
         "app.cli.formation.trimmed", "app.flight.flown.flown",
         "app.flight.curve.swept", "agents.flight.trim.trim", "app.worlds.picture.draw_world",
         "app.formation.files.table", "agents.observables.formation.vee_saved",
-        "app.cli.live.emulate.emulate", "webbrowser.open",
+        "app.cli.live.emulate.emulate", "webbrowser.open", "app.cli.take.source.compile_loop",
     ):  # fmt: skip
         monkeypatch.setattr(thing, stop)
     return tmp_path
