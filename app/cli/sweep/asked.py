@@ -48,8 +48,8 @@ def sweep_asked(
     until: str,
     hold: int,
     tell: Any,
-) -> tuple[Sweep, str]:
-    """The sweep and the name of its folder. Raises Refusal."""
+) -> tuple[Sweep, Path]:
+    """The sweep and its folder, where no other is asked for. Raises Refusal."""
     from app.experiments.sweeps.places import Places
     from app.experiments.sweeps.sweep import read_sweep, sweep_of
 
@@ -63,9 +63,9 @@ def sweep_asked(
             if given:
                 raise Refusal(f"{name} cannot be given with {what}, which says it already")
         if path.suffix.lower() == ".toml":
-            return read_sweep(path, tell), path.stem
+            return read_sweep(path, tell), RESULTS / path.stem
         folder = folder_of(what)
-        return read_again(folder, tell), folder.name
+        return read_again(folder, tell), folder
     if not vary:
         raise Refusal(
             f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
@@ -73,7 +73,7 @@ def sweep_asked(
         )
     values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
     made = sweep_of(values, Places("the command line", options=places), Path(), tell)
-    return made, "-".join([Path(what).stem, *made.axes])
+    return made, RESULTS / "-".join([Path(what).stem, *made.axes])
 
 
 def read_again(folder: Path, tell: Any) -> Sweep:

@@ -15,7 +15,6 @@ from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.stopping import Stopping
 from app.cli.sweep.asked import (
-    RESULTS,
     Fixed,
     Hold,
     Observes,
@@ -79,8 +78,8 @@ def run(
     at_least("--nice", nice, 0, 19)
     at_least("--limit", limit, 1)
     heard = None if quiet else tell
-    sweep, name = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, heard)
-    folder = out or RESULTS / name
+    sweep, own = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, heard)
+    folder = out or own
     if not quiet:
         warn(sweep)
     began = time.monotonic()

@@ -12,7 +12,7 @@ from typing import Any
 
 from agents.flock import Flock
 from app.experiments.runs.outcome import BROKEN, Outcome, Status
-from app.experiments.runs.store import Store
+from app.experiments.runs.store import Store, canonical
 from app.experiments.sweeps.cells import Cell, changes
 from app.experiments.sweeps.left import Left
 from app.experiments.sweeps.replicates import Rounds
@@ -205,10 +205,10 @@ def tell_changes(sweep: Sweep, store: Store, numbers: list[int], tell: Tell) -> 
     before = store.others(numbers)
     if not before:
         return
-    now = {str(cell.identity): cell for cell in sweep.cells}
+    now = {canonical(cell.identity): cell for cell in sweep.cells}
     said: dict[str, int] = {}
     for identity, basis, runs in before:
-        cell = now.get(str(identity))
+        cell = now.get(canonical(identity))
         for words in changes(basis, cell.basis) if cell else ():
             said[words] = said.get(words, 0) + runs
     for words, runs in said.items():

@@ -116,11 +116,11 @@ def other_worlds(sweep: Sweep) -> list[str]:
     }
     said: list[str] = []
     for model, world in sorted(used):
-        papers = papers_of(model)
-        there = {one for _, one in papers}
-        if world in (PLAIN, NEAREST) and world not in there and there & {PLAIN, NEAREST}:
-            other = NEAREST if world == PLAIN else PLAIN
-            names = [name for name, one in papers if one == other]
+        if world not in (PLAIN, NEAREST):
+            continue
+        papers, other = papers_of(model), NEAREST if world == PLAIN else PLAIN
+        names = [name for name, one in papers if one == other]
+        if len(names) > sum(one == world for _, one in papers):
             more = f" and {len(names) - 1} more" if len(names) > 1 else ""
             said.append(
                 f"{model} is in the world {world}, but {names[0]}{more} used {other}: across the "

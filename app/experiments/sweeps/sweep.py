@@ -12,7 +12,8 @@ import tomlkit
 from pydantic import ValidationError
 
 from agents.catalogue import from_file
-from agents.observables.catalogue import telling
+from agents.flock import Flock
+from agents.observables.catalogue import OBSERVABLES, telling
 from agents.spec import Options, Spec
 from app.experiments.sweeps.cells import Basis, Cell, spec_of
 from app.experiments.sweeps.conditions import Condition, comparison
@@ -97,7 +98,7 @@ def sweep_of(
     points = list(all_points(file, places, folder))
     if len(points) > MOST_CELLS:
         raise Refusal(f"{len(points)} cells are not allowed: the largest sweep has {MOST_CELLS}")
-    making = making_of(file, places, folder, lambda: first_spec(base, points))
+    making = making_of(file, places, folder, lambda: first_flock(base, points, places))
     making.prepare()
     basis = Basis(making, file.replicates.first)
     cells: list[Cell] = []
@@ -206,12 +207,16 @@ def all_points(file: SweepFile, places: Places, folder: Path) -> Iterator[tuple[
         yield from ((number, point) for point in points)
 
 
-def first_spec(base: Spec, points: list[tuple[int, Point]]) -> Spec:
-    """The run of the first cell."""
-    return spec_of(base, points[0][1])
+def first_flock(base: Spec, points: list[tuple[int, Point]], places: Places) -> Flock:
+    """The flock of the first cell. Raises Refusal."""
+    design, point = points[0]
+    try:
+        return Flock(spec_of(base, point).but(seed=1))
+    except Refusal as refusal:
+        raise Refusal(explained(str(refusal), design, point, 1, places)) from None
 
 
-def making_of(file: SweepFile, places: Places, folder: Path, first: Callable[[], Spec]) -> Making:
+def making_of(file: SweepFile, places: Places, folder: Path, first: Callable[[], Flock]) -> Making:
     """How runs are made and measured. Raises Refusal."""
     asked = file.observe or usual(file, first)
     measures: list[Measure] = []
@@ -250,15 +255,11 @@ def making_of(file: SweepFile, places: Places, folder: Path, first: Callable[[],
     return Making(file.run.ticks, tuple(measures), until)
 
 
-def usual(file: SweepFile, first: Callable[[], Spec]) -> list[Observe]:
+def usual(file: SweepFile, first: Callable[[], Flock]) -> list[Observe]:
     """What is observed where nothing is asked for: only when it stops, or what tells of a flock."""
     if file.stop is not None:
         return []
-    from agents.flock import Flock
-    from agents.observables.catalogue import OBSERVABLES
-
-    told = telling(Flock(first().but(seed=1)))
-    return [Observe(name=name) for name in told if not OBSERVABLES[name].is_table]
+    return [Observe(name=name) for name in telling(first()) if not OBSERVABLES[name].is_table]
 
 
 def check_precision(sweep: Sweep) -> None:

@@ -55,12 +55,7 @@ def serve() -> None:
         begun = mmap.mmap(file.fileno(), mmap.PAGESIZE)
     with suppress(OSError):  # where a file in use cannot be removed it stays, a page long
         Path(beginning.place).unlink()
-    from agents.catalogue import from_file
-
-    for one in beginning.files:
-        from_file(one)
-    job = pickle.loads(beginning.job)
-    job.prepare()
+    job = prepared(beginning)
     count = 0
     while True:
         done: list[Outcome] = []
@@ -74,6 +69,22 @@ def serve() -> None:
                 done, told = [], time.monotonic()
         if done:
             report(reports, done)
+
+
+def prepared(beginning: Beginning) -> Any:
+    """The job, ready to make runs; the process ends with a line if that cannot be."""
+    try:
+        from agents.catalogue import from_file
+
+        for one in beginning.files:
+            from_file(one)
+        job = pickle.loads(beginning.job)
+        job.prepare()
+    except BaseException as error:
+        words = " ".join(f"{type(error).__name__}: {error}".split())
+        print(f"flockscope: a process cannot begin ({words})", file=sys.stderr, flush=True)
+        os._exit(1)  # in the usual farewell the thread that listens would be in the way
+    return job
 
 
 def made(job: Any, payload: Any, seed: int) -> Outcome:
