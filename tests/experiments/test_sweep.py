@@ -242,6 +242,24 @@ def test_a_series_is_in_the_long_table(tmp_path):
 
 
 @pytest.mark.usefixtures("here")
+def test_a_script_gets_the_same_as_a_file(tmp_path):
+    from flockscope import Refusal, Spec, sweep
+
+    carry_out(read(tmp_path, text=SMALL), tmp_path / "a")
+    axes = {"eta": np.array([0.0, 3.0, 6.0])}
+    asked = {"vary": axes, "runs": 4, "ticks": 30, "observe": ["polarisation"]}
+    made = sweep("vem", agents=10, size=2.0, folder=tmp_path / "b", **asked)
+    assert table(tmp_path / "b") == table(tmp_path / "a")
+    assert made.columns == wide(Kept(tmp_path / "a"))
+    assert sweep(Spec("vem", agents=10, size=2.0), **asked).columns == made.columns
+    assert sweep(tmp_path / "s.toml").counts == {"ok": 12, "gave-up": 0, "failed": 0, "killed": 0}
+    with pytest.raises(Refusal, match="says itself what is run"):
+        sweep(tmp_path / "s.toml", vary=axes)
+    with pytest.raises(Refusal, match=r"eta = 9.0 rad is outside .*\(flockscope.sweep; cell 2"):
+        sweep("vem", vary={"eta": [1.0, 9.0]})
+
+
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_results_are_tables(tmp_path, kind):
     from app.experiments.sweeps.table import write_table
