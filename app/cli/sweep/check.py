@@ -41,7 +41,7 @@ def check(
     at_least("--runs", runs, 1)
     at_least("--ticks", ticks, 1)
     from app.experiments.sweeps.estimate import estimate, other_worlds
-    from app.experiments.workers.pool import cores
+    from app.experiments.workers.processes import cores
 
     sweep, _ = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, None)
     made = estimate(sweep)

@@ -109,7 +109,7 @@ def carried_out(
 ) -> Done:
     """Carry out the sweep; after Ctrl-C tell how to go on."""
     from app.experiments.sweeps.conduct import conduct
-    from app.experiments.workers.pool import cores
+    from app.experiments.workers.processes import cores
 
     try:
         with Stopping(at_once=True), Progress(folder.name, quiet) as progress:

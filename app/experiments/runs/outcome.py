@@ -31,6 +31,8 @@ class Outcome(NamedTuple):
     """The first agent that was seen where it cannot be, in words."""
     series: dict[str, tuple[np.ndarray, np.ndarray]] = {}  # noqa: RUF012 - never written to
     """Observables along the run: ticks (K,) int and values (K,) float."""
+    rest: tuple[Outcome, ...] = ()
+    """Of a run that goes on from cell to cell: what it gave in those after the first."""
 
 
 def failure(error: BaseException) -> Outcome:

@@ -115,6 +115,28 @@ class Store:
             rows = self.connection.execute("SELECT cell, seed, status FROM run")
             return {(cell, seed): status for cell, seed, status in rows if cell in wanted}
 
+    def outcomes(self, cells: Iterable[int]) -> dict[tuple[int, int], Outcome]:
+        """The runs of these cells, by cell and seed, without their series."""
+        wanted = set(cells)
+        names = ", ".join(map(quoted, [*FIXED, *self.columns]))
+        found: dict[tuple[int, int], Outcome] = {}
+        with guarded(self.path):
+            for (
+                cell,
+                seed,
+                status,
+                reason,
+                seconds,
+                ticks,
+                astray,
+                *values,
+            ) in self.connection.execute(f"SELECT {names} FROM run"):
+                if cell in wanted:
+                    measured = dict(zip(self.columns, values, strict=True))
+                    said = reason or "", seconds, ticks, astray or ""
+                    found[cell, seed] = Outcome(status, measured, *said)
+        return found
+
     def values(self, column: str, cells: Iterable[int]) -> dict[tuple[int, int], float | None]:
         """One column of the runs of these cells that came to an end; None where there is none."""
         wanted = set(cells)

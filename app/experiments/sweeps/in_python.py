@@ -15,7 +15,7 @@ from app.experiments.sweeps.file import Run
 from app.experiments.sweeps.places import Places
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.sweep import Sweep, read_sweep, sweep_of
-from app.experiments.workers.pool import cores
+from app.experiments.workers.processes import cores
 from worlds.refusal import Refusal
 
 TEMPORARY: list[tempfile.TemporaryDirectory[str]] = []

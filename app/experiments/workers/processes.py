@@ -87,6 +87,40 @@ class Process:
         return None, ahead
 
 
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class ThisProcess:
+    """As `Processes`, for so little work that none would have begun before it is done."""
+
+    def __init__(self, job: Any):
+        self.job = job
+
+    def __enter__(self) -> ThisProcess:
+        self.job.prepare()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def run(
+        self,
+        tasks: Iterable[Task],
+        keep: Callable[[Task, Outcome], None],
+        beat: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Make the runs in their order; False if `beat` wanted them stopped."""
+        for task in tasks:
+            keep(task, worker.made(self.job, task.payload, task.seed))
+            if beat():
+                return False
+        return True
+
+
 class Processes:
     """A context manager: so many processes that make the runs of one job.
 
