@@ -58,10 +58,10 @@ def undisturbed(tmp_path_factory):
 def test_killed_at_any_moment_and_gone_on_with_it_is_the_same_table(tmp_path, undisturbed):
     path, out = written(tmp_path), tmp_path / "out"
     chance = random.Random(1)
-    for kind in (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL, signal.SIGINT):
+    for kind in (signal.SIGKILL, signal.SIGTERM):
         before = done(out)
         process = start("sweep", "run", path, "--out", out, "--quiet", "--nice", 1)
-        target = before + chance.randint(1, 90)
+        target = before + chance.randint(1, 150)
         wait_until(lambda target=target: done(out) >= target, process)
         process.send_signal(kind)
         _, stderr = process.communicate(timeout=20)
@@ -123,7 +123,8 @@ def test_the_common_case_needs_no_file(tmp_path, monkeypatch):
     assert len(lines) == 13
     for ending, kind in ((".pdf", "lines"), (".svg", "map"), (".png", "distribution")):
         path = tmp_path / f"x{ending}"
-        drawn = call("sweep", "plot", "vem-eta-agents", "--kind", kind, "--out", path)
+        more = ["--snapshots"] if kind == "map" else []
+        drawn = call("sweep", "plot", "vem-eta-agents", "--kind", kind, "--out", path, *more)
         assert drawn.exit_code == 0, drawn.stderr
         assert path.stat().st_size > 1000
 

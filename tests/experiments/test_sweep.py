@@ -192,6 +192,28 @@ def test_precision_asks_for_more_where_it_is_wide_and_the_same_again(tmp_path):
 
 
 @pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(("p2", "mean"), [(5.0, 11.78), (100.0, 8.93)])
+def test_the_time_to_consistency_is_that_of_the_reading(tmp_path, p2, mean):
+    """Mean k_con of HWVEM on the plain torus over the seeds 1 to 100, found apart from this."""
+    text = """
+[run]
+model = "hwvem"
+agents = 100
+world = "wrap-plain"
+size = 4.962
+ticks = 2000
+parameters = { eta = 0.0, p1 = 0.1, p2 = P2 }
+[stop]
+when = "consistency >= 0.9984"
+hold = 60
+[replicates]
+count = 100
+"""
+    carry_out(read(tmp_path, text=text.replace("P2", str(p2))), tmp_path / "a")
+    assert np.mean(wide(Kept(tmp_path / "a"))["k"]) == pytest.approx(mean, abs=0.03)
+
+
+@pytest.mark.usefixtures("here")
 def test_chosen_cells_are_recorded(tmp_path):
     text = SMALL + "[[record]]\nwhere = 'eta == 3'\nevery = 10\nreplicates = 2\n"
     carry_out(read(tmp_path, text=text), tmp_path / "a")

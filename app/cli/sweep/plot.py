@@ -26,6 +26,9 @@ def plot(
     where: Annotated[
         str, typer.Option(help="Only cells for which this holds: 'agents == 50'.")
     ] = "",
+    snapshots: Annotated[
+        bool, typer.Option("--snapshots", help="Draw the flock of each cell into a map.")
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(help="PNG, SVG or PDF by its ending. \\[default: a PNG beside the runs]"),
@@ -48,7 +51,7 @@ def plot(
     path = out or kept.folder / f"{shown.replace('/', '-')}.png"
     draw(
         kept, path, observable,
-        kind=kind, x=x, y=y, where=where, overwrite=overwrite or out is None,
+        kind=kind, x=x, y=y, where=where, snapshots=snapshots, overwrite=overwrite or out is None,
     )  # fmt: skip
     if not quiet:
         tell_written(path)

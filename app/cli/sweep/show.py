@@ -65,14 +65,14 @@ def summaries(kept: Kept) -> list[dict[str, Any]]:
         {"cell": places[number], "axes": one["axes"], "runs": 0, "gave_up": 0, "failed": 0}
         for number, one in kept.cells.items()
     ]
-    at = {id(one["axes"]): row for one, row in zip(kept.cells.values(), rows, strict=True)}
+    at = dict(zip(kept.cells, rows, strict=True))
     for column in measured(kept):
         try:
             groups = groups_of(kept, column)[1]
         except Refusal:
             break
         for group in groups:
-            row = at[id(group.axes)]
+            row = at[group.number]
             row["gave_up"], row["failed"] = group.gave_up, group.broken
             row["runs"] = max(row["runs"], len(group.values))
             row[column] = {"mean": group.mean, "half_interval": group.half}

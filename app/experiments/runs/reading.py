@@ -25,7 +25,7 @@ ORDERED = (
 
 @dataclass(frozen=True)
 class Kept:
-    """A store as it stands: everything that is read here is one moment of it."""
+    """A store as it stands; what is asked for once is of one moment."""
 
     folder: Path
 

@@ -114,7 +114,7 @@ class Conduct:
 
     def beat(self) -> bool:
         """Commit, tell how far it is; whether it is to stop."""
-        self.store.tell(progress=self.left.value(self.workers))
+        self.store.tell(progress=self.left.value(self.workers), runs=self.rounds.total)
         self.store.beat()
         words = self.left.words(self.broken, self.statuses["gave-up"])
         self.at(self.left.share, self.left.seconds / self.workers, words)

@@ -85,11 +85,8 @@ def asked(
         if vary or words or observe or until or where:
             raise Refusal(f"{str(what)!r} says itself what is run: give folder and workers only")
         return read_sweep(Path(what), tell)
-    run = (
-        {**shared(what), "ticks": ticks}
-        if isinstance(what, Spec)
-        else {"model": what, "ticks": ticks}
-    )
+    run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": what}
+    run["ticks"] = ticks
     for name, value in words.items():
         if name in Run.model_fields:
             run[name] = plain(value)

@@ -31,11 +31,13 @@ def draw(
     x: str | None = None,
     y: str | None = None,
     where: str = "",
+    snapshots: bool = False,
     overwrite: bool = True,
 ) -> str:
     """Draw an observable, the first by default; returns the kind of picture. Raises Refusal.
 
     `x` and `y` are the axes of the picture; `where` is a condition that leaves cells out.
+    `snapshots`: whether a map shows how the flock of each cell looks at its end.
     """
     demand_writable("picture", path, overwrite, ENDINGS)
     if kind is not None and kind not in KINDS:
@@ -45,7 +47,9 @@ def draw(
     for axis in (x, y):
         if axis is not None and axis not in axes:
             raise unknown("axis", axis, axes, str(kept.folder))
-    kind = kind or suited(groups, axes)
+    kind = kind or ("map" if snapshots else suited(groups, axes))
+    if snapshots and kind != "map":
+        raise Refusal(f"snapshots are of a map, not of {kind}")
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -55,7 +59,7 @@ def draw(
         FigureCanvasAgg(figure)
         if kind == "map":
             first, second = two(axes, x, y)
-            draw_map(figure, name, groups, first, second)
+            draw_map(figure, name, groups, first, second, kept if snapshots else None)
         elif kind == "lines":
             draw_lines(figure, name, groups, one(groups, axes, x))
         elif kind == "points":

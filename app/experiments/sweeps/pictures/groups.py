@@ -21,6 +21,8 @@ class Group:
     """The runs of a cell."""
 
     axes: dict[str, Value]
+    number: int
+    """Of its cell in the store."""
     values: list[float] = field(default_factory=list)
     """Of the runs that came to an end and have one."""
     gave_up: int = 0
@@ -46,7 +48,10 @@ def groups_of(kept: Kept, observable: str | None, where: str = "") -> tuple[str,
     if name not in columns:
         raise unknown("observable", name, columns, str(kept.folder))
     condition = Condition(where, axes) if where else None
-    groups = {number: Group(cell["axes"]) for number, cell in kept.cells.items()}
+    groups = {
+        number: Group({axis: cell["axes"][axis] for axis in axes if axis in cell["axes"]}, number)
+        for number, cell in kept.cells.items()
+    }
     for cell, _, status, *_, value in kept.runs([name]):
         group = groups[cell]
         if status in BROKEN:

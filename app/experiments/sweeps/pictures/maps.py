@@ -6,17 +6,26 @@ from typing import Any
 
 import numpy as np
 
+from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.pictures.groups import Group, is_number, values_of
 from app.experiments.sweeps.pictures.lines import CENSORED, FAILED
+from app.experiments.sweeps.pictures.snapshots import draw_snapshots, stands
 from app.strict import Value
 
 
-def draw_map(figure: Any, name: str, groups: list[Group], x: str, y: str) -> None:
-    """Draw the map; every cell is as wide as another, whatever its values."""
+def draw_map(
+    figure: Any, name: str, groups: list[Group], x: str, y: str, kept: Kept | None = None
+) -> None:
+    """Draw the map; every cell is as wide as another, whatever its values.
+
+    With `kept`, the store, the flock of each cell is drawn into it. Raises Refusal.
+    """
     from matplotlib.lines import Line2D
 
     across, up = values_of(groups, x), values_of(groups, y)
-    figure.set_size_inches(1.8 + min(9.0, max(4.0, 0.42 * len(across))), 5.2)
+    wide = 0.9 if kept is not None else 0.42
+    high = max(5.2, 1.4 + wide * len(up)) if kept is not None else 5.2
+    figure.set_size_inches(1.8 + min(14.0, max(4.0, wide * len(across))), min(14.0, high))
     axes = figure.subplots()
     means = np.full((len(up), len(across)), np.nan)
     marks: dict[str, list[tuple[int, int]]] = {"v": [], "x": []}
@@ -30,6 +39,8 @@ def draw_map(figure: Any, name: str, groups: list[Group], x: str, y: str) -> Non
         if group.broken:
             marks["x"].append(at)
     shown = axes.imshow(np.ma.masked_invalid(means), origin="lower", aspect="auto", cmap="viridis")
+    if kept is not None:
+        draw_snapshots(axes, kept, stands(groups, across, up, x, y))
     axes.set_facecolor("#e8e8e8")
     axes.grid(False)
     figure.colorbar(shown, ax=axes, label=f"{name}, mean")
