@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.experiments.sweeps.conditions import Comparison, Condition, comparison
+from app.experiments.sweeps.given.conditions import Comparison, Condition, comparison
 from worlds.refusal import Refusal
 
 VALUES = {"a": 2.0, "b": 3, "name": "x"}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from app.experiments.sweeps.designs import points_of
-from app.experiments.sweeps.file import AnyDesign
+from app.experiments.sweeps.given.designs import points_of
+from app.experiments.sweeps.given.file import AnyDesign
 from worlds.refusal import Refusal
 
 BOUNDS = {"a": {"from": 0.0, "to": 1.0}, "b": {"from": -2.0, "to": 2.0}}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.experiments.sweeps.file import Replicates
+from app.experiments.sweeps.given.file import Replicates
 from app.experiments.sweeps.replicates import Rounds, half_width, is_precise
 
 

@@ -11,7 +11,7 @@ from app.experiments.runs.outcome import Outcome
 from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import Store
 from app.experiments.sweeps.conduct import STOP, conduct
-from app.experiments.sweeps.one_run import Wanted
+from app.experiments.sweeps.making.one_run import Wanted
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.table import as_csv, long, wide
 from app.experiments.workers.worker import made

@@ -15,7 +15,7 @@ import pytest
 import tomlkit
 
 from app.cli.main import COMMANDS
-from app.experiments.sweeps.file import SweepFile
+from app.experiments.sweeps.given.file import SweepFile
 from app.live.laboratory.lab import lab_from_toml
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED

@@ -50,7 +50,7 @@ def sweep_asked(
     tell: Any,
 ) -> tuple[Sweep, Path]:
     """The sweep and its folder, where no other is asked for. Raises Refusal."""
-    from app.experiments.sweeps.places import Places
+    from app.experiments.sweeps.given.places import Places
     from app.experiments.sweeps.sweep import read_sweep, sweep_of
 
     options = {
@@ -80,7 +80,7 @@ def read_again(folder: Path, tell: Any) -> Sweep:
     """The sweep of a folder that was run before. Raises Refusal."""
     from app.experiments.runs.reading import Kept
     from app.experiments.sweeps.conduct import SPEC
-    from app.experiments.sweeps.places import Places
+    from app.experiments.sweeps.given.places import Places
     from app.experiments.sweeps.sweep import sweep_of
     from worlds.reading import read_text, toml
 
@@ -102,7 +102,7 @@ def from_options(
     hold: int,
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """What a file would say, and which option each key is from. Raises Refusal."""
-    from app.experiments.sweeps.file import Run
+    from app.experiments.sweeps.given.file import Run
     from app.settings import assignment
 
     run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}

@@ -31,7 +31,7 @@ def show(
     With --cell and --seed it prints the spec of that run: `flockscope run --spec FILE` repeats it.
     """
     from app.experiments.runs.reading import Kept
-    from app.experiments.sweeps.results import spec_at
+    from app.experiments.sweeps.table import spec_at
 
     kept = Kept(kept_sweep(name))
     if seed is not None:

@@ -11,7 +11,7 @@ from typing import Any
 from agents.flock import Flock
 from agents.spec import OPTIONS, Spec, versions
 from app.experiments.runs.store import canonical
-from app.experiments.sweeps.one_run import Making
+from app.experiments.sweeps.making.one_run import Making
 from app.strict import Value
 from worlds.world import World
 

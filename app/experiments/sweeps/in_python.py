@@ -11,8 +11,8 @@ import numpy as np
 
 from agents.spec import Spec
 from app.experiments.sweeps.conduct import conduct
-from app.experiments.sweeps.file import Run
-from app.experiments.sweeps.places import Places
+from app.experiments.sweeps.given.file import Run
+from app.experiments.sweeps.given.places import Places
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.sweep import Sweep, read_sweep, sweep_of
 from app.experiments.workers.processes import cores

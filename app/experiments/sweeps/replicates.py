@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from app.experiments.sweeps.file import Precision, Replicates
+from app.experiments.sweeps.given.file import Precision, Replicates
 
 Values = Callable[[int, int], list[float]]
 """The values of a cell's first replicates, without those that have none."""

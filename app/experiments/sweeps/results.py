@@ -9,8 +9,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.cells import spec_of
-from app.experiments.sweeps.table import as_arrow, long, wide
+from app.experiments.sweeps.table import as_arrow, long, spec_at, wide
 from worlds.refusal import Refusal
 
 
@@ -76,12 +75,3 @@ class Results:
 
     def _repr_html_(self) -> str:
         return str(self.to_pandas()._repr_html_())
-
-
-def spec_at(kept: Kept, place: int, seed: int) -> Spec:
-    """The run of a cell by its place in the plan. Raises Refusal."""
-    cells = list(kept.cells.values())
-    if not 1 <= place <= len(cells):
-        raise Refusal(f"cell {place} is not allowed: a number from 1 to {len(cells)} is needed")
-    base = Spec.from_toml(kept.state["base"], f"base of {kept.folder}")
-    return spec_of(base, cells[place - 1]["axes"]).but(seed=seed)

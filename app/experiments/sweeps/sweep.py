@@ -16,12 +16,12 @@ from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES, telling
 from agents.spec import Options, Spec
 from app.experiments.sweeps.cells import Basis, Cell, spec_of
-from app.experiments.sweeps.conditions import Condition, comparison
-from app.experiments.sweeps.designs import Point, found, points_of
-from app.experiments.sweeps.file import MOST_CELLS, Observe, Record, Run, SweepFile
-from app.experiments.sweeps.measures import Measure, demand_number, measure_of
-from app.experiments.sweeps.one_run import Making, Until, Wanted
-from app.experiments.sweeps.places import Places, about
+from app.experiments.sweeps.given.conditions import Condition, comparison
+from app.experiments.sweeps.given.designs import Point, found, points_of
+from app.experiments.sweeps.given.file import MOST_CELLS, Observe, Record, Run, SweepFile
+from app.experiments.sweeps.given.places import Places, about
+from app.experiments.sweeps.making.measures import Measure, demand_number, measure_of
+from app.experiments.sweeps.making.one_run import Making, Until, Wanted
 from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, refusal_of, unknown
 

@@ -8,8 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from agents.spec import Spec
 from app.experiments.runs.database import FIXED
 from app.experiments.runs.reading import Kept
+from app.experiments.sweeps.cells import spec_of
 from worlds.extra import demand
 from worlds.refusal import Refusal
 from worlds.writing import writing
@@ -131,3 +133,17 @@ def write_table(columns: Mapping[str, list[Any]], path: Path, overwrite: bool) -
 
     with writing("table", path, overwrite, ENDINGS) as file:
         pq.write_table(table, file)
+
+
+def spec_at(kept: Kept, place: int, seed: int) -> Spec:
+    """The run of a cell by its place in the plan. Raises Refusal."""
+    cells = list(kept.cells.values())
+    if not 1 <= place <= len(cells):
+        raise Refusal(f"cell {place} is not allowed: a number from 1 to {len(cells)} is needed")
+    state = kept.state
+    if "base" not in state:
+        raise Refusal(
+            f"{str(kept.folder)!r} is no sweep but a paper's table: its runs have no spec"
+        )
+    base = Spec.from_toml(state["base"], f"base of {kept.folder}")
+    return spec_of(base, cells[place - 1]["axes"]).but(seed=seed)

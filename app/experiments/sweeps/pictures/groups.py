@@ -9,7 +9,7 @@ from typing import Any
 
 from app.experiments.runs.outcome import BROKEN
 from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.conditions import Condition
+from app.experiments.sweeps.given.conditions import Condition
 from app.experiments.sweeps.replicates import half_width
 from app.experiments.sweeps.table import axes_of, measured
 from app.strict import Value

@@ -7,8 +7,7 @@ from typing import Any
 from agents.flock import Flock
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.pictures.groups import Group
-from app.experiments.sweeps.results import spec_at
-from app.experiments.sweeps.table import places_of
+from app.experiments.sweeps.table import places_of, spec_at
 from worlds.refusal import Refusal
 
 MOST = 150

@@ -12,8 +12,8 @@ from agents.flock import Flock
 from agents.record import Recorder
 from agents.spec import Spec
 from app.experiments.runs.outcome import Outcome, Status
-from app.experiments.sweeps.conditions import Comparison
-from app.experiments.sweeps.measures import K, Looks, Measure
+from app.experiments.sweeps.given.conditions import Comparison
+from app.experiments.sweeps.making.measures import K, Looks, Measure
 
 
 class Wanted(NamedTuple):

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.sweeps.conditions import Condition
-from app.experiments.sweeps.file import (
+from app.experiments.sweeps.given.conditions import Condition
+from app.experiments.sweeps.given.file import (
     MOST_CELLS,
     AnyDesign,
     Axis,

@@ -19,8 +19,8 @@ from agents.models.rule_file import run as run_file
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
 from app.experiments.runs.database import FIXED
-from app.experiments.sweeps.designs import found
-from app.experiments.sweeps.file import Observe
+from app.experiments.sweeps.given.designs import found
+from app.experiments.sweeps.given.file import Observe
 from worlds.reading import read_text
 from worlds.refusal import Refusal, unknown
 
