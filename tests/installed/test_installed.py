@@ -61,6 +61,13 @@ def test_a_paper_is_repeated(installed, tmp_path):
     assert len(runs) == (6 if installed.part_of_a_table else 36)
 
 
+def test_a_sweep_is_made_in_processes_of_its_own(installed, tmp_path):
+    asked = ("vem", "--vary", "eta=0:6:2", "--set", "agents=20", "--runs", "2", "--ticks", "20")
+    installed.run("flockscope", "sweep", "run", *asked, "--quiet", "--out", tmp_path / "out")
+    runs = installed.run("flockscope", "sweep", "export", tmp_path / "out").splitlines()[1:]
+    assert [run.split(",")[3] for run in runs] == ["ok"] * 4
+
+
 def test_the_laboratory_serves_its_first_page(installed):
     process = installed.start("lab", "hwvem", "--agents", "20", "--port", "0", "--no-open")
     try:
