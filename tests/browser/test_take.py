@@ -130,7 +130,7 @@ def test_the_page_films_what_it_shows(window, laboratory, tmp_path):
     page = window.page
     page.click(".fs-open >> text=Take")
     page.select_option(".fs-take >> nth=1 >> select >> nth=1", "640x360")
-    page.click("text=Record")
+    page.get_by_role("button", name="Record", exact=True).click()
     page.wait_for_selector(".fs-recording >> text=/Recording 0:0[1-9]/", timeout=60_000)
     laboratory.simulation.step(5)
     with page.expect_download(timeout=60_000) as found:
