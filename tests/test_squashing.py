@@ -126,6 +126,11 @@ def test_the_shape_leaves_the_zero_and_the_far_end_where_they_are(power, soft):
         assert -0.7 < pull(1e-9) < 0.0, "they repel less"
 
 
+def test_a_share_next_to_nothing_is_still_a_number():
+    flock = Flock("squashing", agents=6, rng=0, world=OPEN, C=3.4e-285, power=6.0)
+    assert np.isfinite(flock.trace(50)).all()
+
+
 def test_own_sensors_tell_what_is_in_view_with_their_errors():
     start = {"position": [(5.0, 5.0), (7.0, 5.0), (3.0, 5.2)], "heading": [(1.0, 0.0)] * 3}
     own = {"sensing": "own", "alpha_s": 180.0, "c_goal": 1.0, **EXACT}

@@ -151,7 +151,7 @@ def test_an_agent_of_a_recording_is_looked_at_from_close(played):
     assert there.id == here.id
     assert np.array_equal(there.neighbours, here.neighbours)
     assert np.array_equal(there.weights, here.weights)
-    assert np.array_equal(played.frame.links, flock.links())
+    until(lambda: np.array_equal(played.frame.links, flock.links()))
 
 
 def test_a_recording_is_gone_on_from_to_the_bit(played, recorded):

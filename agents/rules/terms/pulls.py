@@ -37,7 +37,8 @@ def shaped(r, beta, c, gamma, p):
     if 0.0 < c < 1.0:
         half = (c * gamma / (1.0 - c) + p.soft) ** p.power * (1.0 - c) / c
     far = (r + p.soft) ** p.power
-    return beta * (-c + far / (far + half))
+    share = far / (far + half) if far > 0.0 else 0.0  # both are 0 at r = 0 if c is next to 0
+    return beta * (-c + share)
 
 
 @compiled

@@ -88,6 +88,14 @@ def find_browser() -> str | None:
     return next((one for one in (*named, *there) if one), None)
 
 
+def is_far() -> bool:
+    """Whether the folder for temporary files is too far down for the socket of a browser.
+
+    Its path may have 107 bytes, of which the browser's own names take up to 46.
+    """
+    return os.name == "posix" and len(os.fsencode(tempfile.gettempdir())) > 60
+
+
 class Browser:
     """Draws frames; a context manager. Raises Refusal where the browser does not start."""
 
@@ -124,6 +132,7 @@ class Browser:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            env=os.environ | ({"TMPDIR": "/tmp"} if is_far() else {}),
         )
         until = time.monotonic() + STARTS
         while not self.server.get_clients():

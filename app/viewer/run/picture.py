@@ -97,10 +97,10 @@ class Camera:
             cars=cars(flock),
         )
 
-    def examine(self) -> None:
-        """Find what takes a look at the whole flock, if it is wanted and due."""
+    def examine(self, at_once: bool = False) -> None:
+        """Find what takes a look at the whole flock, if it is wanted and due, or `at_once`."""
         self.survey()
-        if not self.rate_limit.due(time.perf_counter()):
+        if not (at_once or self.rate_limit.due(time.perf_counter())):
             return
         wanted, flock = self.wanted, self.flock
         with self.rate_limit.measured():

@@ -127,7 +127,7 @@ class Run:
             self.astray = flock.stray()
             self.troubles += [] if self.astray is None else [Astray(str(self.astray))]
         self.attempt(lambda: self.readings.read(at_once=closely))
-        self.attempt(self.camera.examine)
+        self.attempt(lambda: self.camera.examine(at_once=closely))
         self.attempt(self.camera.inspect)
         return self.camera.take()
 
