@@ -112,7 +112,7 @@ def first_view(browser: Any) -> None:
 
 def vicsek(browser: Any) -> None:
     """Five thousand agents."""
-    laboratory = Laboratory(port=0, running=False, scene=find_scene("order"))
+    laboratory = Laboratory(port=0, running=False, opened=find_scene("order"))
     run_to(laboratory, 800)
     Sight(browser, laboratory).keep("vicsek")
     laboratory.close()

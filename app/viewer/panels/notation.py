@@ -10,27 +10,31 @@ GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "eta": "η",
     "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π",
     "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ", "varphi": "φ", "chi": "χ", "psi": "ψ",
-    "omega": "ω", "varepsilon": "ε", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ",
+    "omega": "ω", "varepsilon": "ε", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ", "sqrt": "√",
 }  # fmt: skip
 LOWERED = str.maketrans("0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
+RAISED = str.maketrans("0123456789*", "⁰¹²³⁴⁵⁶⁷⁸⁹*")
+SMALL = {"_": LOWERED, "^": RAISED}
 
 
 def plain(symbol: str) -> str:
-    r"""A LaTeX symbol as text.
+    r"""A LaTeX symbol as text; what Unicode has no small figures for keeps its `_` or `^`.
 
-    >>> plain(r"v_0"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}")
-    ('v₀', 'η', 'k IU', 'w nei')
+    >>> plain(r"v_{max}"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}"), plain(r"v^0")
+    ('vₘₐₓ', 'η', 'k_IU', 'w^nei', 'v⁰')
     """
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
     text = re.sub(r"\\+([A-Za-z]+)", lambda found: GREEK.get(found[1], found[1]), text)
-    text = re.sub(r"_\{?([0-9]+|[a-z])\}?(?![a-z])", lowered, text)
-    return " ".join(re.sub(r"[_^{}\\]+", " ", text).split())
+    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small, text)
+    return " ".join(re.sub(r"[{}\\]+", "", text).split())
 
 
-def lowered(found: re.Match[str]) -> str:
-    """A subscript in small figures where Unicode has them all."""
-    small = found[1].translate(LOWERED)
-    return small if small != found[1] else f" {found[1]}"
+def small(found: re.Match[str]) -> str:
+    """A subscript or superscript in small figures, where Unicode has them all."""
+    sign, written = found[1], found[2].strip("{}")
+    figures = SMALL[sign]
+    has_all = all(ord(one) in figures for one in written)
+    return written.translate(figures) if has_all else f"{sign}{written}"
 
 
 @functools.cache
