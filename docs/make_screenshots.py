@@ -184,7 +184,8 @@ def take(
     laboratory = Laboratory(
         spec, port=0, speed=speed, running=False, beside=Spec(beside) if beside else None
     )
-    laboratory.simulation.ready.wait()
+    while laboratory.simulation.state.compiling is not None or laboratory.simulation.frame is None:
+        time.sleep(0.1)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=ARGUMENTS

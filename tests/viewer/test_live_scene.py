@@ -156,6 +156,7 @@ def test_an_outline_of_its_state_is_around_each_real_car():
     draw(part, seen(live(states=("tracked", "stopped", "late", "simulated", "simulated"))))
     there = {state: node(scene, f"/{state}").visible for state in STATE_LINES}
     assert there == {"tracked": True, "stopped": True, "late": True, "lost": False}
+    assert not node(scene, "/lost").points.any(), "no old outline may flash up when one is lost"
     draw(part, shown(frame()))
     assert not node(scene, "/late").visible
 

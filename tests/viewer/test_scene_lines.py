@@ -134,7 +134,9 @@ def test_a_sample_of_links_is_fair_and_steady():
 
 def test_no_lines_hide_the_node():
     handle = Lines()
-    assert segments(handle, np.empty((0, 2, 3)), (0, 0, 0)) == [(handle, "visible", False)]
+    changes = {name: value for _, name, value in segments(handle, np.empty((0, 2, 3)), (9, 9, 9))}
+    assert changes["visible"] is False
+    assert not changes["points"].any(), "what was there before flashes up when it is shown again"
 
 
 def test_a_click_picks_the_agent_under_it_and_the_empty_floor_none():

@@ -31,11 +31,16 @@ def add_lines(
 def segments(
     handle: LineSegmentsHandle, points: np.ndarray, colours: np.ndarray | tuple[int, int, int]
 ) -> Changes:
-    """Draw the segments (K, 2, 3) in colours (K, 2, 3) or (3,), bytes; hide the node when K = 0."""
-    if not len(points):
-        return [(handle, "visible", False)]
+    """Draw the segments (K, 2, 3) in colours (K, 2, 3) or (3,), bytes; hide the node when K = 0.
+
+    A browser shows a node a moment before it has its new points: what is hidden leaves its old
+    ones, or they would flash up.
+    """
+    there = bool(len(points))
+    if not there:
+        points, colours = _DOT, np.zeros(_DOT.shape) if np.ndim(colours) == 3 else colours
     return [
         (handle, "points", points.astype(np.float32)),
         (handle, "colors", np.asarray(colours, dtype=np.uint8)),
-        (handle, "visible", True),
+        (handle, "visible", there),
     ]

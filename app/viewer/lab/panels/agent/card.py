@@ -177,7 +177,7 @@ def pushed(seen: Inspection) -> str:
         f"{html.escape(name)}</td>"
         f'<td style="width:25%"><div class="fs-weight" '
         f'style="width:{100 * value / most:.1f}%;background:{colour}"></div></td>'
-        f"<td>{measured.few(value)} {force_unit(seen, name)}</td></tr>"
+        f'<td style="white-space:nowrap">{measured.few(value)} {force_unit(seen, name)}</td></tr>'
         for (name, value), colour in zip(length.items(), colours, strict=True)
     )
     return f'<table class="fs-table">{rows}</table>'
