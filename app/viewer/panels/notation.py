@@ -10,7 +10,8 @@ GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "eta": "η",
     "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π",
     "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ", "varphi": "φ", "chi": "χ", "psi": "ψ",
-    "omega": "ω", "varepsilon": "ε", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ", "sqrt": "√",
+    "omega": "ω", "varepsilon": "ε", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ",
+    "sqrt": "√",
 }  # fmt: skip
 LOWERED = str.maketrans("0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 RAISED = str.maketrans("0123456789*", "⁰¹²³⁴⁵⁶⁷⁸⁹*")
