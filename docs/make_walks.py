@@ -215,11 +215,9 @@ def roboticist(walk: Walk) -> None:
         walk.press("Reset the emergency stop")
         walk.look("again")
         walk.tab("Record")
-        choice = page.get_by_label("Earlier", exact=True)
-        choice.click()
-        page.get_by_role("option").last.click()
+        walk.press("Stop recording")
         walk.press("Show this recording")
-        page.get_by_label("Time, s").first.wait_for(timeout=PATIENCE)
+        page.get_by_text("Time, s", exact=True).first.wait_for(timeout=PATIENCE)
         page.wait_for_timeout(8000)
         walk.look("replayed")
 

@@ -232,6 +232,38 @@ def test_what_rises_is_seen_from_aside_by_who_has_not_moved_the_camera():
     assert np.hypot(*(still.camera.position - still.camera.look_at)[:2]) > still.camera.position[2]
 
 
+def test_a_flock_that_flies_out_of_an_open_world_stays_in_view_of_who_has_not_moved_the_camera():
+    browsers = [Browser(1), Browser(2)]
+    viewpoints = Viewpoints(Server(browsers))
+    still, moved = browsers
+
+    def show(out: float, run: int = 1) -> None:
+        at = np.array([[5.0, 5.0], [9.0 + out, 9.0]])
+        world = World("open", (20.0, 20.0), ("open", "open"))
+        one = frame(2, at, np.tile([1.0, 0.0], (2, 1)), world=world, run=run)
+        viewpoints._looks = 0.0
+        viewpoints.update((Sight(shown(one), HERE),))
+
+    show(0.0)
+    near = pose(still)
+    viewpoints._stands[2].arrived = True
+    moved.camera.position = moved.camera.position + 1.0
+    elsewhere = pose(moved)
+    show(5.0)
+    assert pose(still) == near, "it is inside yet"
+    show(60.0)
+    far = pose(still)
+    assert far[2] > 2.0 * near[2]
+    assert far[3] > near[3]
+    show(64.0)
+    assert pose(still) == far, "it has room for a while"
+    show(0.0)
+    assert pose(still) == far
+    show(0.0, run=2)
+    assert pose(still) == pytest.approx(near)
+    assert pose(moved) == elsewhere
+
+
 def test_a_preset_ends_a_ride(two):
     (rider, _), viewpoints, one = two
     viewpoints.place(rider, RIDE)

@@ -25,6 +25,10 @@ CLOSE_UP = 1.2
 """Half side of what a following camera shows at first, display units."""
 RESHAPED = 0.02
 """Change in the shape of a canvas, width over height, from which on the picture does not fit."""
+AGAIN = 0.5
+"""Seconds between two looks whether a flock in the open has left what is shown."""
+BEYOND, AHEAD = 0.02, 0.25
+"""How far it is out then, and how much more is shown at each side, of the longest side shown."""
 ARRIVES = 10.0
 """Seconds after which a camera that was never where it was put has been moved by a person."""
 MOVED = 0.01
@@ -47,6 +51,10 @@ class Stand:
     view: View
     aspect: float
     since: float
+    shows: tuple[np.ndarray, np.ndarray]
+    """Corners (3,) of what it shows."""
+    run: int
+    """In which run it was put there."""
     leans: bool = False
     """Whether it stood straight above before something rose."""
     arrived: bool = False
@@ -78,7 +86,7 @@ class Viewpoints:
         """The stage, and the number of flocks, that the cameras were last pointed at."""
         self._risen = 0.0
         """Height of what rises with time."""
-        self._last = time.monotonic()
+        self._last = self._looks = time.monotonic()
         self.first = ""
         """The preset on which a world opens; empty: the usual one."""
         server.on_client_connect(self._welcome)
@@ -101,16 +109,21 @@ class Viewpoints:
             return
         self._place(client, name)
 
-    def _place(self, client: ClientHandle, name: str, leans: bool = False) -> None:
-        """Give one browser a preset."""
+    def _place(
+        self, client: ClientHandle, name: str, leans: bool = False, ahead: float = 0.0
+    ) -> None:
+        """Give one browser a preset that shows the whole, and `ahead` more of it at each side."""
         self._forget(client)
         low, high = whole(self._sights)
+        shows = low - ahead * longest(low, high), high + ahead * longest(low, high)
+        (low, high), run = (one.copy() for one in shows), self._sights[0].picture.frame.run
         if name != "top-down":
             high[2] = max(high[2], risen(self._sights[0].picture))
         aspect = _aspect(client)
         wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
+        stand = Stand(name, wanted, aspect, time.monotonic(), shows, run, leans)
         with self._lock:
-            self._stands[client.client_id] = Stand(name, wanted, aspect, time.monotonic(), leans)
+            self._stands[client.client_id] = stand
         _set(client, wanted)
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
@@ -153,6 +166,9 @@ class Viewpoints:
         if risen(sights[0].picture) != self._risen:
             self._risen = risen(sights[0].picture)
             self._rise(list(clients.values()))
+        if now >= self._looks and "open" in sights[0].picture.frame.world.edges:
+            self._looks = now + AGAIN
+            self._keep_up(list(clients.values()))
         with self._lock:
             followed, riders = dict(self._followed), dict(self._riders)
         passed, self._last = now - self._last, now
@@ -207,6 +223,19 @@ class Viewpoints:
                 leans = stand.leans and self._risen > 0.0
                 back = stand.leans and not leans
                 self._place(client, "top-down" if back else stand.preset, leans)
+
+    def _keep_up(self, clients: list[ClientHandle]) -> None:
+        """Show the whole again where nobody has moved the camera: after a flock that has flown out
+        of an open world, and a run that begins anew."""
+        low, high = whole(self._sights)
+        for client in clients:
+            stand = self._stands.get(client.client_id)
+            if stand is None or stand.is_left(client.camera):
+                continue
+            lower, upper = stand.shows
+            out = max((lower - low).max(), (high - upper).max()) > BEYOND * longest(lower, upper)
+            if out or stand.run != self._sights[0].picture.frame.run:
+                self._place(client, stand.preset, stand.leans, AHEAD if out else 0.0)
 
     def _welcome(self, client: ClientHandle) -> None:
         if self._sights:
@@ -267,6 +296,11 @@ def whole(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
         stage = sights[0].picture.stage
         upper[1 if stage.dim == 2 else 2] += TITLE[stage.dim] * stage.side
     return np.min(np.add(low, aside), axis=0), upper
+
+
+def longest(low: np.ndarray, high: np.ndarray) -> float:
+    """The longest side of a box."""
+    return float((high - low).max())
 
 
 def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
