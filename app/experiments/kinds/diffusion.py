@@ -11,6 +11,7 @@ v0^2 / (6 D_r) in space.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -61,7 +62,7 @@ class Diffusion(Settings):
             "middle": found[1.0][0] / found[1.0][1],
             "long": whole[0] / whole[1],
             "D": (whole[0] - half[0]) / (whole[1] - half[1]),
-            "turned": turned * float(np.e),
+            "turned": turned * math.e,
         }
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
