@@ -257,8 +257,12 @@ def test_a_flock_that_flies_out_of_an_open_world_stays_in_view_of_who_has_not_mo
     assert far[3] > near[3]
     show(64.0)
     assert pose(still) == far, "it has room for a while"
+    for out in (150.0, 400.0, 1e4):
+        show(out)
+    assert pose(still)[2] < 20.0 * near[2], "what is too small to be seen is let go"
+    show(64.0)
     show(0.0)
-    assert pose(still) == far
+    assert pose(still)[2] >= far[2], "nothing shrinks by itself"
     show(0.0, run=2)
     assert pose(still) == pytest.approx(near)
     assert pose(moved) == elsewhere

@@ -29,6 +29,8 @@ AGAIN = 0.5
 """Seconds between two looks whether a flock in the open has left what is shown."""
 BEYOND, AHEAD = 0.02, 0.25
 """How far it is out then, and how much more is shown at each side, of the longest side shown."""
+MOST = 4.0
+"""Sides of the world from which on a flock is let go: its agents would be too small to be seen."""
 ARRIVES = 10.0
 """Seconds after which a camera that was never where it was put has been moved by a person."""
 MOVED = 0.01
@@ -233,7 +235,9 @@ class Viewpoints:
             if stand is None or stand.is_left(client.camera):
                 continue
             lower, upper = stand.shows
-            out = max((lower - low).max(), (high - upper).max()) > BEYOND * longest(lower, upper)
+            side, world = longest(lower, upper), self._sights[0].picture.stage.side
+            out = max((lower - low).max(), (high - upper).max()) > BEYOND * side
+            out &= side < MOST * world * len(self._sights)
             if out or stand.run != self._sights[0].picture.frame.run:
                 self._place(client, stand.preset, stand.leans, AHEAD if out else 0.0)
 
