@@ -27,6 +27,7 @@ COMMANDS = {
     "lab": Entry(".lab", "lab", "Open the laboratory in the browser (the default)."),
     "run": Entry(".run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
+    "sweep": Entry(".sweep.commands", "sweep", "Many runs over parameters, kept whatever happens."),
     "live": Entry(
         ".live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
     ),

@@ -1,0 +1,8 @@
+"""What `flockscope` promises of sweeps."""
+
+from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
+
+# isort: split
+from app.experiments.sweeps.in_python import sweep
+
+__all__ = ["sweep"]
