@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from flockscope._models import Spec as Spec
     from flockscope._models import from_file as from_file
     from flockscope._models import model as model
+    from flockscope._sweeps import sensitivity as sensitivity
     from flockscope._sweeps import sweep as sweep
     from flockscope.worlds import Box as Box
     from flockscope.worlds import CShape as CShape
@@ -81,6 +82,7 @@ __all__ = [
     "follow",
     "from_file",
     "model",
+    "sensitivity",
     "sweep",
     "world",
 ]

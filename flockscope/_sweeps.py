@@ -1,8 +1,9 @@
-"""What `flockscope` promises of sweeps."""
+"""What `flockscope` promises of sweeps and of what is found from them."""
 
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
+from app.experiments.sensitivity.in_python import sensitivity
 from app.experiments.sweeps.in_python import sweep
 
-__all__ = ["sweep"]
+__all__ = ["sensitivity", "sweep"]

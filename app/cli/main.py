@@ -28,6 +28,7 @@ COMMANDS = {
     "run": Entry(".run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
     "sweep": Entry(".sweep.commands", "sweep", "Many runs over parameters, kept whatever happens."),
+    "sensitivity": Entry(".sensitivity", "sensitivity", "Which parameter matters, from a sweep."),
     "live": Entry(
         ".live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
     ),

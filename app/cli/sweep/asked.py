@@ -51,21 +51,17 @@ def sweep_asked(
 ) -> tuple[Sweep, Path]:
     """The sweep and its folder, where no other is asked for. Raises Refusal."""
     from app.experiments.sweeps.given.places import Places
-    from app.experiments.sweeps.sweep import read_sweep, sweep_of
+    from app.experiments.sweeps.sweep import sweep_of
 
     options = {
         "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
         "--over": over, "--until": until,
     }  # fmt: skip
-    path = Path(what)
-    if path.suffix.lower() == ".toml" or is_sweep(folder_of(what)):
+    if says_all(what):
         for name, given in options.items():
             if given:
                 raise Refusal(f"{name} cannot be given with {what}, which says it already")
-        if path.suffix.lower() == ".toml":
-            return read_sweep(path, tell), RESULTS / path.stem
-        folder = folder_of(what)
-        return read_again(folder, tell), folder
+        return read_or_kept(what, tell)
     if not vary:
         raise Refusal(
             f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
@@ -74,6 +70,22 @@ def sweep_asked(
     values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
     made = sweep_of(values, Places("the command line", options=places), Path(), tell)
     return made, RESULTS / "-".join([Path(what).stem, *made.axes])
+
+
+def says_all(what: str) -> bool:
+    """Whether this is a file, or the folder of a sweep that was run before."""
+    return Path(what).suffix.lower() == ".toml" or is_sweep(folder_of(what))
+
+
+def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
+    """The sweep of a file or of a folder, and its folder. Raises Refusal."""
+    from app.experiments.sweeps.sweep import read_sweep
+
+    if not says_all(what):
+        raise Refusal(f"{what!r} is no FILE.toml and no folder of a sweep")
+    if Path(what).suffix.lower() == ".toml":
+        return read_sweep(Path(what), tell), RESULTS / Path(what).stem
+    return read_again(folder_of(what), tell), folder_of(what)
 
 
 def read_again(folder: Path, tell: Any) -> Sweep:

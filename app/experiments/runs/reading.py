@@ -71,6 +71,11 @@ class Kept:
         )
         return {number: json.loads(text) for number, text in dict(found).items()}
 
+    @cached_property
+    def plan(self) -> list[int]:
+        """The number of the cell at each place of the plan, where one may stand twice."""
+        return [row[0] for row in self._rows("SELECT cell FROM plan ORDER BY place")]
+
     def runs(self, columns: list[str] | None = None) -> list[tuple]:
         """The runs of the plan in its order: the FIXED columns, then what was measured."""
         names = [*FIXED, *(self.columns if columns is None else columns)]

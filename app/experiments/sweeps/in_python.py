@@ -60,32 +60,63 @@ def sweep(
     Raises Refusal for whatever cannot be run, before anything is. A run that raises is a row with
     the status `failed`.
     """
-    made = asked(what, vary or {}, runs, ticks, observe, until, hold, where, words, tell)
+    axes = {
+        name: axis if isinstance(axis, Mapping) else plain(list(axis))
+        for name, axis in (vary or {}).items()
+    }
+    design = {"kind": "grid", "where": where, "axes": axes} if vary else None
+    made = asked(what, design, runs, ticks, observe, until, hold, words, tell)
+    folder = kept_in(folder)
+    conduct(made, folder, workers=workers or cores(), tell=tell)
+    return Results(folder)
+
+
+def kept_in(folder: str | Path | None) -> Path:
+    """The folder, or one that is gone with this process."""
     if folder is None:
         TEMPORARY.append(tempfile.TemporaryDirectory(prefix="flockscope-sweep-"))
         folder = TEMPORARY[-1].name
-    conduct(made, Path(folder), workers=workers or cores(), tell=tell)
-    return Results(Path(folder))
+    return Path(folder)
+
+
+def is_file(what: str | Path | Spec) -> bool:
+    """Whether this names a file that says all that is to be run."""
+    return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
 
 
 def asked(
     what: str | Path | Spec,
-    vary: Mapping[str, Any],
+    design: Mapping[str, Any] | None,
     runs: int,
     ticks: int,
     observe: Sequence[str | Mapping[str, Any]],
     until: str,
     hold: int,
-    where: str,
     words: Mapping[str, Any],
     tell: Callable[[str], Any] | None,
 ) -> Sweep:
     """The sweep that is asked for. Raises Refusal."""
-    if isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml")):
-        if vary or words or observe or until or where:
+    if is_file(what):
+        if design or words or observe or until:
             raise Refusal(f"{str(what)!r} says itself what is run: give folder and workers only")
-        return read_sweep(Path(what), tell)
-    run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": what}
+        return read_sweep(Path(str(what)), tell)
+    values = values_of(what, runs, ticks, observe, until, hold, words)
+    if design is not None:
+        values["design"] = [dict(design)]
+    return sweep_of(values, Places(CALL), Path(), tell)
+
+
+def values_of(
+    what: str | Path | Spec,
+    runs: int,
+    ticks: int,
+    observe: Sequence[str | Mapping[str, Any]],
+    until: str,
+    hold: int,
+    words: Mapping[str, Any],
+) -> dict[str, Any]:
+    """What a file would say of the runs, but for their design. Raises Refusal."""
+    run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": str(what)}
     run["ticks"] = ticks
     for name, value in words.items():
         if name in Run.model_fields:
@@ -93,19 +124,13 @@ def asked(
         else:
             run.setdefault("parameters", {})[name] = plain(value)
     values: dict[str, Any] = {"run": run, "replicates": {"count": runs}}
-    if vary:
-        axes = {
-            name: axis if isinstance(axis, Mapping) else plain(list(axis))
-            for name, axis in vary.items()
-        }
-        values["design"] = [{"kind": "grid", "where": where, "axes": axes}]
     if until:
         values["stop"] = {"when": until, "hold": hold}
     if observe:
         values["observe"] = [
             {"name": one} if isinstance(one, str) else dict(one) for one in observe
         ]
-    return sweep_of(values, Places(CALL), Path(), tell)
+    return values
 
 
 def shared(spec: Spec) -> dict[str, Any]:

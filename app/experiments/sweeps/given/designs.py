@@ -156,21 +156,37 @@ def scaled(design: Sampled, unit: np.ndarray) -> Iterator[Point]:
         }
 
 
-def latin(design: Latin, _: Path) -> Iterator[Point]:
-    """Each axis is cut into as many parts as there are points, and each part has one."""
-    from scipy.stats import qmc
-
-    yield from scaled(
-        design, qmc.LatinHypercube(len(design.axes), rng=design.seed).random(design.points)
-    )
+def sampled(design: Sampled, _: Path) -> Iterator[Point]:
+    """The points of a sample."""
+    yield from scaled(design, unit_sample(design))
 
 
-def sobol(design: Sobol, _: Path) -> Iterator[Point]:
-    """A power of two of points keeps the sequence balanced."""
-    from scipy.stats import qmc
+def unit_sample(design: Sampled) -> np.ndarray:
+    """The points of a sample in the unit cube, (K, D), the same for the same design."""
+    match design:
+        case Latin():  # each axis is cut into as many parts as there are points, and each has one
+            from scipy.stats import qmc
 
-    sampler = qmc.Sobol(len(design.axes), rng=design.seed)
-    yield from scaled(design, sampler.random_base2(design.points.bit_length() - 1))
+            hypercube = qmc.LatinHypercube(len(design.axes), rng=design.seed)
+            return hypercube.random(design.points)
+        case Sobol():  # a power of two of points keeps the sequence balanced
+            from scipy.stats import qmc
+
+            sampler = qmc.Sobol(len(design.axes), rng=design.seed)
+            return sampler.random_base2(design.points.bit_length() - 1)
+        case Saltelli():
+            demand("SALib", "a design of kind saltelli", "experiments")
+            from SALib.sample import sobol
+
+            second = {"calc_second_order": design.second_order}
+            return sobol.sample(problem(design), design.points, seed=design.seed, **second)
+        case Morris():
+            demand("SALib", "a design of kind morris", "experiments")
+            from SALib.sample import morris
+
+            levels = {"num_levels": design.levels}
+            return morris.sample(problem(design), design.trajectories, seed=design.seed, **levels)
+    raise AssertionError(design)
 
 
 def problem(design: Sampled) -> dict[str, Any]:
@@ -179,40 +195,11 @@ def problem(design: Sampled) -> dict[str, Any]:
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
 
-def saltelli(design: Saltelli, _: Path) -> Iterator[Point]:
-    """As SALib has them."""
-    demand("SALib", "a design of kind saltelli", "experiments")
-    from SALib.sample import sobol as sample
-
-    yield from scaled(
-        design,
-        sample.sample(
-            problem(design),
-            design.points,
-            calc_second_order=design.second_order,
-            seed=design.seed,
-        ),
-    )
-
-
-def morris(design: Morris, _: Path) -> Iterator[Point]:
-    """As SALib has them."""
-    demand("SALib", "a design of kind morris", "experiments")
-    from SALib.sample import morris as sample
-
-    yield from scaled(
-        design,
-        sample.sample(
-            problem(design), design.trajectories, num_levels=design.levels, seed=design.seed
-        ),
-    )
-
-
 MAKERS: dict[type, Any] = {
     Grid: grid,
     Listed: listed,
-    Latin: latin,
-    Sobol: sobol,
-    Saltelli: saltelli,
-    Morris: morris,
+    Latin: sampled,
+    Sobol: sampled,
+    Saltelli: sampled,
+    Morris: sampled,
 }
