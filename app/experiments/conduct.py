@@ -16,7 +16,8 @@ from app.experiments.runs.store import Store, canonical
 from app.experiments.trial import Trials, column_of, fingerprint, flock_of, result_of
 from app.experiments.workers.costs import Costs, guess
 from app.experiments.workers.kernels import compile_loop
-from app.experiments.workers.processes import Processes, Task, ThisProcess
+from app.experiments.workers.makers import Makers, Task, ThisProcess
+from app.experiments.workers.processes import Processes
 from worlds.counting import counted, duration
 from worlds.refusal import Refusal
 
@@ -277,6 +278,7 @@ def conduct(
             return False
 
         soon = plan.costs.ahead < SOON
-        with ThisProcess(plan.job) if soon else Processes(plan.job, workers) as makers:
+        made_by: Makers = ThisProcess(plan.job) if soon else Processes(plan.job, workers)
+        with made_by as makers:
             makers.run(tasks, keep, beat)
         return Done(plan.measured, taken, len(tasks), plan.astray, plan.failed)

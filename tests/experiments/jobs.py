@@ -24,6 +24,9 @@ class Sums:
             raise ValueError(f"seed {seed}\nis bad")
         if payload == "kill":
             os.kill(os.getpid(), signal.SIGKILL)
+        if payload == "kill worker":
+            os.kill(os.getppid(), signal.SIGKILL)
+            time.sleep(60)
         if payload == "kill once":
             mark = Path(self.folder) / f"killed-{seed}"
             if not mark.exists():

@@ -7,7 +7,8 @@ import time
 
 import pytest
 
-from app.experiments.workers.processes import Processes, Task
+from app.experiments.workers.makers import Task
+from app.experiments.workers.processes import Processes
 from experiments.jobs import Sums
 from worlds.refusal import Refusal
 

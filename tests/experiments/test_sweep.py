@@ -14,7 +14,7 @@ from app.experiments.sweeps.conduct import STOP, conduct
 from app.experiments.sweeps.making.one_run import Wanted
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.table import as_csv, long, wide
-from app.experiments.workers.worker import made
+from app.experiments.workers.makers import ThisProcess
 from experiments.test_sweep_file import read
 
 SMALL = """
@@ -33,31 +33,11 @@ name = "polarisation"
 """
 
 
-class Here:
-    """What makes runs in this process, for tests that are not of processes."""
-
-    def __init__(self, job, *_):
-        self.job = job
-
-    def __enter__(self):
-        self.job.prepare()
-        return self
-
-    def __exit__(self, *_):
-        pass
-
-    def run(self, tasks, keep, beat):
-        for task in tasks:
-            keep(task, made(self.job, task.payload, task.seed))
-            if beat():
-                return False
-        return True
-
-
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process."""
-    monkeypatch.setattr("app.experiments.sweeps.conduct.Processes", Here)
+    makers = "app.experiments.sweeps.conduct.Processes"
+    monkeypatch.setattr(makers, lambda job, *_: ThisProcess(job))
 
 
 def carry_out(sweep, folder, **more):

@@ -25,10 +25,23 @@ from app.cli.sweep.asked import (
     Vary,
     sweep_asked,
 )
+from app.cli.sweep.clusters import (
+    Account,
+    Cores,
+    DryRun,
+    Jobs,
+    Memory,
+    OnCluster,
+    Queue,
+    Walltime,
+    cluster_asked,
+    in_words,
+)
 from app.settings import at_least
 from worlds.counting import counted, duration
 
 if TYPE_CHECKING:
+    from app.experiments.cluster.asked import Cluster
     from app.experiments.sweeps.conduct import Done
     from app.experiments.sweeps.sweep import Sweep
 
@@ -60,6 +73,14 @@ def run(
         bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
     ] = False,
     limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
+    cluster: OnCluster = "",
+    dry_run: DryRun = False,
+    jobs: Jobs = None,
+    cores: Cores = None,
+    memory: Memory = "",
+    walltime: Walltime = "",
+    queue: Queue = "",
+    account: Account = "",
     plot: Annotated[
         bool, typer.Option("--plot", help="Draw each observable as PNG and SVG at the end.")
     ] = False,
@@ -80,14 +101,29 @@ def run(
     heard = None if quiet else tell
     sweep, own = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, heard)
     folder = out or own
+    asked = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
+    asked |= {"queue": queue, "account": account}
+    made_on = cluster_asked(sweep, cluster, workers, dry_run, **asked)
+    if dry_run and made_on is not None:
+        print_job(made_on, quiet)
+        return
     if not quiet:
         warn(sweep)
     began = time.monotonic()
-    done = carried_out(sweep, folder, workers, nice, retry_failed, limit, quiet)
+    done = carried_out(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
     files = draw_all(sweep, folder) if plot and done.made + done.taken else []
     report(sweep, folder, done, files, time.monotonic() - began, json_asked, quiet)
     if done.broken:
         raise typer.Exit(BROKEN)
+
+
+def print_job(cluster: Cluster, quiet: bool) -> None:
+    """Print what a queue would be asked for. Raises Refusal."""
+    from app.experiments.cluster.opening import job_script
+
+    typer.echo(job_script(cluster), nl=False)
+    if not quiet:
+        tell(f"flockscope: nothing is run; without --dry-run {in_words(cluster)}")
 
 
 def warn(sweep: Sweep) -> None:
@@ -106,11 +142,14 @@ def carried_out(
     retry: bool,
     limit: int | None,
     quiet: bool,
+    cluster: Cluster | None = None,
 ) -> Done:
     """Carry out the sweep; after Ctrl-C tell how to go on."""
     from app.experiments.sweeps.conduct import conduct
     from app.experiments.workers.processes import cores
 
+    if cluster is not None and not quiet:
+        tell(in_words(cluster))
     try:
         with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
             return conduct(
@@ -120,6 +159,7 @@ def carried_out(
                 nice=nice,
                 retry=retry,
                 limit=limit,
+                cluster=cluster,
                 tell=None if quiet else tell,
                 at=progress.at,
             )

@@ -11,6 +11,7 @@ import json
 import os
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,7 @@ class Store:
 
     def __exit__(self, kind: Any, *_: object) -> None:
         try:
-            if kind is None or issubclass(kind, KeyboardInterrupt):
+            with nullcontext() if kind is None else suppress(Refusal):
                 self.keep()
         finally:
             with guarded(self.path):

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from agents.flock import Flock
+from app.experiments.cluster.asked import Cluster
+from app.experiments.cluster.on_cluster import OnCluster
 from app.experiments.runs.outcome import BROKEN, Outcome, Status
 from app.experiments.runs.store import Store, canonical
 from app.experiments.sweeps.cells import Cell, changes
@@ -18,7 +20,8 @@ from app.experiments.sweeps.left import Left
 from app.experiments.sweeps.replicates import Rounds
 from app.experiments.sweeps.sweep import Sweep
 from app.experiments.workers.kernels import compile_loop
-from app.experiments.workers.processes import Processes, Task
+from app.experiments.workers.makers import Makers, Task
+from app.experiments.workers.processes import Processes
 from worlds.counting import counted
 from worlds.writing import write_text
 
@@ -53,7 +56,6 @@ class Conduct:
     numbers: list[int]
     """The number of each cell in the store."""
     at: At
-    workers: int
     limit: int | None
     done: dict[tuple[int, int], Status] = field(default_factory=dict)
     values: dict[tuple[int, int], float | None] = field(default_factory=dict)
@@ -74,6 +76,8 @@ class Conduct:
         if self.column is not None:
             self.values = self.store.values(self.column, self.numbers)
         self.made = 0
+        self.workers = 1
+        """Runs that are made at a time."""
 
     def lacking(self) -> Iterator[tuple[int, int, int]]:
         """Cell, replicate and seed of what this round lacks, replicate by replicate."""
@@ -133,15 +137,20 @@ class Conduct:
         ok = [self.done.get((number, seed)) == "ok" for seed in seeds]
         return [one for one, good in zip(found, ok, strict=True) if good and one is not None]
 
-    def run(self, processes: Processes) -> bool:
+    def run(self, makers: Makers) -> bool:
         """Make all rounds; False if it was stopped or reached its limit."""
+
+        def beat() -> bool:
+            self.workers = max(1, makers.workers)
+            return self.beat()
+
         while True:
             room = None if self.limit is None else max(0, self.limit - self.made)
             tasks = [self.task(*one) for one in islice(self.lacking(), room)]
             self.left.expect([task.cell for task in tasks])
-            if not processes.run(tasks, self.keep, self.beat):
+            if not makers.run(tasks, self.keep, beat):
                 return False
-            self.beat()
+            beat()
             if not self.is_whole:
                 return False
             if not self.rounds.more(self.first_values):
@@ -156,12 +165,14 @@ def conduct(
     nice: int = 0,
     retry: bool = False,
     limit: int | None = None,
+    cluster: Cluster | None = None,
     tell: Tell | None = None,
     at: At = lambda *_: None,
 ) -> Done:
     """Carry out a sweep in a folder: spec.toml, runs.sqlite and recordings.
 
     `retry`: whether runs that failed or were killed are made again. `limit`: runs to make now.
+    `cluster`: what makes them, by default that of the file, or `workers` processes.
     `at` hears of the share that is done, the seconds left and the runs. Raises Refusal; after
     KeyboardInterrupt what was finished is in the store.
     """
@@ -185,7 +196,7 @@ def conduct(
             store.forget_broken()
         if tell is not None:
             tell_changes(sweep, store, numbers, tell)
-        call = Conduct(sweep, store, numbers, at, workers, limit)
+        call = Conduct(sweep, store, numbers, at, limit)
         while call.is_whole and call.rounds.more(call.first_values):
             pass
         taken = call.taken()
@@ -194,8 +205,15 @@ def conduct(
             prepare(sweep, tell)
             if tell is not None:
                 tell(f"{counted(call.rounds.total - taken, 'run')} to make, {taken} are there")
-            with Processes(sweep.making, workers, nice) as processes:
-                whole = call.run(processes)
+            seconds = sweep.file.run.seconds
+            made_by: Makers
+            asked = cluster or sweep.file.cluster
+            if not asked.kind:
+                made_by = Processes(sweep.making, workers, nice, seconds)
+            else:
+                made_by = OnCluster(sweep.making, asked, workers, nice, seconds)
+            with made_by as makers:
+                whole = call.run(makers)
         store.tell(progress=None, runs=call.rounds.total)
         return Done(call.made, taken, call.broken, call.statuses["gave-up"], whole)
 

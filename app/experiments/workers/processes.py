@@ -1,11 +1,13 @@
 """Runs in processes of their own that live as long as there is work: none of them ends the work.
 
 A process that is killed is replaced, and the run that it was at is made once more; one that kills
-its process twice is recorded as `killed`. Processes end by themselves when their parent is gone.
+its process twice is recorded as `killed`, and so is one that takes longer than it may. Processes
+end by themselves when their parent is gone.
 """
 
 from __future__ import annotations
 
+import math
 import mmap
 import os
 import pickle
@@ -17,14 +19,15 @@ import tempfile
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from app.experiments.runs.outcome import Outcome
 from app.experiments.workers import worker
-from app.experiments.workers.worker import Beginning
+from app.experiments.workers.makers import LOOK, Awake, Beat, Keep, Task
+from app.experiments.workers.worker import PATIENT, Beginning
 from worlds.refusal import Refusal
 
 AHEAD = 0.2
@@ -39,18 +42,6 @@ FIRST_GUESS = 0.05
 """Seconds that a run is taken to last until one is done."""
 
 
-@dataclass(frozen=True)
-class Task:
-    """A run to make."""
-
-    cell: int
-    seed: int
-    payload: Any
-    """What the job needs to know of it; it is pickled."""
-    tries: int = 0
-    """Processes that it has killed."""
-
-
 @dataclass
 class Process:
     """One worker, the runs that were sent to it, and how far it is."""
@@ -61,6 +52,14 @@ class Process:
     waiting: deque[Task] = field(default_factory=deque)
     """Sent, and not yet reported."""
     reported: int = 0
+    heard: float = 0.0
+    """When it last reported, or was sent something with nothing to do, by a clock that is awake."""
+    seen: int = 0
+    """How many runs it had begun when it was last looked at,"""
+    since: float = 0.0
+    """and since when."""
+    overran: bool = False
+    """Whether it was killed because its run took too long."""
 
     @property
     def begun(self) -> int:
@@ -78,6 +77,13 @@ class Process:
             return False
         return True
 
+    def is_late(self, now: float, limit: float) -> bool:
+        """Whether the run that it is at has taken longer than it may."""
+        begun = self.begun
+        if begun != self.seen:
+            self.seen, self.since = begun, now
+        return begun > self.reported and now - self.since > limit
+
     def left(self) -> tuple[Task | None, list[Task]]:
         """The run that it died at, if it was at one, and those that it had not begun."""
         ahead = list(self.waiting)
@@ -94,48 +100,31 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-class ThisProcess:
-    """As `Processes`, for so little work that none would have begun before it is done."""
-
-    def __init__(self, job: Any):
-        self.job = job
-
-    def __enter__(self) -> ThisProcess:
-        self.job.prepare()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def run(
-        self,
-        tasks: Iterable[Task],
-        keep: Callable[[Task, Outcome], None],
-        beat: Callable[[], bool] = lambda: False,
-    ) -> bool:
-        """Make the runs in their order; False if `beat` wanted them stopped."""
-        for task in tasks:
-            keep(task, worker.made(self.job, task.payload, task.seed))
-            if beat():
-                return False
-        return True
-
-
 class Processes:
-    """A context manager: so many processes that make the runs of one job.
+    """So many processes of this machine, which make the runs of one job.
 
-    `job` is pickled to each of them: it has `prepare()`, and `run(payload, seed)` that returns an
-    Outcome. Leaving it ends the processes at once.
+    `job` is pickled to each of them. `limit`: seconds that a run may take. `patience`: seconds
+    after which a process that is asked for nothing ends. Leaving it ends the processes at once.
     """
 
-    def __init__(self, job: Any, workers: int, nice: int = 0):
-        self.beginning = Beginning.of(job, nice)
+    def __init__(
+        self,
+        job: Any,
+        workers: int,
+        nice: int = 0,
+        limit: float | None = None,
+        patience: float | None = None,
+    ):
+        self.beginning = job if isinstance(job, Beginning) else Beginning.of(job, nice)
+        self.beginning = replace(self.beginning, patience=patience)
         self.workers = workers
+        self.limit = math.inf if limit is None else limit
         self.processes: list[Process] = []
         self.events: queue.SimpleQueue[tuple[Process, list[Outcome] | None]] = queue.SimpleQueue()
         self.stillborn = 0
         self.seconds = FIRST_GUESS
         """What a run takes, lately."""
+        self.awake = Awake()
 
     def __enter__(self) -> Processes:
         return self
@@ -152,12 +141,7 @@ class Processes:
             one.started.close()
         self.processes.clear()
 
-    def run(
-        self,
-        tasks: Iterable[Task],
-        keep: Callable[[Task, Outcome], None],
-        beat: Callable[[], bool] = lambda: False,
-    ) -> bool:
+    def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
         """Make the runs, begun in their order; False if `beat` wanted them stopped.
 
         `keep` receives each in the calling thread. Raises Refusal if no process can be begun.
@@ -174,11 +158,19 @@ class Processes:
                 while True:
                     process, found = self.events.get_nowait()
                     self.take(process, found, ahead, keep)
+            self.end_late(self.awake.look())
             if time.monotonic() - beaten >= BEAT:
                 beaten = time.monotonic()
                 if beat():
                     return False
         return True
+
+    def end_late(self, now: float) -> None:
+        """End the processes whose run takes longer than it may."""
+        for one in self.processes:
+            if not one.overran and one.is_late(now, self.limit):
+                one.overran = True
+                one.popen.kill()
 
     def begin(self) -> Process:
         """A new process."""
@@ -220,30 +212,30 @@ class Processes:
             if not ahead or (one.waiting and busy >= AHEAD):
                 continue
             share = -(-len(ahead) // (2 * self.workers))
+            if not one.waiting:
+                one.heard = self.awake.seconds
             some = max(1, min(int((2.0 * AHEAD - busy) / self.seconds), share, 1000))
             one.send([ahead.popleft() for _ in range(min(some, len(ahead)))])
 
     def take(
-        self,
-        process: Process,
-        found: list[Outcome] | None,
-        ahead: deque[Task],
-        keep: Callable[[Task, Outcome], None],
+        self, process: Process, found: list[Outcome] | None, ahead: deque[Task], keep: Keep
     ) -> None:
         """Take what a process reports, or that it is gone."""
         if found is None:
             self.bury(process, ahead, keep)
             return
         self.stillborn = 0
+        most = self.awake.look() - process.heard + LOOK
+        process.heard = self.awake.seconds
         for outcome in found:
             task = process.waiting.popleft()
             process.reported += 1
+            if outcome.seconds > most:  # the machine was asleep meanwhile
+                outcome = outcome._replace(seconds=most)
             self.seconds += 0.1 * (max(outcome.seconds, 1e-5) - self.seconds)
             keep(task, outcome)
 
-    def bury(
-        self, process: Process, ahead: deque[Task], keep: Callable[[Task, Outcome], None]
-    ) -> None:
+    def bury(self, process: Process, ahead: deque[Task], keep: Keep) -> None:
         """Put the runs of a process that is gone back, the one that it was at with its count."""
         self.processes.remove(process)
         code = process.popen.wait()
@@ -251,14 +243,16 @@ class Processes:
         process.started.close()
         ahead.extendleft(reversed(rest))
         if at is None:
-            self.stillborn += 1
+            self.stillborn += code != PATIENT and not process.overran
             if self.stillborn >= STILLBORN * self.workers:
                 raise Refusal(
                     f"no process that makes runs can be begun: they end with {ended(code)}"
                 )
             return
         at = replace(at, tries=at.tries + 1)
-        if at.tries < TRIES:
+        if process.overran:
+            keep(at, Outcome("killed", reason=f"it took longer than {self.limit:g} s"))
+        elif at.tries < TRIES:
             ahead.appendleft(at)
         else:
             keep(at, Outcome("killed", reason=f"its process ended twice, with {ended(code)}"))

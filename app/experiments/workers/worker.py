@@ -19,6 +19,8 @@ from app.experiments.runs.outcome import Outcome, failure
 
 REPORTS = 0.05
 """Seconds for which what is done is held back, so that many short runs make one report."""
+PATIENT = 0
+"""The code with which a process ends that is asked for nothing."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Beginning:
     """Files of rules, which the process is to know too."""
     place: str = ""
     """The file in which it keeps how many runs it has begun."""
+    patience: float | None = None
+    """Seconds after which it ends if it is asked for nothing; None: never."""
 
     @classmethod
     def of(cls, job: Any, nice: int) -> Beginning:
@@ -60,7 +64,7 @@ def serve() -> None:
     while True:
         done: list[Outcome] = []
         told = time.monotonic()
-        for payload, seed in asked.get():
+        for payload, seed in next_of(asked, beginning.patience):
             count += 1
             begun[:8] = count.to_bytes(8, "little")
             done.append(made(job, payload, seed))
@@ -69,6 +73,16 @@ def serve() -> None:
                 done, told = [], time.monotonic()
         if done:
             report(reports, done)
+
+
+def next_of(
+    asked: queue.SimpleQueue[list[tuple[Any, int]]], patience: float | None
+) -> list[tuple[Any, int]]:
+    """The runs that are asked for next; the process ends if there are none for too long."""
+    try:
+        return asked.get(timeout=patience)
+    except queue.Empty:
+        os._exit(PATIENT)
 
 
 def prepared(beginning: Beginning) -> Any:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from agents.spec import LARGEST_SEED, Options
+from app.experiments.cluster.asked import Cluster
 from app.strict import Strict, Value
 
 MOST_CELLS = 1_000_000
@@ -26,6 +27,8 @@ class Run(Strict, Options):
     world: str | None = None
     ticks: int = Field(ge=1, le=MOST_TICKS)
     """Ticks of a run; with [stop] the most."""
+    seconds: float | None = Field(default=None, gt=0.0)
+    """What a run may take, of the clock, before it is killed; None: as long as it takes."""
     parameters: dict[str, Value] = Field(default_factory=dict)
 
 
@@ -246,3 +249,4 @@ class SweepFile(Strict):
     replicates: Replicates = Replicates()
     observe: list[Observe] = Field(default_factory=list)
     record: list[Record] = Field(default_factory=list)
+    cluster: Cluster = Cluster()
