@@ -68,10 +68,11 @@ def cluster_asked(
     except ValidationError as error:
         first = error.errors()[0]
         name = str(first["loc"][0]) if first["loc"] else "cluster"
-        cause = first.get("ctx", {}).get("error")
-        raise Refusal(
-            f"--{'cluster' if name == 'kind' else name}: {cause or needed(first)}"
-        ) from None
+        option = "--cluster" if name == "kind" else f"--{name}"
+        said = first.get("ctx", {}).get("error") or (
+            f"{asked.get(name)!r} is not allowed: {needed(first)}"
+        )
+        raise Refusal(f"{option}: {said}") from None
     if not cluster.queued:
         for name in given:
             raise Refusal(f"--{name} is of a queue: give --cluster slurm or --cluster pbs with it")

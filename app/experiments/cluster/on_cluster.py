@@ -11,14 +11,14 @@ import pickle
 import queue
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agents.spec import versions
 from app.experiments.cluster.asked import Cluster
-from app.experiments.cluster.opening import Opened, opened
+from app.experiments.cluster.opening import Opened, logs_of, opened
 from app.experiments.runs.outcome import Outcome
 from app.experiments.workers.makers import Beat, Keep, Task
 from app.experiments.workers.processes import BEAT, FIRST_GUESS
@@ -39,6 +39,8 @@ LARGEST = 1000
 """Runs of a chunk, at most."""
 AGAIN = 30.0
 """Seconds between two looks whether jobs that have ended are to be replaced."""
+ALONE = 60.0
+"""Seconds without any worker after which it is said."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +62,21 @@ class Chunk:
 class OnCluster:
     """A context manager: a cluster that makes the runs of one job."""
 
-    def __init__(self, job: Any, cluster: Cluster, workers: int, nice: int, limit: float | None):
+    def __init__(
+        self,
+        job: Any,
+        cluster: Cluster,
+        workers: int,
+        nice: int = 0,
+        limit: float | None = None,
+        tell: Callable[[str], Any] | None = None,
+    ):
         self.beginning = pickle.dumps(Beginning.of(job, nice), -1)
         self.cluster = cluster
         self.limit = limit
+        self.tell = tell
+        self.alone_since: float | None = time.monotonic()
+        """Since when there has been no worker; None once that was told, too."""
         self.opening: AbstractContextManager[Opened] = opened(cluster, workers)
         self.versions = versions()
         self.seconds = FIRST_GUESS
@@ -103,6 +116,7 @@ class OnCluster:
             if now - looked >= 1.0:
                 looked = now
                 self.slots = self.look()
+                self.hint(now)
             if now - renewed >= AGAIN:
                 renewed = now
                 self.opened.renew()
@@ -122,6 +136,18 @@ class OnCluster:
             return sum(self.client.nthreads().values())
         except (OSError, TimeoutError):
             raise self.lost() from None
+
+    def hint(self, now: float) -> None:
+        """Say once that no worker comes, and what that may come from."""
+        if self.slots or self.tell is None:
+            self.alone_since = now
+        elif self.alone_since is not None and now - self.alone_since >= ALONE:
+            self.alone_since = None
+            logs = f"; logs of jobs are in {logs_of(self.cluster)}" if self.cluster.queued else ""
+            self.tell(
+                "flockscope: no worker has come yet: jobs wait in the queue, or cannot reach this "
+                f"machine{logs}"
+            )
 
     def lost(self) -> Refusal:
         """What to say when there is no scheduler."""

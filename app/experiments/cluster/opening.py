@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from distributed import Client, Security
 
 EXTRA = "cluster"
-CONNECT = 30.0
+CONNECT = 10.0
 """Seconds to wait for a scheduler that runs."""
 FAILURES = 1
 """Workers that may die of a chunk before it is halved, but for one."""
@@ -104,6 +104,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
 def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
     """Dask's cluster of jobs of a queue, whose scheduler is in this process."""
     import dask_jobqueue
+    from distributed.deploy.spec import ProcessInterface
 
     kind = {"slurm": "SLURMCluster", "pbs": "PBSCluster"}[cluster.queued or ""]
     base = getattr(dask_jobqueue, kind)
@@ -111,12 +112,13 @@ def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
     class Job(base.job_cls):  # type: ignore[name-defined]
         """A job that keeps what the queue says when it does not take it."""
 
-        async def _submit_job(self, script_filename: str) -> str:
+        async def start(self) -> None:
             try:
-                return str(await super()._submit_job(script_filename))
-            except (RuntimeError, OSError) as error:
-                faults.append(" ".join(str(error).split()))
-                raise
+                await super().start()
+            except (RuntimeError, OSError, ValueError) as error:
+                said = str(error).rpartition("stderr:")[2].split()
+                faults.append(f"{self.submit_command}: {' '.join(said)}")
+                await ProcessInterface.start(self)
 
     return base(job_cls=Job, **arguments(cluster, security))
 

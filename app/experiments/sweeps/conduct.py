@@ -211,7 +211,7 @@ def conduct(
             if not asked.kind:
                 made_by = Processes(sweep.making, workers, nice, seconds)
             else:
-                made_by = OnCluster(sweep.making, asked, workers, nice, seconds)
+                made_by = OnCluster(sweep.making, asked, workers, nice, seconds, tell)
             with made_by as makers:
                 whole = call.run(makers)
         store.tell(progress=None, runs=call.rounds.total)
