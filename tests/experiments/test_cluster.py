@@ -44,7 +44,7 @@ name = "polarisation"
 name = "groups"
 when = "every 100"
 """
-SMALL, LARGE = TEXT.replace("TICKS", "300"), TEXT.replace("TICKS", "3000")
+SMALL, LARGE = TEXT.replace("TICKS", "300"), TEXT.replace("TICKS", "2000")
 
 
 def tables(folder):

@@ -48,6 +48,8 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
     whole = False
     try:
         whole = processes.run(tasks, keep, lambda: is_unwanted(worker, asked))
+    except Refusal as refusal:
+        raise Refusal(f"{refusal} (a worker on {platform.node()})") from None
     finally:
         if not whole:
             processes.__exit__()

@@ -31,7 +31,6 @@ KEYS = {"cert.pem": "tls_client_cert", "key.pem": "tls_client_key"}
 SETTINGS = {
     "distributed.scheduler.allowed-failures": FAILURES,
     "distributed.comm.timeouts.connect": f"{CONNECT:g}s",
-    "distributed.admin.log-format": "%(name)s - %(levelname)s - %(message)s",
 }
 
 
@@ -70,7 +69,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
     import dask
     from distributed import Client, LocalCluster, Security
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    hush()
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
         made = Opened(client=None)  # type: ignore[arg-type]
@@ -82,7 +81,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
                 n_workers=workers,
                 threads_per_worker=1,
                 host="127.0.0.1",
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL,
                 security=security,
             )
@@ -99,6 +98,13 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
             raise Refusal(f"no scheduler of Dask answers at {cluster.address}") from None
         stack.enter_context(made.client)
         yield made
+
+
+def hush() -> None:
+    """Keep Dask's own lines, tracebacks among them, off the terminal: what matters is told."""
+    for name in [*logging.root.manager.loggerDict, "asyncio"]:
+        if name.startswith(("distributed", "dask_jobqueue", "asyncio")):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
@@ -128,7 +134,7 @@ def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
     lifetime, stagger = cluster.lifetime
     logs = logs_of(cluster)
     ports = ["--worker-port", cluster.worker_ports, "--nanny-port", cluster.worker_ports]
-    scheduler: dict[str, Any] = {"port": cluster.port, "dashboard_address": None}
+    scheduler: dict[str, Any] = {"port": cluster.port, "dashboard_address": "127.0.0.1:0"}
     if cluster.interface:
         scheduler["interface"] = cluster.interface
     days, rest = divmod(cluster.seconds, 86400)
