@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.results import RESULTS
 from app.settings import names, numbers, value
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
     from app.experiments.sweeps.sweep import Sweep
 
-RESULTS = Path("results")
 SPAN = re.compile(r"([^:]+):([^:]+)(?::([^:]+))?(?::(log|linear))?")
 Vary = Annotated[
     list[str] | None,

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json
-from app.cli.sweep.asked import RESULTS, is_sweep
-from app.cli.sweep.status import status_of
+from app.cli.sweep.asked import is_sweep
+from app.results import RESULTS
 
 
 def list_sweeps(
@@ -18,6 +18,7 @@ def list_sweeps(
 ) -> None:
     """The sweeps that were begun, and how far each is."""
     from app.experiments.runs.reading import readable
+    from app.experiments.sweeps.status import status_of
 
     there = sorted(folder.iterdir()) if folder.is_dir() else []
     found = [status_of(one) for one in there if is_sweep(one) and readable(one)]

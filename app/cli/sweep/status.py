@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -19,37 +18,10 @@ def status(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """How many runs are done, how fast the rest comes, and what failed."""
+    from app.experiments.sweeps.status import status_of
+
     value = status_of(kept_sweep(name))
     typer.echo(as_json(value) if json_asked else in_words(value))
-
-
-def status_of(folder: Path) -> dict[str, Any]:
-    """How far the sweep of a folder is."""
-    from app.experiments.runs.reading import Kept
-    from app.experiments.runs.store import is_taken
-
-    kept = Kept(folder)
-    state, counts = kept.state, kept.counts
-    running = is_taken(folder)
-    progress = state.get("progress") if running else None
-    return {
-        "folder": str(folder),
-        "title": state.get("title", ""),
-        "state": "running" if running else "stopped" if left(state, counts) else "done",
-        "runs": counts,
-        "done": sum(counts.values()),
-        "of": state.get("runs"),
-        "others": kept.others,
-        "rate": progress and progress["rate"],
-        "seconds_left": progress and progress["seconds_left"],
-        "workers": progress and progress["workers"],
-        "pid": progress and progress["pid"],
-    }
-
-
-def left(state: dict[str, Any], counts: dict[str, int]) -> bool:
-    """Whether there are runs to make."""
-    return bool(state.get("runs", 0) > sum(counts.values()))
 
 
 def in_words(value: dict[str, Any]) -> str:

@@ -25,6 +25,8 @@ from worlds.refusal import Refusal
 EVERY = 0.25
 """Seconds between two commits."""
 LOCK = ".lock"
+PATIENCE = 0.2
+"""Seconds to wait for the lock: who looks whether it is taken has it for a moment."""
 
 
 class Store:
@@ -212,7 +214,7 @@ def locked(folder: Path) -> FileLock:
     """The folder's lock, which a process that dies lets go. Raises Refusal if another has it."""
     lock = FileLock(folder / LOCK)
     try:
-        lock.acquire(timeout=0)
+        lock.acquire(timeout=PATIENCE)
     except Timeout:
         raise Refusal(
             f"{str(folder)!r} is being written by another process: wait for it, or stop it with "

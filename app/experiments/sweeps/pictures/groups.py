@@ -25,6 +25,8 @@ class Group:
     """Of its cell in the store."""
     values: list[float] = field(default_factory=list)
     """Of the runs that came to an end and have one."""
+    seeds: list[int] = field(default_factory=list)
+    """Of the same runs."""
     gave_up: int = 0
     broken: int = 0
 
@@ -52,7 +54,7 @@ def groups_of(kept: Kept, observable: str | None, where: str = "") -> tuple[str,
         number: Group({axis: cell["axes"][axis] for axis in axes if axis in cell["axes"]}, number)
         for number, cell in kept.cells.items()
     }
-    for cell, _, status, *_, value in kept.runs([name]):
+    for cell, seed, status, *_, value in kept.runs([name]):
         group = groups[cell]
         if status in BROKEN:
             group.broken += 1
@@ -60,6 +62,7 @@ def groups_of(kept: Kept, observable: str | None, where: str = "") -> tuple[str,
             group.gave_up += 1
         elif value is not None:
             group.values.append(float(value))
+            group.seeds.append(seed)
     kept_groups = [
         group
         for group in groups.values()
