@@ -270,6 +270,7 @@ def store_of(folder: Path, text: str, runs: int, agents: int = 20) -> Path:
         ('[run]\nmodel = "vem"\n', 10, 3001, "3,001 agents"),
         ('[run]\nmodel = "mine.py"\n', 10, 20, "code of its own"),
         ('[run]\nmodel = "vem"\n[[observe]]\nmeasure = "m.py:f"\n', 10, 20, "code of its own"),
+        ('[run]\nmodel = "vem"\n[cluster]\nkind = "slurm"\n', 10, 20, "not of the page's kind"),
         ('[run]\nmodel = "vem"\n[[record]]\nevery = 1\n', 10, 20, "not of the page's kind"),
     ],
 )

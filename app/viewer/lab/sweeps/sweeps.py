@@ -30,6 +30,8 @@ from worlds.writing import write_text
 
 EVERY, SELDOM = 1.0, 4.0
 """Seconds between two looks while something runs, and while nothing does."""
+TABLES = ("title", "run", "stop", "design", "replicates", "observe")
+"""Of a file, those with which the page goes on: no cluster, no recordings."""
 SHARE = 0.05
 """Of a core, that looking takes at most."""
 
@@ -256,7 +258,8 @@ def demand_from_page(folder: Path) -> None:
         ".py"
     ):
         raise Refusal(f"{folder.name} has code of its own: {told}")
-    if values.get("record") or values.get("replicates", {}).get("precision"):
+    others = [name for name in values if name not in TABLES]
+    if others or values.get("replicates", {}).get("precision"):
         raise Refusal(f"{folder.name} is not of the page's kind: {told}")
     kept = Kept(folder)
     cells = kept.cells
