@@ -29,6 +29,7 @@ COMMANDS = {
     "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
     "sweep": Entry(".sweep.commands", "sweep", "Many runs over parameters, kept whatever happens."),
     "sensitivity": Entry(".sensitivity", "sensitivity", "Which parameter matters, from a sweep."),
+    "optimise": Entry(".optimise", "optimise", "The best values of parameters, by a search."),
     "live": Entry(
         ".live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
     ),

@@ -13,6 +13,7 @@ from app.settings import names, numbers, value
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
+    from app.experiments.sweeps.given.places import Places
     from app.experiments.sweeps.sweep import Sweep
 
 SPAN = re.compile(r"([^:]+):([^:]+)(?::([^:]+))?(?::(log|linear))?")
@@ -90,16 +91,22 @@ def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
 
 def read_again(folder: Path, tell: Any) -> Sweep:
     """The sweep of a folder that was run before. Raises Refusal."""
+    from app.experiments.sweeps.sweep import sweep_of
+
+    return sweep_of(*begun_in(folder), tell)
+
+
+def begun_in(folder: Path) -> tuple[dict[str, Any], Places, Path]:
+    """What the file in a folder says, where its keys are, where it was begun. Raises Refusal."""
     from app.experiments.runs.reading import Kept
     from app.experiments.sweeps.conduct import SPEC
     from app.experiments.sweeps.given.places import Places
-    from app.experiments.sweeps.sweep import sweep_of
     from worlds.reading import read_text, toml
 
     path = folder / SPEC
     text = read_text(f"sweep {str(path)!r}", path)
     begun = Path(Kept(folder).state.get("from_folder", folder))
-    return sweep_of(toml(text, str(path)), Places(str(path), text), begun, tell)
+    return toml(text, str(path)), Places(str(path), text), begun
 
 
 def from_options(

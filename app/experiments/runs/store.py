@@ -118,9 +118,9 @@ class Store:
             rows = self.connection.execute("SELECT cell, seed, status FROM run")
             return {(cell, seed): status for cell, seed, status in rows if cell in wanted}
 
-    def outcomes(self, cells: Iterable[int]) -> dict[tuple[int, int], Outcome]:
-        """The runs of these cells, by cell and seed, without their series."""
-        wanted = set(cells)
+    def outcomes(self, cells: Iterable[int] | None = None) -> dict[tuple[int, int], Outcome]:
+        """The runs of these cells, or of all, by cell and seed, without their series."""
+        wanted = None if cells is None else set(cells)
         names = ", ".join(map(quoted, [*FIXED, *self.columns]))
         found: dict[tuple[int, int], Outcome] = {}
         with guarded(self.path):
@@ -134,7 +134,7 @@ class Store:
                 astray,
                 *values,
             ) in self.connection.execute(f"SELECT {names} FROM run"):
-                if cell in wanted:
+                if wanted is None or cell in wanted:
                     measured = dict(zip(self.columns, values, strict=True))
                     said = reason or "", seconds, ticks, astray or ""
                     found[cell, seed] = Outcome(status, measured, *said)

@@ -205,17 +205,20 @@ def conduct(
             prepare(sweep, tell)
             if tell is not None:
                 tell(f"{counted(call.rounds.total - taken, 'run')} to make, {taken} are there")
-            seconds = sweep.file.run.seconds
-            made_by: Makers
-            asked = cluster or sweep.file.cluster
-            if not asked.kind:
-                made_by = Processes(sweep.making, workers, nice, seconds)
-            else:
-                made_by = OnCluster(sweep.making, asked, workers, nice, seconds, tell)
-            with made_by as makers:
+            asked, seconds = cluster or sweep.file.cluster, sweep.file.run.seconds
+            with makers_of(sweep.making, asked, workers, nice, seconds, tell) as makers:
                 whole = call.run(makers)
         store.tell(progress=None, runs=call.rounds.total)
         return Done(call.made, taken, call.broken, call.statuses["gave-up"], whole)
+
+
+def makers_of(
+    job: Any, cluster: Cluster, workers: int, nice: int, seconds: float | None, tell: Tell | None
+) -> Makers:
+    """What makes the runs of a job: a cluster if there is one, or processes of this machine."""
+    if cluster.kind:
+        return OnCluster(job, cluster, workers, nice, seconds, tell)
+    return Processes(job, workers, nice, seconds)
 
 
 def tell_changes(sweep: Sweep, store: Store, numbers: list[int], tell: Tell) -> None:

@@ -22,6 +22,7 @@ from app.experiments.sweeps.given.file import MOST_CELLS, Observe, Record, Run, 
 from app.experiments.sweeps.given.places import Places, about
 from app.experiments.sweeps.making.measures import Measure, demand_number, measure_of
 from app.experiments.sweeps.making.one_run import Making, Until, Wanted
+from app.strict import Strict
 from worlds.reading import read_text, toml
 from worlds.refusal import Refusal, needed, refusal_of, unknown
 
@@ -93,7 +94,7 @@ def sweep_of(
     tell: Callable[[str], Any] | None = None,
 ) -> Sweep:
     """The sweep of values, as TOML has them. Raises Refusal, before anything is run."""
-    file = checked_file(values, places)
+    file = checked_file(SweepFile, values, places)
     base = base_of(file, places, folder)
     points = list(all_points(file, places, folder))
     if len(points) > MOST_CELLS:
@@ -136,7 +137,7 @@ def explained(refusal: str, design: int, point: Point, number: int, places: Plac
     return f"{refusal} ({at}; cell {number}: {said})" if said else f"{refusal} ({at})"
 
 
-def checked_file(values: dict[str, Any], places: Places) -> SweepFile:
+def checked_file[File: Strict](kind: type[File], values: dict[str, Any], places: Places) -> File:
     """The file with every key as it may be. Raises Refusal naming the line."""
     for axis in values.get("run", {}) if isinstance(values.get("run"), dict) else ():
         if axis == "seed":
@@ -145,17 +146,17 @@ def checked_file(values: dict[str, Any], places: Places) -> SweepFile:
                 f"({places.of('seed', 'run')})"
             )
     try:
-        return SweepFile(**values)
+        return kind(**values)
     except ValidationError as error:
         first = error.errors()[0]
         loc = [part for part in first["loc"] if part not in TAGS]
         keys = [str(part) for part in loc if not isinstance(part, int) and "[" not in str(part)]
         numbers = [part for part in loc if isinstance(part, int)]
-        design = numbers[0] if keys[0] == "design" and numbers else None
-        where = places.of(keys[-1], ".".join(keys[:-1]), design)
+        design = numbers[0] if keys[:1] == ["design"] and numbers else None
+        where = places.of(keys[-1] if keys else "", ".".join(keys[:-1]), design)
         cause = first.get("ctx", {}).get("error")
         said = str(cause) if isinstance(cause, Refusal) else needed(first)
-        raise Refusal(f"{'.'.join(keys)}: {said} ({where})") from None
+        raise Refusal(": ".join(filter(None, [".".join(keys), f"{said} ({where})"]))) from None
 
 
 TAGS = ("grid", "list", "csv", "latin-hypercube", "sobol", "saltelli", "morris", "Span")
