@@ -79,9 +79,9 @@ def workers_of(parent):
 
 
 def test_whatever_a_run_does_the_others_are_kept_once(tmp_path):
-    payloads = {1: "raise", 2: "kill", 3: "kill once", 4: "kill worker", 5: "print"}
+    payloads = {1: "raise", 2: "kill", 3: "kill once", 4: "kill worker", 5: "sleep"}
     kept = []
-    with OnCluster(Sums(str(tmp_path)), Cluster(kind="local"), 2) as makers:
+    with OnCluster(Sums(str(tmp_path)), Cluster(kind="local"), 2, limit=4.0) as makers:
         tasks = [Task(1, seed, payloads.get(seed)) for seed in range(12)]
         assert makers.run(tasks, lambda task, outcome: kept.append((task.seed, outcome)))
         wait(lambda: makers.look() == 2)
@@ -92,6 +92,7 @@ def test_whatever_a_run_does_the_others_are_kept_once(tmp_path):
         1: ("failed", "ValueError: seed 1 is bad"),
         2: ("killed", "its process ended twice, with signal SIGKILL"),
         4: ("killed", "2 workers ended while it was made, alone"),
+        5: ("killed", "it took longer than 4 s"),
     }
     assert all(one.values == {"sum": seed + 1} for seed, one in kept if seed not in broken)
 

@@ -4,11 +4,14 @@ import os
 import signal
 import threading
 import time
+from collections import deque
+from types import SimpleNamespace
 
 import pytest
 
-from app.experiments.workers.makers import Task
-from app.experiments.workers.processes import Processes
+from app.experiments.runs.outcome import Outcome
+from app.experiments.workers.makers import Awake, Task
+from app.experiments.workers.processes import Process, Processes
 from experiments.jobs import Sums
 from worlds.refusal import Refusal
 
@@ -74,3 +77,31 @@ def test_a_killed_process_is_replaced_and_its_run_made_again():
 def test_a_job_that_cannot_begin_is_refused():
     with pytest.raises(Refusal, match="can be begun: they end with code 1"):
         carried_out(Sums("nowhere"), [Task(1, 0, None)], workers=1)
+
+
+def test_a_run_that_hangs_is_killed_and_the_others_are_made():
+    tasks = [Task(1, seed, "sleep" if seed == 3 else None) for seed in range(9)]
+    kept = []
+    with Processes(Sums(), 2, limit=1.0) as processes:
+        assert processes.run(tasks, lambda task, outcome: kept.append((task.seed, outcome)))
+    assert sorted(seed for seed, _ in kept) == list(range(9))
+    broken = {seed: (one.status, one.reason) for seed, one in kept if one.status != "ok"}
+    assert broken == {3: ("killed", "it took longer than 1 s")}
+
+
+def test_a_clock_that_jumps_neither_kills_a_run_nor_makes_it_long():
+    """As after a machine has slept for a day while a run was under way."""
+    now, kept = [0.0], []
+    processes = Processes(Sums(), 1, limit=100.0)
+    processes.awake = Awake(lambda: now[0])
+    process = Process(SimpleNamespace(), bytearray(8), deque([Task(1, 0, None)]))
+    processes.processes.append(process)
+    process.started[0] = 1
+    for moment in (0.5, 1.0, 86_401.0, 86_401.5):
+        now[0] = moment
+        processes.end_late(processes.awake.look())
+        assert not process.overran
+    report = [Outcome("ok", seconds=86_400.0)]
+    processes.take(process, report, deque(), lambda _, outcome: kept.append(outcome.seconds))
+    assert 1.5 <= kept[0] <= 4.0
+    assert processes.seconds < 1.0

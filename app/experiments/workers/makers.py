@@ -10,7 +10,7 @@ from typing import Any, Protocol, Self
 from app.experiments.runs.outcome import Outcome
 from app.experiments.workers import worker
 
-LOOK = 2.0
+LOOK = 1.0
 """Seconds between two looks at the clock, beyond which the machine was asleep."""
 
 
