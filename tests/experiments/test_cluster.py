@@ -24,6 +24,7 @@ from worlds.refusal import Refusal
 pytest.importorskip("dask_jobqueue", reason="the extra cluster is not installed")
 import psutil
 from dask.config import set as dask_config
+from distributed import Client
 
 from app.experiments.cluster.on_cluster import OnCluster
 
@@ -203,6 +204,38 @@ def test_jobs_of_a_queue_make_the_runs_and_are_replaced(tmp_path, slurm, one_mac
     wait(
         lambda: not any(psutil.pid_exists(int(pid)) for pid in (slurm / "jobs").read_text().split())
     )
+
+
+def test_jobs_end_with_a_parent_that_is_killed(tmp_path, slurm):
+    (tmp_path / "s.toml").write_text(LARGE + f"[cluster]\nshared = '{tmp_path}/shared'\n")
+    out = tmp_path / "out"
+    process = start("sweep", "run", tmp_path / "s.toml", "--out", out, "--cluster", "slurm")
+    wait_until(lambda: done(out) > 0, process)
+    job = psutil.Process(int((slurm / "jobs").read_text()))
+    begun = [job, *job.children(recursive=True)]
+    assert any("serve()" in str(one.cmdline()) for one in begun), "one of them makes runs"
+    process.kill()
+    process.communicate()
+    assert psutil.wait_procs(begun, timeout=60)[1] == []
+
+
+def test_a_worker_whose_time_is_over_hands_on_what_it_has(tmp_path, one_machine):
+    """As `--lifetime` ends it: it tells the scheduler, and leaves while it is at a run."""
+    out = tmp_path / "out"
+    with dask(tmp_path, "--nworkers", "2") as (_, _, address):
+        left = []
+
+        def at(_share, _left, _words):
+            if not left and done(out) > 20:
+                with Client(address.removeprefix("dask:"), set_as_default=False) as client:
+                    left.extend(client.retire_workers([min(client.nthreads())], close_workers=True))
+
+        made = conduct(
+            read(tmp_path, text=LARGE), out, workers=1, cluster=Cluster(kind=address), at=at
+        )
+    assert len(left) == 1
+    assert (made.made, made.broken, made.whole) == (120, 0, True)
+    assert tables(out) == one_machine[LARGE]
 
 
 def test_a_queue_that_sends_no_worker_is_told_of(tmp_path, slurm, monkeypatch):

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from distributed import Worker, get_worker
+from distributed import Reschedule, Worker, get_worker
 from distributed.core import Status
 
 from agents.spec import versions
@@ -53,6 +53,8 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
     finally:
         if not whole:
             processes.__exit__()
+    if not whole:
+        raise Reschedule  # whoever still waits for it has it made elsewhere
     with LOCK:
         IDLE.setdefault(job, []).append(processes)
     return pickle.dumps([found[place] for place in sorted(found)], -1)
