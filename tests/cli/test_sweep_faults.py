@@ -11,6 +11,7 @@ import pytest
 
 from app.experiments.runs.database import FILE
 from app.experiments.runs.reading import Kept, readable
+from app.experiments.runs.store import Store
 from cli.calling import call, refusal, start, wait_until
 
 TEXT = """
@@ -153,3 +154,12 @@ def test_a_store_of_another_kind_is_left_alone(tmp_path, undisturbed):
     assert "is not a store of runs: move it away" in refusal(*asked)
     assert (tmp_path / FILE).read_bytes() == b"a,b\n"
     assert "cannot be made" in refusal(*asked[:-2], tmp_path / FILE, "--quiet")
+
+
+def test_the_runs_of_a_paper_are_left_alone(tmp_path, undisturbed):
+    with Store(tmp_path, ["k"]) as store:
+        store.tell(kind="paper")
+    before = (tmp_path / FILE).read_bytes()
+    asked = ("sweep", "run", undisturbed[0], "--out", tmp_path, "--quiet")
+    assert "has the runs of a paper" in refusal(*asked)
+    assert (tmp_path / FILE).read_bytes() == before

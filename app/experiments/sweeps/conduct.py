@@ -14,6 +14,7 @@ from agents.flock import Flock
 from app.experiments.cluster.asked import Cluster
 from app.experiments.cluster.on_cluster import OnCluster
 from app.experiments.runs.outcome import BROKEN, Outcome, Status
+from app.experiments.runs.reading import Kept, readable
 from app.experiments.runs.store import Store, canonical
 from app.experiments.sweeps.cells import Cell, changes
 from app.experiments.sweeps.left import Left
@@ -23,6 +24,7 @@ from app.experiments.workers.kernels import compile_loop
 from app.experiments.workers.makers import Makers, Task
 from app.experiments.workers.processes import Processes
 from worlds.counting import counted
+from worlds.refusal import Refusal
 from worlds.writing import write_text
 
 SPEC = "spec.toml"
@@ -176,6 +178,7 @@ def conduct(
     `at` hears of the share that is done, the seconds left and the runs. Raises Refusal; after
     KeyboardInterrupt what was finished is in the store.
     """
+    demand_no_paper(folder)
     with Store(folder, sweep.making.columns) as store:
         with contextlib.suppress(FileNotFoundError):
             (folder / STOP).unlink()
@@ -219,6 +222,12 @@ def makers_of(
     if cluster.kind:
         return OnCluster(job, cluster, workers, nice, seconds, tell)
     return Processes(job, workers, nice, seconds)
+
+
+def demand_no_paper(folder: Path) -> None:
+    """Refuse a folder whose runs are those of a paper, before anything there is changed."""
+    if readable(folder) and Kept(folder).state.get("kind") == "paper":
+        raise Refusal(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
 
 
 def tell_changes(sweep: Sweep, store: Store, numbers: list[int], tell: Tell) -> None:
