@@ -15,7 +15,7 @@
   };
   const bring = (style) => setTimeout(() => {
     const found = document.querySelector(style);
-    if (found) found.scrollIntoView({ block: "start", behavior: "smooth" });
+    if (found) found.scrollIntoView({ block: "start" });
   }, 300);
   let text = "", marks = {};
 

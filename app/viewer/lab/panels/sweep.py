@@ -163,8 +163,8 @@ class SweepPanel:
             self.second = AxisForm(gui, "And over", BESIDE, True, "A second one makes a map")
             self.observable = gui.add_dropdown("Measure", ("",), hint="What each run comes to")
             self.last = gui.add_number(
-                "Mean over last ticks", 0, min=0, max=bounds.MOST_TICKS, step=10,
-                hint="0: the value at the end of each run",
+                "Averaged over", 0, min=0, max=bounds.MOST_TICKS, step=10,
+                hint="The last so many ticks of each run; 0: the value at its end",
             )  # fmt: skip
             self.runs = gui.add_number(
                 "Runs of each", RUNS, min=1, max=bounds.MOST_RUNS_OF_CELL, step=1,
@@ -174,7 +174,7 @@ class SweepPanel:
                 "Ticks of a run", TICKS, min=1, max=bounds.MOST_TICKS, step=100
             )
             self.said = gui.add_html("")
-            self.start = gui.add_button("Start the sweep", icon=viser.Icon.PLAYER_PLAY)
+            self.start = gui.add_button("Start the sweep", icon=viser.Icon.CHART_DOTS)
             gui.add_html(block(f'<div class="fs-quiet">{bounds.words()}.</div>'))
         self.which.on_update(self.chosen)
         self.column.on_update(self.chosen)
@@ -313,7 +313,7 @@ class SweepPanel:
         sight(self.go, one is not None and one.state != "done")
         if one is not None:
             self.go.label = "Stop" if one.runs else "Go on"
-            self.go.icon = viser.Icon.PLAYER_STOP if one.runs else viser.Icon.PLAYER_PLAY
+            self.go.icon = viser.Icon.PLAYER_STOP if one.runs else viser.Icon.PLAYER_SKIP_FORWARD
 
 
 def put(place: Any, content: str) -> None:
@@ -342,8 +342,12 @@ def status(one: Listed | None, seen: Seen) -> str:
     said = f"{one.done:,} of {one.of:,} runs" if one.of else ""
     if one.runs and seen.said and one.done == 0:
         said = html.escape(seen.said[:200])
-    if one.state == "running" and one.left is not None and one.rate:
-        said += f", {one.rate:.3g} a second, {duration(one.left)} left"
+    pace = ""
+    if one.runs:
+        pace = "&nbsp;"  # the line is there before anything is known: nothing moves then
+        if one.left is not None and one.rate:
+            pace = f"{one.rate:.3g} runs a second, {duration(one.left)} left"
+        pace = f'<div class="fs-quiet">{pace}</div>'
     broken = one.counts.get("failed", 0) + one.counts.get("killed", 0)
     said += f", {broken} failed" if broken else ""
     said += f", {one.counts['gave-up']} gave up" if one.counts.get("gave-up") else ""
@@ -352,5 +356,5 @@ def status(one: Listed | None, seen: Seen) -> str:
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
     return (
         f'{fault}<div class="fs-status">{dot}<span><b>{state}</b> · {said}</span></div>'
-        f"{bar if one.runs or one.state == 'stopped' else ''}"
+        f"{pace}{bar if one.runs or one.state == 'stopped' else ''}"
     )

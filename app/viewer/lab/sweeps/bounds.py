@@ -26,11 +26,12 @@ def workers() -> int:
 
 def words() -> str:
     """What may be begun, for people."""
-    processes = "1 process" if workers() == 1 else f"{workers()} processes"
+    one = workers() == 1
+    processes = "1 process that gives" if one else f"{workers()} processes that give"
     return (
         f"From the page at most {MOST_CELLS} cells, {MOST_RUNS:,} runs, {MOST_AGENTS:,} agents, "
         f"{MOST_TICKS:,} ticks and 10 thousand million steps of an agent; one sweep at a time, in "
-        f"{processes} that give way to the laboratory. "
+        f"{processes} way to the laboratory. "
         "More: <code>flockscope sweep run FILE.toml</code>"
     )
 

@@ -247,8 +247,7 @@ def key(shown: Shown) -> str:
         more.append("× Runs failed")
     if len(shown.axes) == 1:
         more.insert(0, "Mean, 95 % interval and runs")
-    more.append("Click: open the run" if max(map(len, (g.values for g in groups))) < 2
-                else "Click: open the run nearest to the mean")  # fmt: skip
+    more.append("Click: open the run nearest to the mean")
     return f'<div class="fs-quiet">{". ".join(more)}.</div>'
 
 
