@@ -77,8 +77,8 @@ def main() -> None:
     for agents, ticks, share in KINDS:
         runs = max(len(ETA) * 2, int(given.runs * share) // len(ETA) * len(ETA))
         sweep = asked(
-            "vem", {"eta": ETA}, runs // len(ETA), ticks, ["polarisation"], "", 1, "",
-            {"agents": agents}, None,
+            "vem", {"kind": "grid", "axes": {"eta": ETA}}, runs // len(ETA), ticks,
+            ["polarisation"], "", 1, {"agents": agents}, None,
         )  # fmt: skip
         plain(agents, ticks, len(ETA))
         loop = plain(agents, ticks, min(runs, 800))

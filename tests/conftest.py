@@ -62,6 +62,7 @@ DEAR = (
     "tests/test_tutorials.py",
     "tests/cli/test_missions.py",
     "tests/experiments/test_missions.py",
+    "tests/experiments/test_cluster.py",
     "tests/cli/test_live.py",
     "tests/cli",
 )

@@ -83,9 +83,13 @@ def cluster_asked(
     return cluster if cluster.kind else None
 
 
-def in_words(cluster: Cluster) -> str:
-    """A cluster for people."""
+def in_words(cluster: Cluster, records: bool = False) -> str:
+    """A cluster for people; `records`: whether runs are recorded."""
     if not cluster.queued:
-        return f"runs are made by {cluster.kind}"
-    jobs = f"{counted(cluster.jobs, 'job')} of {counted(cluster.cores, 'core')}"
-    return f"{jobs} asked of {cluster.kind}, for {cluster.walltime} each"
+        said = f"runs are made by {cluster.kind}"
+    else:
+        jobs = f"{counted(cluster.jobs, 'job')} of {counted(cluster.cores, 'core')}"
+        said = f"{jobs} asked of {cluster.kind}, for {cluster.walltime} each"
+    if records and cluster.kind != "local":
+        said += "; recordings are written by the nodes, into a folder that they have to share"
+    return said

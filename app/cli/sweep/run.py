@@ -149,7 +149,7 @@ def carried_out(
     from app.experiments.workers.processes import cores
 
     if cluster is not None and not quiet:
-        tell(in_words(cluster))
+        tell(in_words(cluster, bool(sweep.file.record)))
     try:
         with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
             return conduct(
