@@ -270,5 +270,12 @@ def test_results_are_tables(tmp_path, kind):
     results = Results(tmp_path / "a")
     assert results.table.num_rows == 4
     assert results.to_pandas()["polarisation"].between(0.0, 1.0).all()
+    try:
+        import polars  # noqa: F401
+    except ImportError:
+        with pytest.raises(ValueError, match="polars, which is not installed"):
+            results.to_polars()
+    else:
+        assert results.to_polars()["polarisation"].to_list() == results.columns["polarisation"]
     write_table(results.columns, tmp_path / f"t.{kind}", False)
     assert (tmp_path / f"t.{kind}").stat().st_size > 100
