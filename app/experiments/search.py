@@ -55,13 +55,17 @@ def search(
     `judge` hears of each generation, (K, D), and may end the search by raising. Raises Refusal
     where the package is not installed.
     """
-    purpose = f"a search by {TITLES[algorithm]}"
+    demand_package(algorithm)
     if algorithm == "cma":
-        demand("cma", purpose, "experiments")
         return by_cma(dimensions, judge, evaluations, population, seed)
-    demand("pymoo", purpose, "experiments")
     shape = dimensions, objectives, constraints
     return by_pymoo(algorithm, shape, judge, evaluations, population, seed)
+
+
+def demand_package(algorithm: Algorithm) -> None:
+    """Refuse an algorithm whose package is not installed. Raises Refusal."""
+    package = "cma" if algorithm == "cma" else "pymoo"
+    demand(package, f"a search by {TITLES[algorithm]}", "experiments")
 
 
 def by_pymoo(

@@ -1,5 +1,6 @@
 """`flockscope optimise`: a table, words and a picture; killed at any moment it goes on with it."""
 
+import importlib.util
 import json
 import signal
 
@@ -7,6 +8,7 @@ import pytest
 
 from app.experiments.runs.reading import Kept, readable
 from cli.calling import call, refusal, start, wait_until
+from worlds import extra
 
 FILE = """
 title = "Calm"
@@ -95,6 +97,16 @@ def test_failed_runs_give_code_3(tmp_path, file):
     assert result.exit_code == 3
     assert "there is no best" in result.stdout
     assert "ZeroDivisionError" in result.stderr
+
+
+@pytest.mark.parametrize(("algorithm", "package"), [("ga", "pymoo"), ("cma", "cma")])
+def test_a_package_that_is_missing_is_named(tmp_path, file, monkeypatch, algorithm, package):
+    found = importlib.util.find_spec
+    monkeypatch.setattr(extra, "find_spec", lambda name: None if name == package else found(name))
+    file.write_text(FILE.replace('"ga"', f'"{algorithm}"'))
+    line = refusal("optimise", file, "--out", tmp_path / "a", "--quiet")
+    assert f"needs the package {package}, which is not installed: install the extra exp" in line
+    assert not (tmp_path / "a").exists()
 
 
 def test_what_is_no_optimisation_is_refused(tmp_path):

@@ -13,6 +13,7 @@ import tomlkit
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from app.experiments.optimisation.file import Constraint, Measured, Objective, OptimisationFile
+from app.experiments.search import demand_package
 from app.experiments.sweeps.cells import Basis, Cell, spec_of
 from app.experiments.sweeps.given.conditions import Comparison, Condition, comparison
 from app.experiments.sweeps.given.designs import Point, between, rounded
@@ -123,6 +124,7 @@ def read_study(path: Path) -> Study:
 def study_of(values: dict[str, Any], places: Places, folder: Path) -> Study:
     """The study of values, as TOML has them. Raises Refusal, before anything is run."""
     file = checked_file(OptimisationFile, values, places)
+    demand_package(file.search.algorithm)
     observed = columns_of(file, places, folder)
     everything: list[Objective | Constraint] = [*file.objective, *file.constraint]
     asked: list[Measured] = []
