@@ -9,6 +9,8 @@ from pathlib import Path
 from worlds.refusal import Refusal
 from worlds.writing import demand_writable
 
+RESULTS = Path("results")
+"""Where sweeps are kept that say no other folder, from where a command was called."""
 PICTURES = ("png", "svg")
 """Endings of every picture that a command draws into a folder."""
 

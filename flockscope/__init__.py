@@ -3,7 +3,8 @@
 What is named here and in the modules below is what a script, a notebook or a package of your own
 may import; nothing else is promised.
 
-- `flockscope`: flocks, the models by name, worlds, and the error for what cannot be used
+- `flockscope`: flocks, the models by name, worlds, sweeps, sensitivity, optima, and the error for
+  what cannot be used
 - `flockscope.rules`: for who writes a rule
 - `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from flockscope._models import Spec as Spec
     from flockscope._models import from_file as from_file
     from flockscope._models import model as model
+    from flockscope._sweeps import optimise as optimise
+    from flockscope._sweeps import sensitivity as sensitivity
+    from flockscope._sweeps import sweep as sweep
     from flockscope.worlds import Box as Box
     from flockscope.worlds import CShape as CShape
     from flockscope.worlds import Disc as Disc
@@ -80,6 +84,9 @@ __all__ = [
     "follow",
     "from_file",
     "model",
+    "optimise",
+    "sensitivity",
+    "sweep",
     "world",
 ]
 
@@ -91,7 +98,7 @@ def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return import_module(f"{__name__}.{name}")
     if name in __all__:
-        for home in ("worlds", "_models", "_flocks"):
+        for home in ("worlds", "_models", "_flocks", "_sweeps"):
             found = import_module(f"{__name__}.{home}")
             if name in found.__all__:
                 return getattr(found, name)

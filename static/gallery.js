@@ -41,27 +41,29 @@
     if (before) before.remove();
     inner.append(make("p", "fs-wrong", words));
   };
-  window.flockscopeSheet = { make, button, sheet, close, complain };  /* take.js has its own */
   const say = (title, words) => sheet(title, "fs-ask").append(make("p", "", words));
 
   /* Open a scene; where others watch, only once somebody has said so. `how`: "&sure=1" once that
      is said, "&new=1" of a page that has yet to connect. */
-  const open = async (scene, how) => {
+  const open = async (path, how) => {
     let answer;
     try {
-      answer = await ask(`/open?scene=${encodeURIComponent(scene)}${how}`);
+      answer = await ask(path + how);
     } catch { return say("Not opened", "The server does not answer."); }
     if (!answer.ok) return say("Not opened", (await answer.text()).trim());
     const { title, asks } = await answer.json();
     if (!asks) return close();
     const inner = sheet(`Open “${title}”?`, "fs-ask");
     inner.append(make("p", "", "It replaces the run that others watch too."));
-    inner.append(button("fs-main", "Open it for all", () => open(scene, "&sure=1")));
+    inner.append(button("fs-main", "Open it for all", () => open(path, "&sure=1")));
     inner.append(button("", "Stay", close));
   };
 
+  window.flockscopeSheet = { make, button, sheet, close, complain, open };  /* others have their own */
+  const scene = (name) => `/open?scene=${encodeURIComponent(name)}`;
+
   const cardOf = (one) => {
-    const made = button("fs-choice", "", () => open(one.name, ""));
+    const made = button("fs-choice", "", () => open(scene(one.name), ""));
     if (one.picture) {
       const picture = make("img");
       Object.assign(picture, {
@@ -149,5 +151,5 @@
     tools.append(button("", "Gallery", gallery), button("", "Share", take));
     document.body.append(tools);
   });
-  if (window.flockscopeScene !== null) open(window.flockscopeScene, "&new=1");
+  if (window.flockscopeScene !== null) open(scene(window.flockscopeScene), "&new=1");
 }

@@ -35,6 +35,7 @@ NOT_QUICK = (
     "test_page.py",
     "test_solid_walls.py",
     "test_trim.py",
+    "test_tutorials.py",
 )
 """Files that are not quick all the same: commands, processes, what takes all models or pages."""
 FEW = 8
@@ -58,8 +59,10 @@ DEAR = (
     "tests/live",
     "tests/flight/test_commands.py",
     "tests/papers",
+    "tests/test_tutorials.py",
     "tests/cli/test_missions.py",
     "tests/experiments/test_missions.py",
+    "tests/experiments/test_cluster.py",
     "tests/cli/test_live.py",
     "tests/cli",
 )

@@ -15,6 +15,7 @@ from oracles import vicsek_family as family
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "benchmarks"))
+from batch_run import by_mesa, by_sweep  # noqa: E402
 from reference import COMPILER, reference  # noqa: E402
 
 compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason=f"no {COMPILER}")
@@ -121,3 +122,9 @@ def test_a_tick_that_would_last_too_long_is_left_out_with_a_word():
     points, left_out = run(sweep, 1, 0.0, 2.5, "agents")
     assert [(one.value, one.least) for one in points] == [(1, 1e9), (2, 1e9)]
     assert left_out == ["slow from 3 on: a tick would last 3.0 s"]
+
+
+def test_mesa_and_a_sweep_find_the_same():
+    found = by_sweep(20, 10, range(1, 4), 1)
+    assert len(found) == 12
+    assert found == by_mesa(20, 10, range(1, 4), 1)

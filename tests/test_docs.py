@@ -28,7 +28,7 @@ MODELS = collect()
 """As they are declared: what other tests asked for by NAME-cars is not among them."""
 PAGES = {f"{name}.md" for name in MODELS} | {"README.md"}
 pages = functools.cache(MAKE["pages"])
-GROUPS = ("world", "flight", "formation", "live")
+GROUPS = ("world", "flight", "formation", "live", "sweep")
 """Commands that have commands of their own."""
 WRITTEN = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))]
 
@@ -148,7 +148,8 @@ def test_the_commands_of_a_page_are_there(page):
         assert {word for word in words if word.startswith("--")} <= known, words
         model = after(words, words[0]) if words[0] in ("run", "lab", "check") else None
         assert model is None or is_model(page, model), words
-        world = after(words, "--world") or after(words, "show")
+        shown = after(words, "show") if words[0] == "world" else None
+        world = after(words, "--world") or shown
         assert world is None or world in layout_names() or world.endswith(".toml"), words
         paper = after(words, "paper")
         assert paper is None or paper in experiment_names(), words

@@ -27,6 +27,9 @@ COMMANDS = {
     "lab": Entry(".lab", "lab", "Open the laboratory in the browser (the default)."),
     "run": Entry(".run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
+    "sweep": Entry(".sweep.commands", "sweep", "Many runs over parameters, kept whatever happens."),
+    "sensitivity": Entry(".sensitivity", "sensitivity", "Which parameter matters, from a sweep."),
+    "optimise": Entry(".optimise", "optimise", "The best values of parameters, by a search."),
     "live": Entry(
         ".live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
     ),

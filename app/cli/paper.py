@@ -23,9 +23,9 @@ from worlds.refusal import Refusal
 
 MOST_RUNS = 100_000
 MOST_WORKERS = 1024
-RUNS = "runs.csv"
+RUNS = "runs.sqlite"
 DIFFERS = 3
-"""Exit code of `--strict` if anything differs or does not hold."""
+"""Exit code of `--strict` if anything differs or does not hold; and if any run failed."""
 
 if TYPE_CHECKING:
     from app.experiments.conduct import Done
@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 
 def paper(
     name: Annotated[
-        str | None, typer.Argument(help="Which one, see `flockscope list papers`.")
+        str | None,
+        typer.Argument(help="Which one, see `flockscope list papers`; or FILE.toml of your own."),
     ] = None,
     everything: Annotated[
         bool, typer.Option("--all", help="All of them, and a table of verdicts at the end.")
@@ -61,6 +62,9 @@ def paper(
         bool,
         typer.Option("--strict", help="Exit code 3 if anything differs or does not hold."),
     ] = False,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
+    ] = False,
     overwrite: Annotated[
         bool,
         typer.Option("--overwrite", help="Replace files of these names that are not of such runs."),
@@ -70,8 +74,9 @@ def paper(
 ) -> None:
     """Repeat a table or a figure of a paper and print it beside the published numbers.
 
-    Finished runs are kept in FOLDER/runs.csv: what is there is not run again. The exit code is 4 if
-    an agent of a run was seen inside an obstacle or beyond a solid edge.
+    Finished runs are kept in FOLDER/runs.sqlite: what is there is not run again. A run that fails
+    is named, and its seed left out. The exit code is 4 if an agent of a run was seen inside an
+    obstacle or beyond a solid edge, 3 if a run failed.
     """
     at_least("--seed", seed, 0)
     at_least("--workers", workers, 1, MOST_WORKERS)
@@ -79,9 +84,9 @@ def paper(
         raise Refusal("say which paper, or --all: see `flockscope list papers`")
     if everything and (agents or models):
         raise Refusal("--all takes all sizes and models: leave --agents and --models out")
-    from app.experiments.experiment import experiment_names, read_experiment
+    from app.experiments.experiment import experiment_names, find_experiment
 
-    wholes = [read_experiment(one) for one in ([name] if name else experiment_names())]
+    wholes = [find_experiment(one) for one in ([name] if name else experiment_names())]
     at_least("--runs", runs, min(2, *(one.runs for one in wholes)), MOST_RUNS)
     asked = [one.narrowed(names(models), whole_numbers("--agents", agents)) for one in wholes]
     base = out or Path("results")
@@ -94,16 +99,17 @@ def paper(
         count = runs or one.runs
         if not quiet:
             tell_prospects(one, count)
-        done = carried_out(one, folders[one.name], count, seed, workers, quiet)
+        done = carried_out(one, folders[one.name], count, seed, workers, quiet, retry_failed)
         seconds = time.monotonic() - begun
         outcomes.append(outcome_of(one, done, folders[one.name], seed, seconds, pictures))
     report(outcomes, everything, json_asked, quiet)
     astray = [line for one in outcomes for line in one.done.astray]
-    for line in astray:
+    failed = [line for one in outcomes for line in one.done.failed]
+    for line in astray + failed:
         tell(f"flockscope: {line}")
     if astray:
         raise typer.Exit(ASTRAY)
-    if strict and any(one.differs for one in outcomes):
+    if failed or (strict and any(one.differs for one in outcomes)):
         raise typer.Exit(DIFFERS)
 
 
@@ -128,11 +134,17 @@ def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> 
 
 
 def carried_out(
-    experiment: Experiment, folder: Path, runs: int, seed: int, workers: int | None, quiet: bool
+    experiment: Experiment,
+    folder: Path,
+    runs: int,
+    seed: int,
+    workers: int | None,
+    quiet: bool,
+    retry: bool,
 ) -> Done:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
     from app.experiments.conduct import conduct
-    from app.experiments.workers.pool import cores
+    from app.experiments.workers.processes import cores
 
     begun = time.monotonic()
     try:
@@ -145,6 +157,7 @@ def carried_out(
                 workers=workers or cores(),
                 tell=None if quiet else tell,
                 at=progress.at,
+                retry=retry,
             )
     except KeyboardInterrupt:
         again = f"flockscope {shlex.join(sys.argv[1:])}"
@@ -183,6 +196,7 @@ class Outcome:
         return as_value(self.experiment, self.made, self.said) | {
             "seconds": round(self.seconds, 3),
             "runs": {"made": self.done.made, "taken": self.done.taken},
+            "failed": self.done.failed,
             "files": {kind: str(path) for kind, path in self.files.items()},
         }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,14 +11,18 @@ from pathlib import Path
 
 from app.experiments.experiment import Case, Experiment
 from app.experiments.kinds.settings import Number
-from app.experiments.store import Key, Store, key_of
-from app.experiments.trial import Result, Trial, fingerprint, flock_of
+from app.experiments.runs.outcome import BROKEN, Outcome
+from app.experiments.runs.store import Store, canonical
+from app.experiments.trial import Trials, column_of, fingerprint, flock_of, result_of
 from app.experiments.workers.costs import Costs, guess
 from app.experiments.workers.kernels import compile_loop
-from app.experiments.workers.pool import run_all
+from app.experiments.workers.makers import Makers, Task, ThisProcess
+from app.experiments.workers.processes import Processes
 from worlds.counting import counted, duration
 from worlds.refusal import Refusal
 
+SOON = 2.0
+"""Seconds of work that are done before other processes have begun."""
 ENOUGH, MOST_TICKS = 0.005, 4096
 """Seconds after which ticks that are timed are enough, and ticks."""
 Tell = Callable[[str], object]
@@ -43,6 +49,8 @@ class Done:
     """Runs made now."""
     astray: list[str]
     """Of each run in which an agent was seen where it cannot be: which run, and which agent."""
+    failed: list[str]
+    """Of each run that raised, or whose process was killed: which run, and why."""
 
 
 class Plan:
@@ -53,9 +61,9 @@ class Plan:
         self.store = store
         self.seeds = range(seed, seed + runs)
         cases = experiment.cases
-        self.prints = [checked_fingerprint(case, experiment) for case in cases]
+        self.numbers = store.lay_out([cell_of(case, experiment) for case in cases])
+        self.outcomes = store.outcomes(self.numbers)
         self.paths = experiment.paths
-        self.number = {id(cases[path[0]]): n for n, path in enumerate(self.paths)}
         self.missing = [
             [seed for seed in self.seeds if not self.has(path, seed)] for path in self.paths
         ]
@@ -64,7 +72,7 @@ class Plan:
 
     def has(self, path: list[int], seed: int) -> bool:
         """Whether the store has a run in all of its cases."""
-        return all(self.key(k, seed) in self.store.results for k in path)
+        return all((self.numbers[k], seed) in self.outcomes for k in path)
 
     def guess(self, case: Case) -> float:
         """Seconds that a run of a case may take."""
@@ -87,47 +95,90 @@ class Plan:
         """Runs that each path lacks."""
         return [len(seeds) for seeds in self.missing]
 
-    def key(self, case: int, seed: int) -> Key:
-        """The key of a run of a case (by its number)."""
-        return key_of(self.experiment.cases[case], seed, self.prints[case])
+    @property
+    def job(self) -> Trials:
+        """How the runs are made."""
+        cases = self.experiment.cases
+        paths = tuple(tuple(cases[k] for k in path) for path in self.paths)
+        return Trials(paths, self.experiment.settings)
 
     @property
-    def trials(self) -> list[Trial]:
+    def tasks(self) -> list[Task]:
         """The runs that the store lacks, the longest first."""
         order = sorted(range(len(self.paths)), key=lambda n: -self.costs.guesses[n])
-        cases = self.experiment.cases
-        along = [tuple(cases[k] for k in path) for path in self.paths]
-        return [Trial(along[n], seed) for n in order for seed in self.missing[n]]
+        return [Task(n, seed, n) for n in order for seed in self.missing[n]]
 
-    def keep(self, trial: Trial, results: list[Result]) -> None:
-        """Keep a run's results in the store and in the costs."""
-        n = self.number[id(trial.cases[0])]
-        for k, result in zip(self.paths[n], results, strict=True):
-            self.store.add(self.key(k, trial.seed), result)
-        self.costs.add(n, sum(result.seconds for result in results))
+    def keep(self, task: Task, outcome: Outcome) -> None:
+        """Keep a run in the store and in the costs; one that is broken is so in all its cases."""
+        path = self.paths[task.payload]
+        parts = [outcome, *outcome.rest] if outcome.status == "ok" else [outcome] * len(path)
+        for k, part in zip(path, parts, strict=True):
+            self.outcomes[self.numbers[k], task.seed] = part
+            self.store.add(self.numbers[k], task.seed, part)
+        self.costs.add(task.payload, outcome.seconds)
+
+    @property
+    def sound(self) -> list[int]:
+        """The seeds whose runs all came to an end: a mean over others would compare unlike runs."""
+        broken = {
+            seed
+            for number in self.numbers
+            for seed in self.seeds
+            if self.outcomes[number, seed].status in BROKEN
+        }
+        return [seed for seed in self.seeds if seed not in broken]
 
     @property
     def measured(self) -> list[Measured]:
-        """All cases with their runs."""
-        return [self.measured_of(k) for k in range(len(self.experiment.cases))]
+        """All cases with their runs. Raises Refusal if a run of every seed is broken."""
+        seeds = self.sound
+        if not seeds:
+            raise Refusal(f"{self.experiment.name}: of every seed a run failed: {self.failed[0]}")
+        return [self.measured_of(k, seeds) for k in range(len(self.experiment.cases))]
 
     @property
     def astray(self) -> list[str]:
         """The runs in which an agent was seen where it cannot be, in words."""
-        keys = [self.key(k, seed) for k in range(len(self.experiment.cases)) for seed in self.seeds]
-        found = {key: self.store.results[key].astray for key in keys}
-        return [
-            f"{key.model}, N = {key.agents}, {key.parameters}, seed {key.seed}: {words}"
-            for key, words in found.items()
-            if words
-        ]
+        return self.told(lambda outcome: outcome.astray)
 
-    def measured_of(self, case: int) -> Measured:
+    @property
+    def failed(self) -> list[str]:
+        """The runs that failed or were killed, in words."""
+        return self.told(lambda outcome: outcome.reason)
+
+    def told(self, words: Callable[[Outcome], str]) -> list[str]:
+        """Each run of which there is something to tell, with that."""
+        found: dict[tuple[int, int], str] = {}
+        for number, case in zip(self.numbers, self.experiment.cases, strict=True):
+            spec = case.spec
+            parameters = json.dumps(spec.parameters, sort_keys=True, separators=(",", ":"))
+            for seed in self.seeds:
+                said = words(self.outcomes[number, seed])
+                if said:
+                    run = f"{spec.model}, N = {case.agents}, {parameters}, seed {seed}"
+                    found[number, seed] = f"{run}: {said}"
+        return list(found.values())
+
+    def measured_of(self, case: int, seeds: list[int]) -> Measured:
         """A case (by its number) with its runs."""
-        results = [self.store.results[self.key(case, seed)].measures for seed in self.seeds]
-        names = [one.name for one in self.experiment.settings.measures]
+        number = self.numbers[case]
+        settings = self.experiment.settings
+        found = [self.outcomes[number, seed] for seed in seeds]
+        results = [result_of(one, settings).measures for one in found]
+        names = [one.name for one in settings.measures]
         values = {name: [one[name] for one in results] for name in names}
         return Measured(self.experiment.cases[case], values)
+
+
+def cell_of(case: Case, experiment: Experiment) -> tuple[str, str]:
+    """The hash and the JSON of a case, as the store has them. Raises Refusal."""
+    spec = case.spec
+    identity = {"model": spec.model, "agents": case.agents, "parameters": spec.parameters}
+    basis = {"all else": checked_fingerprint(case, experiment)}
+    key = canonical({"identity": identity, "basis": basis})
+    axes = {"label": case.label, "agents": case.agents, **spec.parameters}
+    kept = {"axes": axes, "identity": identity, "basis": basis}
+    return hashlib.sha256(key.encode()).hexdigest()[:24], canonical(kept)
 
 
 def checked_fingerprint(case: Case, experiment: Experiment) -> str:
@@ -181,33 +232,53 @@ def conduct(
     workers: int,
     tell: Tell | None,
     at: At,
+    retry: bool = False,
 ) -> Done:
     """Carry out an experiment with the seeds `seed` to `seed + runs - 1` in each case.
 
-    `at` hears of the share that is done, the seconds left and the runs done. Raises Refusal;
-    after KeyboardInterrupt the finished runs are in the store.
+    `at` hears of the share that is done, the seconds left and the runs done. `retry`: whether runs
+    that failed or were killed are made again. Raises Refusal; after KeyboardInterrupt the finished
+    runs are in the store.
     """
-    with Store(folder / "runs.csv", experiment.settings.measures) as store:
+    with Store(folder, [column_of(one.name) for one in experiment.settings.measures]) as store:
+        if retry:
+            store.forget_broken()
         plan = Plan(experiment, runs, seed, store)
-        trials = plan.trials
-        taken = runs * len(plan.paths) - len(trials)
-        if trials:
+        tasks = plan.tasks
+        taken = runs * len(plan.paths) - len(tasks)
+        axes = dict.fromkeys(["label", "agents"])
+        axes |= dict.fromkeys(name for case in experiment.cases for name in case.spec.parameters)
+        store.tell(
+            kind="paper",
+            title=experiment.title,
+            axes=list(axes),
+            columns=list(store.columns),
+            runs=runs * len(set(plan.numbers)),
+        )
+        if tasks:
             if tell is not None:
                 warn(experiment, tell)
             compile_models(experiment, tell)
             plan.time()
             if tell is not None:
                 left = max(1.0, plan.costs.ahead / workers)
-                tell(f"{counted(len(trials), 'run')} to make, about {duration(left)}")
+                tell(f"{counted(len(tasks), 'run')} to make, about {duration(left)}")
 
-        def keep(trial: Trial, results: list[Result]) -> None:
-            plan.keep(trial, results)
+        def keep(task: Task, outcome: Outcome) -> None:
+            plan.keep(task, outcome)
             done = sum(plan.costs.done)
             at(
                 plan.costs.share,
                 plan.costs.ahead / workers,
-                f"{done} of {counted(len(trials), 'run')}",
+                f"{done} of {counted(len(tasks), 'run')}",
             )
 
-        run_all(trials, experiment.settings, workers, keep)
-        return Done(plan.measured, taken, len(trials), plan.astray)
+        def beat() -> bool:
+            store.beat()
+            return False
+
+        soon = plan.costs.ahead < SOON
+        made_by: Makers = ThisProcess(plan.job) if soon else Processes(plan.job, workers)
+        with made_by as makers:
+            makers.run(tasks, keep, beat)
+        return Done(plan.measured, taken, len(tasks), plan.astray, plan.failed)

@@ -139,6 +139,11 @@ def read_experiment(name: str) -> Experiment:
     return read_file(EXPERIMENTS / f"{name}.toml")
 
 
+def find_experiment(name: str) -> Experiment:
+    """The experiment of that name, or of a file of one's own that ends in .toml. Raises Refusal."""
+    return read_file(Path(name)) if name.lower().endswith(".toml") else read_experiment(name)
+
+
 def read_file(path: Path) -> Experiment:
     """The experiment of a TOML file. Raises Refusal naming file and line."""
     try:

@@ -48,6 +48,8 @@ Picture = Literal[
     "growth",
     "diffusion",
     "crowding",
+    "optima",
+    "tradeoff",
 ]
 
 

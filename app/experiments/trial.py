@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-import threading
+import math
 import time
 from dataclasses import dataclass, replace
 from functools import cache
@@ -19,6 +19,8 @@ from app.experiments.experiment import Case
 from app.experiments.kinds import Settings
 from app.experiments.kinds.settings import Number
 from app.experiments.overrides import PLAIN, START, Overrides, with_goal
+from app.experiments.runs.database import FIXED
+from app.experiments.runs.outcome import Outcome
 from worlds.layout import world
 from worlds.turning import turned, turned_places
 from worlds.world import World
@@ -44,10 +46,6 @@ class Result:
     seconds: float
     astray: str = ""
     """The first agent that was seen where it cannot be, in words; empty if none was."""
-
-
-class Stopped(Exception):
-    """The run was asked to stop."""
 
 
 def flock_of(case: Case, seed: int) -> Flock:
@@ -88,8 +86,8 @@ def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> Wo
     return replace(found, obstacles=(), random=None) if bare else found
 
 
-def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[Result]:
-    """Run a flock to the end of each of its cases. Raises Stopped."""
+def run_trial(trial: Trial, settings: Settings) -> list[Result]:
+    """Run a flock to the end of each of its cases."""
     begun = time.perf_counter()
     flock = flock_of(trial.cases[0], trial.seed)
     astray: list[str] = []
@@ -99,21 +97,58 @@ def run_trial(trial: Trial, settings: Settings, stop: threading.Event) -> list[R
         if found is not None:
             astray.append(str(found))
 
-    def go_on() -> None:
-        look()
-        if stop.is_set():
-            raise Stopped
-
     results: list[Result] = []
     for case in trial.cases:
         if results:  # it has begun with the parameters of the first
             flock.set(**case.spec.parameters)
-        measures = settings.run(flock, go_on)
+        measures = settings.run(flock, look)
         ended = time.perf_counter()
         look()
         results.append(Result(measures, ended - begun, "".join(astray)))
         begun = ended
     return results
+
+
+NAN = "nan"
+"""What stands for nan in a store, where SQLite would keep nothing."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """How the runs of an experiment are made; one is asked for by the number of its path."""
+
+    paths: tuple[tuple[Case, ...], ...]
+    settings: Settings
+
+    def prepare(self) -> None:
+        """There is nothing to prepare."""
+
+    def run(self, path: int, seed: int) -> Outcome:
+        """Make a run; what it gave in its later cases is the rest."""
+        results = run_trial(Trial(self.paths[path], seed), self.settings)
+        first, *rest = [outcome_of(one) for one in results]
+        return first._replace(rest=tuple(rest))
+
+
+def column_of(measure: str) -> str:
+    """The column of a measure in the store, where another may have its name already."""
+    return f"{measure}_measured" if measure in FIXED else measure
+
+
+def outcome_of(result: Result) -> Outcome:
+    """A result as the store keeps it."""
+    measures = {
+        column_of(name): NAN if isinstance(value, float) and math.isnan(value) else value
+        for name, value in result.measures.items()
+    }
+    return Outcome("ok", measures, seconds=result.seconds, astray=result.astray)  # type: ignore[arg-type]
+
+
+def result_of(outcome: Outcome, settings: Settings) -> Result:
+    """What the store kept as a result."""
+    found = {one.name: outcome.values[column_of(one.name)] for one in settings.measures}
+    measures = {name: math.nan if one == NAN else one for name, one in found.items()}
+    return Result(measures, outcome.seconds, outcome.astray)
 
 
 def fingerprint(case: Case, settings: Settings) -> str:

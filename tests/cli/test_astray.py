@@ -1,6 +1,5 @@
 """An agent that is where it cannot be: a run says so, and its exit code; so an experiment."""
 
-import csv
 import json
 
 import numpy as np
@@ -10,6 +9,8 @@ from experiments.small import small
 from agents import Flock
 from agents.state.whereabouts import Stray
 from app.experiments.conduct import conduct
+from app.experiments.runs.reading import Kept
+from app.experiments.sweeps.table import wide
 from cli.calling import call, refusal
 from worlds.obstacles import Box
 from worlds.world import World
@@ -79,9 +80,8 @@ def test_the_row_of_an_experiment_tells_of_its_run(tmp_path, monkeypatch):
     done = conduct(
         small(tmp_path), tmp_path, runs=2, seed=1, workers=1, tell=None, at=lambda *_: None
     )
-    with open(tmp_path / "runs.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert {row["astray"] for row in rows if row["seed"] == "1"} == {""}
-    assert {row["astray"] for row in rows if row["seed"] == "2"} == {str(found)}
+    columns = wide(Kept(tmp_path))
+    rows = list(zip(columns["seed"], columns["astray"], strict=True))
+    assert set(rows) == {(1, None), (2, str(found))}
     assert len(done.astray) == len(rows) / 2
     assert all("seed 2: agent 7 where it cannot be" in line for line in done.astray)

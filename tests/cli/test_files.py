@@ -229,10 +229,10 @@ def test_a_full_disk_keeps_the_frames_that_fitted_in_the_part(here):
 def test_a_file_of_another_kind_named_like_the_store_is_left_as_it_is(here):
     (here / "out").mkdir()
     mine = "a,b\n1,2\nno end of line"
-    (here / "out" / "runs.csv").write_text(mine)
+    (here / "out" / "runs.sqlite").write_text(mine)
     args = ("paper", "liu2021-table1", "--runs", 2, "--out", "out", "--quiet", "--no-pictures")
     assert "is not a store of runs" in refusal(*args)
-    assert Path("out/runs.csv").read_text() == mine
+    assert Path("out/runs.sqlite").read_text() == mine
 
 
 def test_a_device_is_not_read_without_end(here):

@@ -4,8 +4,11 @@ import json
 import signal
 
 import pytest
+from experiments.small import TEXT
 
-from cli.calling import call, start, wait_until
+from app.experiments.kinds import Convergence
+from app.experiments.runs.reading import Kept, readable
+from cli.calling import call, refusal, start, wait_until
 
 SMALL = ("paper", "liu2021-table1", "--agents", "100", "--models", "vem,hwvem", "--runs", "6")
 
@@ -19,7 +22,7 @@ def test_it_prints_json_and_writes_its_files(tmp_path):
     assert made["rows"][0]["published_mean"] == 84.31
     assert made["runs"] == {"made": 12, "taken": 0}
     assert {path.name for path in tmp_path.iterdir()} == {
-        "runs.csv", "summary.csv", "liu2021-table1.png", "liu2021-table1.svg",
+        "runs.sqlite", "summary.csv", ".lock", "liu2021-table1.png", "liu2021-table1.svg",
     }  # fmt: skip
 
 
@@ -34,22 +37,19 @@ def test_a_second_call_takes_what_is_done_and_says_the_same(tmp_path):
 
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
     args = ("paper", "liu2021-table1", "--agents", "500", "--models", "vem-a", "--out", tmp_path)
-    runs = tmp_path / "runs.csv"
 
-    def lines():
-        return runs.read_text().count("\n") if runs.exists() else 0
+    def done():
+        return Kept(tmp_path).counts["ok"] if readable(tmp_path) else 0
 
     process = start(*args, "--runs", 100, "--quiet", "--json")
-    wait_until(lambda: lines() > 3, process)
+    wait_until(lambda: done() > 2, process)
     process.send_signal(signal.SIGINT)
     stdout, stderr = process.communicate(timeout=10)
     assert process.returncode == 130
     assert stdout == ""
     (line,) = stderr.strip().split("\n")
     assert "go on with: flockscope paper liu2021-table1" in line
-    kept = lines() - 1
-    assert 3 <= kept < 100
-    assert runs.read_text().endswith("\n")
+    assert 3 <= done() < 100
     result = call(*args, "--runs", 3, "--json", "--quiet", "--no-pictures")
     assert json.loads(result.stdout)["runs"]["taken"] >= 1
 
@@ -60,6 +60,42 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
     assert result.exit_code == 2
     assert "cannot be written" in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_a_table_of_ones_own_is_judged_as_the_papers_are(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(TEXT.replace("mean = 5.0", "mean = 50.0", 1))
+    result = call("paper", path, "--out", tmp_path / "out", "--json", "--quiet")
+    assert result.exit_code == 0, result.stderr
+    made = json.loads(result.stdout)
+    assert (made["name"], made["title"]) == ("mine", "Small")
+    assert made["rows"][0]["verdict"] == "differs"
+    assert (tmp_path / "out" / "mine.svg").exists()
+    assert "cannot be read" in refusal("paper", tmp_path / "other.toml")
+
+
+def test_a_run_that_raises_is_told_and_its_seed_is_left_out(tmp_path, monkeypatch):
+    before = Convergence.run
+
+    def run(settings, flock, between):
+        if flock.seed == 2 and flock.model.name == "hwvem":
+            raise ValueError("no such luck")
+        return before(settings, flock, between)
+
+    (tmp_path / "mine.toml").write_text(TEXT)
+    monkeypatch.setattr(Convergence, "run", run)
+    args = ("paper", tmp_path / "mine.toml", "--out", tmp_path, "--json", "--quiet")
+    result = call(*args)
+    assert result.exit_code == 3
+    assert "seed 2: ValueError: no such luck" in result.stderr
+    made = json.loads(result.stdout)
+    assert [row["runs"] for row in made["rows"]] == [3, 3]
+    assert made["runs"] == {"made": 8, "taken": 0}
+    monkeypatch.setattr(Convergence, "run", before)
+    assert call(*args).exit_code == 3, "what failed is not made again unasked"
+    again = call(*args, "--retry-failed")
+    assert again.exit_code == 0
+    assert json.loads(again.stdout)["runs"] == {"made": 1, "taken": 7}
 
 
 QUICK = ("--no-pictures", "--runs", "2")

@@ -1,6 +1,5 @@
 """Experiments about missions: runs, store, verdicts, claims, pictures."""
 
-import csv
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +13,8 @@ from app.experiments.kinds import KINDS, Mission
 from app.experiments.pictures.draw import draw
 from app.experiments.reports.report import as_value
 from app.experiments.reports.tables import table_of
+from app.experiments.runs.reading import Kept
+from app.experiments.sweeps.table import wide
 from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
@@ -93,18 +94,19 @@ def test_n_counts_the_information_agent(done):
 
 def test_the_store_has_a_column_for_each_measure(done):
     experiment, _, folder = done
-    with open(folder / "runs.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 4
-    assert list(rows[0])[5:] == [*(one.name for one in Mission.measures), "seconds", "astray"]
-    assert {row["model"] for row in rows} == {"vem-a-nav", "hwvem-nav"}
+    columns = wide(Kept(folder))
+    assert len(columns["seed"]) == 4
+    measures = [one.name for one in Mission.measures]
+    measures[measures.index("ticks")] = "ticks_measured"
+    assert list(columns)[-len(measures) :] == measures
+    assert set(columns["label"]) == {"A", "H"}
     again = carry_out(experiment, folder)
     assert (again.made, again.taken) == (0, 4)
     assert again.measured == done[1].measured
 
 
 def test_a_store_of_another_kind_is_refused(tmp_path, done):
-    (tmp_path / "runs.csv").write_text("model,agents,parameters,seed,fingerprint,k_con,seconds\n")
+    (tmp_path / "runs.sqlite").write_text("model,agents,parameters,seed,fingerprint,k_con\n")
     with pytest.raises(Refusal, match="is not a store of runs"):
         carry_out(done[0], tmp_path)
 

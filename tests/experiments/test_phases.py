@@ -1,7 +1,7 @@
 """Experiments about Couzin's phases: runs there and back, names of phases, maps, claims."""
 
-import csv
 import io
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,9 @@ from app.experiments.file import Found, Lags
 from app.experiments.kinds.phases import PHASES, Phases, bring_in_sight, detects
 from app.experiments.reports.report import as_value, show
 from app.experiments.reports.tables import table_of
+from app.experiments.runs.database import FILE
+from app.experiments.runs.reading import Kept
+from app.experiments.runs.store import Store
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 from worlds.refusal import Refusal
@@ -107,19 +110,16 @@ def test_a_way_is_one_run(done):
 
 def test_what_is_done_is_in_the_store_step_by_step(done, tmp_path):
     experiment, made, folder = done
-    with open(folder / "runs.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 2 * 12
-    assert (
-        len({tuple(row[key] for key in ("parameters", "seed", "fingerprint")) for row in rows})
-        == 24
-    )
+    rows = Kept(folder).runs()
+    assert len({(cell, seed) for cell, seed, *_ in rows}) == len(rows) == 2 * 12
     again = carry_out(experiment, folder)
     assert (again.made, again.taken) == (0, 2 * 7)
     assert again.measured == made.measured
-    lines = (folder / "runs.csv").read_text().splitlines(keepends=True)
-    halfway = [line for line in lines if '""dr_o"":6.0' not in line]
-    (tmp_path / "runs.csv").write_text("".join(halfway))
+    shutil.copy(folder / FILE, tmp_path / FILE)
+    with Store(tmp_path, []) as store:
+        store.connection.execute(
+            "DELETE FROM run WHERE cell IN (SELECT id FROM cell WHERE json LIKE '%\"dr_o\":6.0%')"
+        )
     mended = carry_out(experiment, tmp_path)
     assert (mended.made, mended.taken) == (2 * 3, 2 * 4), "a way that lacks a step is run again"
     assert mended.measured == made.measured

@@ -5,7 +5,6 @@ Builds, installs and compiles: `uv run pytest -m installed -n0`, as CI does.
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 import signal
@@ -58,8 +57,15 @@ def test_a_paper_is_repeated(installed, tmp_path):
         *installed.part_of_a_table,
     )  # fmt: skip
     assert "hwvem" in table
-    with (tmp_path / "runs.csv").open(encoding="utf-8") as file:
-        assert len(list(csv.DictReader(file))) == (6 if installed.part_of_a_table else 36)
+    runs = installed.run("flockscope", "sweep", "export", tmp_path).splitlines()[1:]
+    assert len(runs) == (6 if installed.part_of_a_table else 36)
+
+
+def test_a_sweep_is_made_in_processes_of_its_own(installed, tmp_path):
+    asked = ("vem", "--vary", "eta=0:6:2", "--set", "agents=20", "--runs", "2", "--ticks", "20")
+    installed.run("flockscope", "sweep", "run", *asked, "--quiet", "--out", tmp_path / "out")
+    runs = installed.run("flockscope", "sweep", "export", tmp_path / "out").splitlines()[1:]
+    assert [run.split(",")[3] for run in runs] == ["ok"] * 4
 
 
 def test_the_laboratory_serves_its_first_page(installed):

@@ -89,6 +89,11 @@ OTHERWISE = (
     Otherwise("paper liu2021-table1 --runs 20", None, "its first rows are run without it"),
     Otherwise("paper liu2021-table1", "--runs 2 --agents 100", "all rows take minutes to hours"),
     Otherwise("paper liu2021-table2", "--runs 2 --agents 5", "all rows take minutes to hours"),
+    Otherwise(
+        "paper liu2021-weights",
+        None,
+        "minutes; tests/papers/test_liu2021_weights.py has some",
+    ),
     Otherwise("paper --all", None, "minutes; tests/cli/test_paper.py runs some of them"),
     Otherwise(
         "paper",

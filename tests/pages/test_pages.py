@@ -15,6 +15,8 @@ import pytest
 import tomlkit
 
 from app.cli.main import COMMANDS
+from app.experiments.optimisation.file import OptimisationFile
+from app.experiments.sweeps.given.file import SweepFile
 from app.live.laboratory.lab import lab_from_toml
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
@@ -31,7 +33,7 @@ from pages.running import parse, run, visit
 from worlds.layout import world_from_layout
 from worlds.readers import read_geometry
 
-GROUPS = ("world", "flight", "formation", "live")
+GROUPS = ("world", "flight", "formation", "live", "sweep")
 """Commands that have commands of their own."""
 PLACE = re.compile(r"\[the\s+folder\s+of\s+the\s+checkout\]\((?:\.\./)+README\.md#start\)")
 ENDINGS = {"python": (".py",), "json": (".json", ".geojson"), "": ()}
@@ -156,7 +158,7 @@ def check_python(block, names, capsys):
 
 
 def check_toml(block):
-    """Load TOML as what it is: a laboratory, a part of one, a world, an entry point."""
+    """Load TOML as what it is: a laboratory, a part of it, a world, a sweep, a search, an entry."""
     made = tomllib.loads(block.code)
     if "project" in made:
         ((group, named),) = made["project"]["entry-points"].items()
@@ -165,6 +167,10 @@ def check_toml(block):
         assert all(re.fullmatch(r"[\w.]+:\w+", value) for value in named.values())
     elif {"edges", "size", "obstacle"} & set(made):
         world_from_layout(made, "page")
+    elif "search" in made:
+        OptimisationFile(**({"run": {"model": "vem", "ticks": 1}} | made))
+    elif "replicates" in made:
+        SweepFile(**({"run": {"model": "vem", "ticks": 1}} | made))
     else:
         whole = tomlkit.parse(file_from("docs/live.md", "lab.toml")) | made
         lab_from_toml(block.code if "cars" in made else tomlkit.dumps(whole), str(block))

@@ -15,6 +15,7 @@ from app.experiments.kinds.holding import Holding
 from app.experiments.kinds.lanes import Lanes
 from app.experiments.kinds.layering import Layering
 from app.experiments.kinds.mission import Mission
+from app.experiments.kinds.optima import Optima, Tradeoff
 from app.experiments.kinds.ordering import Ordering
 from app.experiments.kinds.phases import Phases
 from app.experiments.kinds.settings import Settings
@@ -28,6 +29,6 @@ KINDS: dict[str, type[Settings]] = {
     for one in (
         *(Convergence, Evolution, Mission, Energy, Phases, Gathering, Beginning, Formation),
         *(Driving, Holding, Squash, Layering, Tangents, Detours),
-        *(Consensus, Crowding, Diffusion, Lanes, Ordering, Swarming, Turns),
+        *(Consensus, Crowding, Diffusion, Lanes, Optima, Ordering, Swarming, Tradeoff, Turns),
     )
 }

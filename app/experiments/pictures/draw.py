@@ -37,6 +37,7 @@ from app.experiments.pictures.missions.success import draw_success
 from app.experiments.pictures.missions.tangents import draw_tangents
 from app.experiments.pictures.missions.trajectories import draw_trajectories
 from app.experiments.pictures.missions.turned import draw_turned
+from app.experiments.pictures.optima import draw_optima, draw_tradeoff
 from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.rows import draw_rows
@@ -59,6 +60,8 @@ OF_MEASURES: dict[str, Callable[..., None]] = {
     "turned": draw_turned,
     "growth": draw_growth,
     "crowding": draw_crowding,
+    "optima": draw_optima,
+    "tradeoff": draw_tradeoff,
 }
 """Pictures of several measures."""
 OF_RUNS: dict[str, Callable[..., None]] = {

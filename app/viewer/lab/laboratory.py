@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import viser
@@ -13,6 +15,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import Spec
+from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.lab.panels.downloads import Downloads
@@ -26,10 +29,13 @@ from app.viewer.lab.panels.plots.plots import Plots
 from app.viewer.lab.panels.run import RunPanel
 from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
+from app.viewer.lab.panels.sweep import SweepPanel
 from app.viewer.lab.panels.time_line import TimeLinePanel
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world.world import WorldPanel
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
+from app.viewer.lab.sweeps.requests import SweepRequests
+from app.viewer.lab.sweeps.sweeps import Sweeps
 from app.viewer.lab.taking import Taking
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
@@ -64,8 +70,8 @@ class Laboratory:
 
     `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
     open already, on this host. `opened`: a scene, a saved state or a recording that it opens on,
-    instead of a `spec`. `waits`: whether the flock stands until the first browser is there. Raises
-    Refusal if the port is busy.
+    instead of a `spec`. `waits`: whether the flock stands until the first browser is there.
+    `results`: the folder of its sweeps. Raises Refusal if the port is busy.
     """
 
     def __init__(
@@ -81,6 +87,7 @@ class Laboratory:
         server: viser.ViserServer | None = None,
         opened: SavedScene | Stored | None = None,
         waits: bool = False,
+        results: Path = RESULTS,
     ):
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
         accept_uploads(self.server, LARGEST)
@@ -109,8 +116,10 @@ class Laboratory:
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
         self.waits = running and waits
+        self.sweeps = Sweeps(results, lambda: self.browsers() > 0)
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
+        SweepRequests(self.requests, self.sweeps, self.sweep)
         if scene is not None:
             self.look_at(scene)
         self.listen()
@@ -129,7 +138,11 @@ class Laboratory:
         return here(self.host, self.port)
 
     def close(self) -> None:
-        """Stop drawing, running and serving."""
+        """Stop drawing, running and serving; a sweep that runs goes on."""
+        going = self.sweeps.close()
+        if going:
+            line = f"the sweep {going} goes on; `flockscope sweep stop {going}` ends it"
+            print(line, file=sys.stderr)
         self.drawing.close()
         self.simulation.close()
         close_server(self.server)
@@ -143,12 +156,16 @@ class Laboratory:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
             self.parameters = ParametersPanel(gui, self.simulation)
+            marks = gui.add_html("")
         with tabs.add_tab("Setup"):
             self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):
             self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
             self.view = FlockView(gui, usual_of(state.spec), self.point)
+        with tabs.add_tab("Sweep"):
+            tell = self.simulation.notices.put
+            self.sweep = SweepPanel(gui, marks, self.sweeps, self.simulation, tell)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
             self.saving = SceneFiles(gui, self.now, self.open, self.simulation.notices.put)
@@ -361,6 +378,7 @@ class Laboratory:
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.parameters.refresh(state)
+        self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
         if self.drawing.drawn is None or readings is None:
             return
         frame, look = self.drawing.drawn

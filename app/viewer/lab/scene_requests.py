@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from collections.abc import Callable
 from dataclasses import asdict
 from http import HTTPStatus
 from typing import Protocol
@@ -18,12 +19,14 @@ from app.viewer.gallery.words import command_line, python
 from app.viewer.web.serving.front import Answering, Front, content, words
 from worlds.refusal import Refusal
 
-SCRIPTS = ("gallery.js", "take.js", "card.js")
-"""What the page needs to ask, and to keep its card beside its agent."""
+SCRIPTS = ("gallery.js", "take.js", "card.js", "sweep.js")
+"""What the page needs to ask, to keep its card beside its agent, and for sweeps."""
 GALLERY, OPEN, TAKE = "/gallery.json", "/open", "/scene.json"
 MARK, WORD = "X-Flockscope", "scene"
 """A header that no foreign page can send: a browser would ask first whether it may."""
 JSON = "application/json"
+Finding = Callable[[dict[str, list[str]]], SavedScene]
+"""Finds the scene that is asked for, by what stands in the query. Raises Refusal."""
 
 
 class Opened(Protocol):
@@ -47,13 +50,18 @@ class SceneRequests:
         self.opening = threading.Lock()
         shown = json.dumps([asdict(card) for card in cards()]).encode()
         front.route(GALLERY, lambda _: content(shown, JSON))
-        front.route(OPEN, self.open)
+        self.front = front
+        self.opens(OPEN, lambda asked: find_scene(asked.get("scene", [""])[0]))
         front.route(TAKE, self.take)
         for path in sorted(PICTURES.glob("*.webp")):
             front.route(f"/gallery/{path.name}", pictured(path.read_bytes()))
 
-    def open(self, request: Request) -> Response:
-        """Open the scene that is asked for: `scene`, and `sure` where others watch too.
+    def opens(self, path: str, find: Finding) -> None:
+        """Have requests of a path open the scene that is found for what they ask."""
+        self.front.route(path, lambda request: self.open(request, find))
+
+    def open(self, request: Request, find: Finding) -> Response:
+        """Open the scene that is asked for, and only if it says `sure` where others watch too.
 
         `new`: it is asked by a page that has yet to connect.
         """
@@ -63,7 +71,7 @@ class SceneRequests:
         if not self.opening.acquire(blocking=False):
             return words(HTTPStatus.TOO_MANY_REQUESTS, "another scene is being opened")
         try:
-            scene = find_scene(asked.get("scene", [""])[0])
+            scene = find(asked)
             others = self.laboratory.browsers() > ("new" not in asked)
             if "sure" in asked or not others:
                 self.laboratory.open(scene)

@@ -1,0 +1,172 @@
+"""`flockscope optimise`: the best values of parameters, by a search that goes on after any stop."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.outcome import as_json, tell_written
+from app.cli.progress import Progress
+from app.cli.refusals import INTERRUPTED
+from app.cli.stopping import Stopping
+from app.results import PICTURES
+from app.settings import at_least
+
+if TYPE_CHECKING:
+    from app.experiments.optimisation.answer import Answer
+    from app.experiments.optimisation.optimise import Done
+    from app.experiments.optimisation.study import Study
+
+BROKEN = 3
+"""Exit code if any run failed or was killed."""
+FAULTS = 20
+"""Failed runs that are named."""
+
+
+def optimise(
+    what: Annotated[str, typer.Argument(help="FILE.toml, or the folder of one to go on with.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of its runs. \\[default: results/NAME]")
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(help="PNG, SVG or PDF by its ending. \\[default: two beside the runs]"),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the file that --picture names.")
+    ] = False,
+    workers: Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")] = None,
+    nice: Annotated[
+        int, typer.Option(help="How far the processes give way to others, 0 to 19.")
+    ] = 0,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
+    ] = False,
+    limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+) -> None:
+    """Search the values of parameters for which a measure is least or most.
+
+    The best is told on seeds that the search has not seen, beside the default, with what ties with
+    it. The same call goes on after any stop: the search is begun again and takes what it has seen
+    from the store. The exit code is 3 if any run failed.
+    """
+    from app.cli.sweep.asked import begun_in, folder_of, is_sweep
+    from app.cli.sweep.run import MOST_WORKERS, tell, warn
+    from app.experiments.optimisation.picture import draw
+    from app.experiments.optimisation.study import read_study, study_of
+    from app.experiments.sweeps.pictures.draw import ENDINGS
+    from worlds.refusal import Refusal
+    from worlds.writing import demand_writable
+
+    at_least("--workers", workers, 1, MOST_WORKERS)
+    at_least("--nice", nice, 0, 19)
+    at_least("--limit", limit, 1)
+    if Path(what).suffix.lower() == ".toml":
+        study, own = read_study(Path(what)), folder_of(Path(what).stem)
+    elif is_sweep(folder_of(what)):
+        own = folder_of(what)
+        study = study_of(*begun_in(own))
+    else:
+        raise Refusal(f"{what!r} is no FILE.toml and no folder of an optimisation")
+    folder = out or own
+    if picture is not None:
+        demand_writable("--picture", picture, overwrite, ENDINGS)
+    if not quiet:
+        for one in study.variants:
+            warn(one.sweep)
+    done = carried_out(study, folder, workers, nice, retry_failed, limit, quiet)
+    for line in done.broken[:FAULTS]:
+        tell(f"flockscope: {line}")
+    if done.answer is None:
+        tell(f"not all points are evaluated; go on with: flockscope optimise {folder}")
+        raise typer.Exit(BROKEN if done.broken else 0)
+    names = [f"convergence.{kind}" for kind in PICTURES]
+    files = [picture] if picture is not None else [folder / name for name in names]
+    for path in files:
+        draw(study, done.course, done.answer, path)
+    report(study, folder, done, done.answer, files, json_asked)
+    if not quiet:
+        tell(f"{done.made} runs made, {done.taken} taken from {folder}")
+        tell_written(*files)
+    if done.broken:
+        raise typer.Exit(BROKEN)
+
+
+def carried_out(
+    study: Study,
+    folder: Path,
+    workers: int | None,
+    nice: int,
+    retry: bool,
+    limit: int | None,
+    quiet: bool,
+) -> Done:
+    """Carry out the search; after Ctrl-C tell how to go on."""
+    from app.cli.sweep.run import tell
+    from app.experiments.optimisation.optimise import optimise as carry_out
+
+    try:
+        with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
+            return carry_out(
+                study,
+                folder,
+                workers=workers,
+                nice=nice,
+                retry=retry,
+                limit=limit,
+                tell=None if quiet else tell,
+                at=lambda share, words: progress.at(share, None, words),
+            )
+    except KeyboardInterrupt:
+        again = f"flockscope {shlex.join(sys.argv[1:])}"
+        tell(f"flockscope: stopped; finished runs are in {folder}; go on with: {again}")
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def report(
+    study: Study, folder: Path, done: Done, answer: Answer, files: list[Path], json_asked: bool
+) -> None:
+    """Print the answer as a table and in words, or as JSON."""
+    if json_asked:
+        value: dict[str, Any] = {
+            "folder": str(folder),
+            "title": study.title,
+            "algorithm": study.file.search.algorithm,
+            "made": done.made,
+            "taken": done.taken,
+            "failed": done.broken,
+            **answer.value,
+            "course": [
+                {"point": one.point, "means": one.means, "is_good": one.is_good}
+                for one in done.course
+            ],
+            "files": [str(path) for path in files],
+        }
+        typer.echo(as_json(value))
+        return
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    from app.cli.sweep.show import plain
+
+    table = Table(
+        "", *study.default, *answer.goals, box=SIMPLE_HEAD,
+        title=f"{study.title}, {answer.fresh} fresh seeds", title_justify="left",
+    )  # fmt: skip
+    last = [answer.ties.furthest] if answer.ties and answer.ties.furthest else []
+    for one in (answer.default, *answer.best, *last):
+        values = [plain(one.point[name]) for name in study.default]
+        table.add_row(
+            one.what, *values, *("-" if mean is None else str(mean) for mean in one.means)
+        )
+    console = Console()
+    console.print(table)
+    for line in answer.words():
+        console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,124 @@
+"""`flockscope sensitivity`: which parameter matters, from the runs of a sweep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.outcome import as_json, tell_written
+from app.results import PICTURES
+from app.settings import at_least
+
+if TYPE_CHECKING:
+    from app.experiments.sensitivity.answer import Sensitivity
+
+BROKEN = 3
+"""Exit code if any run failed or was killed."""
+
+
+def sensitivity(
+    what: Annotated[str, typer.Argument(help="FILE.toml, or a sweep to go on with.")],
+    observable: Annotated[
+        str | None, typer.Option(help="What is analysed. \\[default: all that is measured]")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the sweep. \\[default: results/NAME]")
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option(help="PNG, SVG or PDF by its ending. \\[default: two beside the runs]"),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the file that --picture names.")
+    ] = False,
+    workers: Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")] = None,
+    nice: Annotated[
+        int, typer.Option(help="How far the processes give way to others, 0 to 19.")
+    ] = 0,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
+    ] = False,
+    limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+) -> None:
+    """Make the runs of a sweep that are not there yet, and say which of its axes matters most.
+
+    FILE.toml is that of a sweep, with one design of kind saltelli, for Sobol's indices, or morris,
+    for elementary effects. What is measured is a mean over seeds that all cells have in common.
+    """
+    from app.cli.sweep.asked import read_or_kept
+    from app.cli.sweep.run import MOST_WORKERS, carried_out, tell, warn
+    from app.experiments.runs.reading import Kept
+    from app.experiments.sensitivity.answer import analysed, design_of
+    from app.experiments.sensitivity.picture import draw
+    from app.experiments.sweeps.pictures.draw import ENDINGS
+    from worlds.refusal import unknown
+    from worlds.writing import demand_writable
+
+    at_least("--workers", workers, 1, MOST_WORKERS)
+    at_least("--nice", nice, 0, 19)
+    at_least("--limit", limit, 1)
+    sweep, own = read_or_kept(what, None if quiet else tell)
+    folder = out or own
+    design_of(sweep)
+    if observable is not None and observable not in sweep.making.columns:
+        raise unknown("observable", observable, sweep.making.columns, what)
+    if picture is not None:
+        demand_writable("--picture", picture, overwrite, ENDINGS)
+    if not quiet:
+        warn(sweep)
+    done = carried_out(sweep, folder, workers, nice, retry_failed, limit, quiet)
+    if done.broken:
+        tell(f"flockscope: {done.broken} runs failed: flockscope sweep show {folder} names them")
+        raise typer.Exit(BROKEN)
+    if not done.whole:
+        tell(f"not all runs are made; go on with: flockscope sensitivity {folder}")
+        return
+    found = analysed(sweep, Kept(folder), observable)
+    names = [f"sensitivity.{kind}" for kind in PICTURES]
+    files = [picture] if picture is not None else [folder / name for name in names]
+    for path in files:
+        draw(found, sweep.title, path)
+    if json_asked:
+        value: dict[str, Any] = {
+            "folder": str(folder),
+            "title": sweep.title,
+            "made": done.made,
+            "taken": done.taken,
+            "sensitivity": [one.value for one in found],
+            "files": [str(path) for path in files],
+        }
+        typer.echo(as_json(value))
+    else:
+        show(found, sweep.title)
+    if not quiet:
+        tell_written(*files)
+
+
+def show(found: list[Sensitivity], title: str) -> None:
+    """Print a table and sentences for each thing that is measured."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    from app.experiments.sensitivity.answer import in_words
+
+    console = Console()
+    for one in found:
+        total, alone = one.symbols
+        spread = ["sigma"] if one.kind == "morris" else []
+        table = Table(
+            "axis", total, alone, *spread, box=SIMPLE_HEAD,
+            title=f"{title}: {one.observable}", title_justify="left",
+        )  # fmt: skip
+        for row in one.influences:
+            more = [f"{row.spread:.2f}"] if row.spread is not None else []
+            table.add_row(row.axis, in_words(row.total), in_words(row.alone), *more)
+        console.print(table)
+        for pair in one.pairs:
+            console.print(f"S_2 of {' and '.join(pair.axes)}: {in_words(pair.index)}")
+        for line in one.words():
+            console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,1 @@
+"""`flockscope sweep`: many runs, over what one chooses, that survive whatever happens."""

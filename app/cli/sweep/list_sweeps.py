@@ -1,0 +1,34 @@
+"""`flockscope sweep list`: the sweeps in a folder, and how far each is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.outcome import as_json
+from app.cli.sweep.asked import is_sweep
+from app.results import RESULTS
+
+
+def list_sweeps(
+    folder: Annotated[Path, typer.Option("--in", help="Where to look.")] = RESULTS,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """The sweeps that were begun, and how far each is."""
+    from app.experiments.runs.reading import readable
+    from app.experiments.sweeps.status import status_of
+
+    there = sorted(folder.iterdir()) if folder.is_dir() else []
+    found = [status_of(one) for one in there if is_sweep(one) and readable(one)]
+    if json_asked:
+        typer.echo(as_json({"sweeps": found}))
+        return
+    if not found:
+        typer.echo(f"no sweep in {folder}/")
+    for one in found:
+        name = Path(one["folder"]).name
+        broken = one["runs"]["failed"] + one["runs"]["killed"]
+        failed = f", {broken} failed" if broken else ""
+        typer.echo(f"{name}: {one['state']}, {one['done']} of {one['of']} runs{failed}")

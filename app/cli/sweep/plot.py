@@ -1,0 +1,57 @@
+"""`flockscope sweep plot`: the picture of an observable, also while the sweep runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.outcome import tell_written
+from app.cli.sweep.asked import kept_sweep
+from app.cli.sweep.status import Name
+
+
+def plot(
+    name: Name,
+    observable: Annotated[
+        str | None, typer.Option(help="What is shown. \\[default: the first that is measured]")
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(help="lines, map, points or distribution. \\[default: what suits the axes]"),
+    ] = None,
+    x: Annotated[str | None, typer.Option(help="The axis along the picture.")] = None,
+    y: Annotated[str | None, typer.Option(help="The axis up a map.")] = None,
+    where: Annotated[
+        str, typer.Option(help="Only cells for which this holds: 'agents == 50'.")
+    ] = "",
+    snapshots: Annotated[
+        bool, typer.Option("--snapshots", help="Draw the flock of each cell into a map.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="PNG, SVG or PDF by its ending. \\[default: a PNG beside the runs]"),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the file that --out names.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Do not name the file.")] = False,
+) -> None:
+    """Draw lines with 95 % bands, a map over two axes, a sample's points, or distributions.
+
+    Cells with runs that gave up or failed are marked; such runs are in no mean.
+    """
+    from app.experiments.runs.reading import Kept
+    from app.experiments.sweeps.pictures.draw import draw
+    from app.experiments.sweeps.table import measured
+
+    kept = Kept(kept_sweep(name))
+    shown = observable or next(iter(measured(kept)), "picture")
+    path = out or kept.folder / f"{shown.replace('/', '-')}.png"
+    draw(
+        kept, path, observable,
+        kind=kind, x=x, y=y, where=where, snapshots=snapshots, overwrite=overwrite or out is None,
+    )  # fmt: skip
+    if not quiet:
+        tell_written(path)

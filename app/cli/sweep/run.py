@@ -1,0 +1,230 @@
+"""`flockscope sweep run`: make the runs that are not there yet."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.outcome import as_json
+from app.cli.progress import Progress
+from app.cli.refusals import INTERRUPTED
+from app.cli.stopping import Stopping
+from app.cli.sweep.asked import (
+    Fixed,
+    Hold,
+    Observes,
+    Over,
+    Runs,
+    Ticks,
+    Until,
+    Vary,
+    sweep_asked,
+)
+from app.cli.sweep.clusters import (
+    Account,
+    Cores,
+    DryRun,
+    Jobs,
+    Memory,
+    OnCluster,
+    Queue,
+    Walltime,
+    cluster_asked,
+    in_words,
+)
+from app.settings import at_least
+from worlds.counting import counted, duration
+
+if TYPE_CHECKING:
+    from app.experiments.cluster.asked import Cluster
+    from app.experiments.sweeps.conduct import Done
+    from app.experiments.sweeps.sweep import Sweep
+
+MOST_WORKERS = 1024
+BROKEN = 3
+"""Exit code if any run failed or was killed."""
+
+
+def run(
+    what: Annotated[
+        str, typer.Argument(help="FILE.toml, a MODEL with --vary, or a sweep to go on with.")
+    ],
+    vary: Vary = None,
+    fixed: Fixed = None,
+    runs: Runs = None,
+    ticks: Ticks = None,
+    observe: Observes = "",
+    over: Over = None,
+    until: Until = "",
+    hold: Hold = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the sweep. \\[default: results/NAME]")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")] = None,
+    nice: Annotated[
+        int, typer.Option(help="How far the processes give way to others, 0 to 19.")
+    ] = 0,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
+    ] = False,
+    limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
+    cluster: OnCluster = "",
+    dry_run: DryRun = False,
+    jobs: Jobs = None,
+    cores: Cores = None,
+    memory: Memory = "",
+    walltime: Walltime = "",
+    queue: Queue = "",
+    account: Account = "",
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Draw each observable as PNG and SVG at the end.")
+    ] = False,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+) -> None:
+    """Make the runs of a sweep that are not there yet; the same call goes on after any stop.
+
+    The exit code is 3 if any run failed or was killed: `flockscope sweep show` names them.
+    """
+    at_least("--runs", runs, 1)
+    at_least("--ticks", ticks, 1)
+    at_least("--over", over, 1)
+    at_least("--hold", hold, 1)
+    at_least("--workers", workers, 1, MOST_WORKERS)
+    at_least("--nice", nice, 0, 19)
+    at_least("--limit", limit, 1)
+    heard = None if quiet else tell
+    sweep, own = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, heard)
+    folder = out or own
+    asked = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
+    asked |= {"queue": queue, "account": account}
+    made_on = cluster_asked(sweep, cluster, workers, dry_run, **asked)
+    if dry_run and made_on is not None:
+        print_job(made_on, quiet)
+        return
+    if not quiet:
+        warn(sweep)
+    began = time.monotonic()
+    done = carried_out(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
+    files = draw_all(sweep, folder) if plot and done.made + done.taken else []
+    report(sweep, folder, done, files, time.monotonic() - began, json_asked, quiet)
+    if done.broken:
+        raise typer.Exit(BROKEN)
+
+
+def print_job(cluster: Cluster, quiet: bool) -> None:
+    """Print what a queue would be asked for. Raises Refusal."""
+    from app.experiments.cluster.opening import job_script
+
+    typer.echo(job_script(cluster), nl=False)
+    if not quiet:
+        tell(f"flockscope: nothing is run; without --dry-run {in_words(cluster)}")
+
+
+def warn(sweep: Sweep) -> None:
+    """Warn of worlds that are not those of the papers."""
+    from app.experiments.sweeps.estimate import other_worlds
+
+    for line in other_worlds(sweep):
+        tell(f"flockscope: {line}")
+
+
+def carried_out(
+    sweep: Sweep,
+    folder: Path,
+    workers: int | None,
+    nice: int,
+    retry: bool,
+    limit: int | None,
+    quiet: bool,
+    cluster: Cluster | None = None,
+) -> Done:
+    """Carry out the sweep; after Ctrl-C tell how to go on."""
+    from app.experiments.sweeps.conduct import conduct
+    from app.experiments.workers.processes import cores
+
+    if cluster is not None and not quiet:
+        tell(in_words(cluster, bool(sweep.file.record)))
+    try:
+        with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
+            return conduct(
+                sweep,
+                folder,
+                workers=workers or cores(),
+                nice=nice,
+                retry=retry,
+                limit=limit,
+                cluster=cluster,
+                tell=None if quiet else tell,
+                at=progress.at,
+            )
+    except KeyboardInterrupt:
+        again = f"flockscope {shlex.join(sys.argv[1:])}"
+        tell(f"flockscope: stopped; finished runs are in {folder}; go on with: {again}")
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
+    """Draw a picture of each thing that is measured. Raises Refusal."""
+    from app.experiments.runs.reading import Kept
+    from app.experiments.sweeps.pictures.draw import draw
+    from app.results import PICTURES
+
+    files = [folder / f"{column}.{kind}" for column in sweep.making.columns for kind in PICTURES]
+    for path in files:
+        draw(Kept(folder), path, path.stem)
+    return files
+
+
+def report(
+    sweep: Sweep,
+    folder: Path,
+    done: Done,
+    files: list[Path],
+    seconds: float,
+    json_asked: bool,
+    quiet: bool,
+) -> None:
+    """Print what has come of it."""
+    from app.cli.sweep.show import summary_of
+    from app.experiments.runs.reading import Kept
+
+    kept = Kept(folder)
+    if json_asked:
+        value: dict[str, Any] = {
+            "folder": str(folder),
+            "title": sweep.title,
+            "made": done.made,
+            "taken": done.taken,
+            "whole": done.whole,
+            "runs": kept.counts,
+            "seconds": round(seconds, 3),
+            "files": [str(path) for path in files],
+        }
+        typer.echo(as_json(value))
+    else:
+        summary_of(kept)
+    if quiet:
+        return
+    if done.made:
+        rate = done.made / max(seconds, 1e-9)
+        tell(
+            f"{counted(done.made, 'run')} made in {duration(seconds)} ({rate:.3g} a second), "
+            f"{done.taken} taken from {folder}"
+        )
+    else:
+        tell(f"no run made, {done.taken} taken from {folder}")
+    if not done.whole:
+        tell(f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}")
+    if files:
+        tell("written: " + ", ".join(map(str, files)))
+
+
+def tell(line: str) -> None:
+    """A line on stderr."""
+    typer.echo(line, err=True)

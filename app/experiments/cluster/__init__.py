@@ -1,0 +1,1 @@
+"""Runs on other machines, through Dask: this process plans and keeps, those make runs."""

@@ -1,0 +1,134 @@
+"""The file of a store: SQLite in WAL, told apart from any other file, with one line for a fault."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from worlds.refusal import Refusal
+
+FILE = "runs.sqlite"
+APPLICATION = 0x464C4B53
+"""What SQLite keeps in the head of the file: FLKS."""
+FORMAT = 1
+TABLES = """
+CREATE TABLE cell (id INTEGER PRIMARY KEY, hash TEXT NOT NULL UNIQUE, json TEXT NOT NULL);
+CREATE TABLE plan (place INTEGER PRIMARY KEY, cell INTEGER NOT NULL);
+CREATE TABLE run (
+    cell INTEGER NOT NULL, seed INTEGER NOT NULL, status TEXT NOT NULL, reason TEXT,
+    seconds REAL NOT NULL, ticks INTEGER NOT NULL, astray TEXT,
+    PRIMARY KEY (cell, seed)
+) WITHOUT ROWID;
+CREATE TABLE series (
+    cell INTEGER NOT NULL, seed INTEGER NOT NULL, observable TEXT NOT NULL,
+    ticks BLOB NOT NULL, "values" BLOB NOT NULL,
+    PRIMARY KEY (cell, seed, observable)
+) WITHOUT ROWID;
+CREATE TABLE state (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+"""
+FIXED = ("cell", "seed", "status", "reason", "seconds", "ticks", "astray")
+"""Columns of `run` that every store has; those of what is measured follow."""
+BUSY = 10.0
+"""Seconds to wait for another process that looks into the file."""
+
+
+@contextmanager
+def guarded(path: Path) -> Iterator[None]:
+    """Whatever SQLite raises within is a Refusal that names the file."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        why = "the disk is full" if "full" in str(error) else str(error)
+        raise Refusal(f"store of runs {str(path)!r} cannot be kept: {why}") from None
+
+
+def opened(path: Path) -> sqlite3.Connection:
+    """The file to write to, made if it is not there. Raises Refusal, having changed nothing."""
+    new = not path.exists() or path.stat().st_size == 0
+    if not new:
+        demand_ours(path)
+    if not os.access(path.parent if new else path, os.W_OK):
+        raise Refusal(f"store of runs {str(path)!r} cannot be written: it may only be read")
+    with guarded(path):
+        made = sqlite3.connect(path, timeout=BUSY, isolation_level=None)
+        mode = made.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+        if mode != "wal":
+            made.close()
+            raise Refusal(
+                f"store of runs {str(path)!r} needs a local disk: this one cannot keep what is "
+                f"written apart from what is read (journal mode {mode})"
+            )
+        made.execute("PRAGMA synchronous = NORMAL")
+        if new or not has_tables(made):
+            made.execute(f"PRAGMA application_id = {APPLICATION}")
+            made.execute(f"PRAGMA user_version = {FORMAT}")
+            made.executescript(f"BEGIN; {TABLES} COMMIT;")
+        return made
+
+
+def has_tables(connection: sqlite3.Connection) -> bool:
+    """Whether the tables are there: a kill while the file is made leaves one without."""
+    found = connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'run'")
+    return bool(found.fetchone()[0])
+
+
+def looked_into(path: Path) -> sqlite3.Connection:
+    """The file to read from, also while another process writes to it. Raises Refusal."""
+    if not path.is_file():
+        raise Refusal(f"{str(path)!r}: there is no store of runs")
+    demand_ours(path)
+    with guarded(path):
+        made = sqlite3.connect(
+            f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=BUSY, isolation_level=None
+        )
+        try:
+            there = has_tables(made)
+        except sqlite3.OperationalError:  # a folder that may only be read has no room for the WAL
+            made.close()
+            made = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
+            there = has_tables(made)
+        if not there:
+            made.close()
+            raise Refusal(f"{str(path)!r}: there is no run in it yet")
+        return made
+
+
+def demand_ours(path: Path) -> None:
+    """Refuse what is no store of runs, or one of a newer flockscope, before it is changed."""
+    try:
+        with open(path, "rb") as file:
+            head = file.read(100)
+    except OSError as error:
+        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
+    if not head.startswith(b"SQLite format 3\0") or len(head) < 100:
+        raise Refusal(f"{str(path)!r} is not a store of runs: move it away")
+    of, version = int.from_bytes(head[68:72], "big"), int.from_bytes(head[60:64], "big")
+    if of not in (APPLICATION, 0) or (of == 0 and holds_tables(path)):
+        raise Refusal(f"{str(path)!r} is not a store of runs: move it away")
+    if version > FORMAT:
+        raise Refusal(
+            f"{str(path)!r} is of a newer flockscope (format {version}, here {FORMAT}): take that"
+        )
+
+
+def holds_tables(path: Path) -> bool:
+    """Whether a file of SQLite that says nothing of whose it is holds anything: not ours then.
+
+    One of ours says nothing yet where a kill came while it was made, or its head is in the WAL.
+    """
+    with guarded(path):
+        made = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+        try:
+            names = {row[0] for row in made.execute("SELECT name FROM sqlite_master")}
+            ours = made.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
+            return bool(names) and not ours
+        finally:
+            made.close()
+
+
+def quoted(column: str) -> str:
+    """The name of a column as SQL has it."""
+    return '"' + column.replace('"', '""') + '"'

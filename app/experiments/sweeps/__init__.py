@@ -1,0 +1,1 @@
+"""Sweeps: a file, its plan of cells, what is measured of a run, and the runs of it all."""

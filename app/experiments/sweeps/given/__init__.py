@@ -1,0 +1,1 @@
+"""What a sweep's file says: its tables, designs, conditions, and where each key is from."""

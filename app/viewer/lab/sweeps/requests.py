@@ -1,0 +1,60 @@
+"""What the page asks of sweeps by HTTP: to sweep over a parameter, and to open a run."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Protocol
+from urllib.parse import parse_qs
+
+from websockets.http11 import Request, Response
+
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.scene_requests import MARK, WORD, SceneRequests
+from app.viewer.lab.sweeps.reading import scene_of
+from app.viewer.lab.sweeps.sweeps import Sweeps
+from app.viewer.web.serving.front import words
+from worlds.refusal import Refusal
+
+OVER, RUN = "/sweep/over", "/sweep/run"
+LONGEST = 18
+"""Figures of a seed."""
+
+
+class Form(Protocol):
+    """What begins sweeps."""
+
+    def sweep_over(self, name: str) -> None: ...
+
+
+class SweepRequests:
+    """Answers them; a run opens as a scene of the gallery does."""
+
+    def __init__(self, scenes: SceneRequests, sweeps: Sweeps, form: Form):
+        self.sweeps, self.form = sweeps, form
+        scenes.front.route(OVER, self.over)
+        scenes.opens(RUN, self.run)
+
+    def over(self, request: Request) -> Response:
+        """Have the form begin with a parameter."""
+        if request.headers.get_all(MARK) != [WORD]:
+            return words(HTTPStatus.FORBIDDEN, f"sweeps are asked for with {MARK}: {WORD}")
+        asked = parse_qs(request.path.partition("?")[2])
+        try:
+            self.form.sweep_over(asked.get("name", [""])[0])
+        except Refusal as refusal:
+            return words(HTTPStatus.BAD_REQUEST, str(refusal))
+        return words(HTTPStatus.OK, "chosen")
+
+    def run(self, asked: dict[str, list[str]]) -> SavedScene:
+        """The run of a cell of a sweep that is listed. Raises Refusal."""
+        folder = self.sweeps.folder(asked.get("sweep", [""])[0])
+        place = whole("cell", asked.get("cell", [""])[0])
+        seed = whole("seed", asked["seed"][0]) if "seed" in asked else None
+        return scene_of(folder, place, seed, self.sweeps.column)
+
+
+def whole(name: str, text: str) -> int:
+    """A whole number of a query. Raises Refusal."""
+    if not (text.isascii() and text.isdigit() and len(text) <= LONGEST):
+        raise Refusal(f"{name} = {text[:40]!r} is no number")
+    return int(text)

@@ -1,0 +1,269 @@
+"""The sweeps of a laboratory: begun, stopped, gone on with, and looked at while they run.
+
+A thread of its own reads the stores, so that neither the flock nor the picture ever waits, and no
+more often than it can afford: what the page shows is replaced as a whole.
+"""
+
+from __future__ import annotations
+
+import shutil
+import threading
+import time
+import tomllib
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from agents.observables.catalogue import OBSERVABLES
+from app.experiments.runs.database import FILE
+from app.experiments.runs.reading import Kept
+from app.experiments.runs.store import is_taken
+from app.experiments.sweeps.conduct import SPEC, STOP
+from app.viewer.lab.sweeps.asked import WORLD, Asked
+from app.viewer.lab.sweeps.bounds import MOST_BEGUN, demand
+from app.viewer.lab.sweeps.process import Making
+from app.viewer.lab.sweeps.reading import Listed, Shown, listed, named_in, shown
+from worlds.reading import read_text
+from worlds.refusal import Refusal
+from worlds.writing import write_text
+
+EVERY, SELDOM = 1.0, 4.0
+"""Seconds between two looks while something runs, and while nothing does."""
+TABLES = ("title", "run", "stop", "design", "replicates", "observe")
+"""Of a file, those with which the page goes on: no cluster, no recordings."""
+SHARE = 0.05
+"""Of a core, that looking takes at most."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the page shows."""
+
+    sweeps: tuple[Listed, ...] = ()
+    """The newest first."""
+    shown: Shown | None = None
+    fault: str = ""
+    """Why a sweep could not be begun, or is not drawn."""
+    said: str = ""
+    """What the command said last, of a sweep that begins."""
+
+    def of(self, name: str) -> Listed | None:
+        """How far a sweep is."""
+        return next((one for one in self.sweeps if one.name == name), None)
+
+
+class Sweeps:
+    """Those in the folder `results`. `watched` says whether anybody looks."""
+
+    def __init__(self, results: Path, watched: Callable[[], bool] = lambda: True):
+        self.results = results.absolute()
+        self.watched = watched
+        self.seen = Seen()
+        self.chosen = ""
+        """The sweep that is drawn."""
+        self.column: str | None = None
+        self.making: Making | None = None
+        self.begun = 0
+        self.fault = ""
+        self.beginning = threading.Lock()
+        self.kept: dict[str, tuple[tuple[float, ...], Listed | None]] = {}
+        """Of what does not change, how far it is, by when it was written last."""
+        self.drawn: tuple[object, Shown | None, str] = (None, None, "")
+        """What was read last: of which sweep when, what is drawn of it, and why nothing is."""
+        self.now = threading.Event()
+        self.closing = threading.Event()
+        self.thread = threading.Thread(target=self.live, name="sweeps", daemon=True)
+        self.thread.start()
+
+    def close(self) -> str:
+        """Look no more; the name of a sweep of its own that goes on, if there is one."""
+        self.closing.set()
+        self.now.set()
+        self.thread.join(2.0)
+        return self.making.folder.name if self.making is not None and self.making.runs else ""
+
+    # What browsers ask for.
+
+    def begin(self, asked: Asked) -> str:
+        """Begin a sweep; its name. Raises Refusal, having left nothing."""
+        with self.beginning:
+            text, world = asked.to_toml(), asked.world()
+            self.demand_idle()
+            folder = self.new_folder(asked.name)
+            try:
+                write_text("sweep", folder / SPEC, text)
+                if world:
+                    write_text("world", folder / WORLD, world)
+                self.making = Making.begin(folder, folder / SPEC)
+            except BaseException:
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
+            self.begun += 1
+            self.fault = ""
+        self.choose(folder.name)
+        return folder.name
+
+    def go_on(self, name: str) -> None:
+        """Make the runs that a sweep lacks. Raises Refusal."""
+        with self.beginning:
+            folder = self.folder(name)
+            demand_from_page(folder)
+            self.demand_idle()
+            self.making = Making.begin(folder, folder)
+            self.begun += 1
+            self.fault = ""
+        self.now.set()
+
+    def stop(self, name: str) -> None:
+        """Have the process that makes a sweep stop, whoever began it. Raises Refusal."""
+        making = self.making
+        if making is not None and making.folder.name == name and making.runs:
+            making.stop()
+        else:
+            (self.folder(name) / STOP).touch()
+        self.now.set()
+
+    def choose(self, name: str, column: str | None = None) -> None:
+        """Have a sweep drawn, by one of its columns."""
+        self.chosen, self.column = name, column
+        self.now.set()
+
+    def folder(self, name: str) -> Path:
+        """The folder of a sweep that is listed. Raises Refusal."""
+        if self.seen.of(name) is None or not (self.results / name / FILE).is_file():
+            raise Refusal(f"there is no sweep {name[:80]!r}")
+        return self.results / name
+
+    def demand_idle(self) -> None:
+        """Refuse a second sweep while one runs. Raises Refusal."""
+        running = [name for name in named_in(self.results) if is_taken(self.results / name)]
+        if self.making is not None and self.making.runs:
+            running = [self.making.folder.name]
+        if running:
+            raise Refusal(f"{running[0]} runs: one sweep at a time, stop it or wait for its end")
+        if self.begun >= MOST_BEGUN:
+            raise Refusal(
+                f"{MOST_BEGUN} sweeps have been begun: start the laboratory anew for more, or use "
+                "flockscope sweep run"
+            )
+
+    def new_folder(self, name: str) -> Path:
+        """A folder that is not there yet. Raises Refusal."""
+        for number in range(1, 10_000):
+            folder = self.results / (name if number == 1 else f"{name}-{number}")
+            try:
+                folder.mkdir(parents=True)
+            except FileExistsError:
+                continue
+            except OSError as error:
+                raise Refusal(
+                    f"{str(folder)!r} cannot be made: {error.strerror or error}"
+                ) from None
+            return folder
+        raise Refusal(f"there are too many sweeps called {name} in {str(self.results)!r}")
+
+    # What its thread does.
+
+    def live(self) -> None:
+        """Look, until closed; what goes wrong is printed and tried again."""
+        while not self.closing.is_set():
+            began, busy = time.monotonic(), False
+            try:
+                if self.watched():
+                    self.look()
+                    busy = any(one.runs for one in self.seen.sweeps)
+            except Exception as error:
+                traceback.print_exception(error)
+                busy = False
+            spent = time.monotonic() - began
+            self.now.wait(max(EVERY if busy else SELDOM, spent / SHARE))
+            self.now.clear()
+
+    def look(self) -> None:
+        """Read how far sweeps are, and what there is to draw of one."""
+        self.bury()
+        making = self.making
+        found = [one for name in named_in(self.results) if (one := self.listed(name))]
+        said = ""
+        if making is not None and making.runs:
+            name = making.folder.name
+            before = next((one for one in found if one.name == name), None)
+            if before is None or before.state == "stopped":
+                found = [one for one in found if one is not before]
+                found.insert(0, replace(before or Listed(name, ""), state="begins"))
+            if before is None or before.done == 0:
+                said = making.said()
+        self.follow(found)
+        drawn, fault = self.draw(found)
+        self.seen = Seen(tuple(found), drawn, self.fault or fault, said)
+
+    def listed(self, name: str) -> Listed | None:
+        """How far a sweep is; what nobody writes is read once."""
+        folder = self.results / name
+        stamps = tuple(
+            path.stat().st_mtime if path.exists() else 0.0
+            for path in (folder / FILE, folder / f"{FILE}-wal")
+        )
+        before = self.kept.get(name)
+        if before is not None and before[0] == stamps and not is_taken(folder):
+            return before[1]
+        try:
+            made = listed(folder)
+        except (Refusal, OSError, KeyError, ValueError):
+            made = None
+        if made is None or not made.runs:
+            self.kept[name] = stamps, made
+        return made
+
+    def follow(self, found: list[Listed]) -> None:
+        """Draw what runs, or the newest, as long as nobody has chosen another that is there."""
+        if any(one.name == self.chosen for one in found):
+            return
+        first = next((one for one in found if one.runs), found[0] if found else None)
+        self.chosen, self.column = (first.name if first else ""), None
+
+    def draw(self, found: list[Listed]) -> tuple[Shown | None, str]:
+        """What is drawn, read anew only if there is more of it; or why it is not."""
+        one = next((one for one in found if one.name == self.chosen), None)
+        if one is None or not (self.results / one.name / FILE).is_file():
+            return None, ""
+        key = one.name, self.column, one.state == "done", *one.counts.values()
+        if key != self.drawn[0]:
+            try:
+                self.drawn = key, shown(self.results / one.name, self.column), ""
+            except Refusal as refusal:
+                self.drawn = key, None, "" if one.state == "begins" else str(refusal)
+        return self.drawn[1:]
+
+    def bury(self) -> None:
+        """A process of its own that has ended: what it refused is said, and leaves nothing."""
+        making = self.making
+        if making is None or making.runs:
+            return
+        self.making = None
+        if making.has_failed:
+            self.fault = making.said() or f"the sweep {making.folder.name} has ended unasked"
+        if not (making.folder / FILE).exists():
+            shutil.rmtree(making.folder, ignore_errors=True)
+
+
+def demand_from_page(folder: Path) -> None:
+    """Refuse to go on with what the page could not have begun. Raises Refusal."""
+    path = folder / SPEC
+    values = tomllib.loads(read_text(f"sweep {str(path)!r}", path))
+    told = f"go on with `flockscope sweep run {folder.name}`"
+    observed = [one.get("name") for one in values.get("observe", [])]
+    if not all(one in OBSERVABLES for one in observed) or str(values["run"]["model"]).endswith(
+        ".py"
+    ):
+        raise Refusal(f"{folder.name} has code of its own: {told}")
+    others = [name for name in values if name not in TABLES]
+    if others or values.get("replicates", {}).get("precision"):
+        raise Refusal(f"{folder.name} is not of the page's kind: {told}")
+    kept = Kept(folder)
+    cells = kept.cells
+    specs = [cell["identity"]["spec"] for cell in cells.values()]
+    agents = max(int(one["agents"]) + int(one["informed"] or 0) for one in specs)
+    each = -(-int(kept.state["runs"]) // max(1, len(cells)))
+    demand(len(cells), each, agents, int(kept.state["limit"]))

@@ -1,0 +1,107 @@
+"""Runs in processes: order, failures, kills, stopping; none of them loses a run."""
+
+import os
+import signal
+import threading
+import time
+from collections import deque
+from types import SimpleNamespace
+
+import pytest
+
+from app.experiments.runs.outcome import Outcome
+from app.experiments.workers.makers import Awake, Task
+from app.experiments.workers.processes import Process, Processes
+from experiments.jobs import Sums
+from worlds.refusal import Refusal
+
+
+def carried_out(job, tasks, workers=2, beat=lambda: False):
+    kept = []
+    with Processes(job, workers) as processes:
+        whole = processes.run(tasks, lambda task, outcome: kept.append((task, outcome)), beat)
+    return kept, whole
+
+
+def test_each_run_is_kept_once_whatever_happens_to_some(tmp_path):
+    payloads = {3: "raise", 5: "kill", 8: "kill once", 11: "print", 12: "kill"}
+    tasks = [Task(1, seed, payloads.get(seed)) for seed in range(40)]
+    kept, whole = carried_out(Sums(str(tmp_path)), tasks)
+    assert whole
+    assert sorted(task.seed for task, _ in kept) == list(range(40))
+    found = {task.seed: outcome for task, outcome in kept}
+    broken = {seed: one.status for seed, one in found.items() if one.status != "ok"}
+    assert broken == {3: "failed", 5: "killed", 12: "killed"}
+    assert found[3].reason == "ValueError: seed 3 is bad"
+    assert found[5].reason == "its process ended twice, with signal SIGKILL"
+    assert all(one.values == {"sum": seed + 1} for seed, one in found.items() if seed not in broken)
+
+
+def test_one_process_keeps_the_order():
+    kept, _ = carried_out(Sums(), [Task(1, seed, None) for seed in range(300)], workers=1)
+    assert [task.seed for task, _ in kept] == list(range(300))
+
+
+def test_it_stops_when_it_is_asked_to_and_its_processes_end():
+    began = time.monotonic()
+    with Processes(Sums(), 1) as processes:
+        whole = processes.run(
+            [Task(1, 0, "sleep")], lambda *_: None, lambda: time.monotonic() - began > 0.5
+        )
+        [popen] = [one.popen for one in processes.processes]
+    assert not whole
+    assert popen.poll() is not None
+    assert time.monotonic() - began < 20.0
+
+
+def test_a_killed_process_is_replaced_and_its_run_made_again():
+    kept = []
+    with Processes(Sums(), 1) as processes:
+
+        def kill():
+            while not processes.processes or processes.processes[0].begun < 1:
+                time.sleep(0.01)
+            os.kill(processes.processes[0].popen.pid, signal.SIGKILL)
+
+        threading.Thread(target=kill).start()
+        began = time.monotonic()
+        processes.run(
+            [Task(1, 0, "sleep"), *(Task(1, seed, None) for seed in range(1, 20))],
+            lambda task, _: kept.append(task),
+            lambda: len(kept) > 0 or time.monotonic() - began > 4.0,
+        )
+        assert len({id(one.popen) for one in processes.processes}) == 1
+        assert processes.processes[0].waiting[0] == Task(1, 0, "sleep", tries=1)
+
+
+def test_a_job_that_cannot_begin_is_refused():
+    with pytest.raises(Refusal, match="can be begun: they end with code 1"):
+        carried_out(Sums("nowhere"), [Task(1, 0, None)], workers=1)
+
+
+def test_a_run_that_hangs_is_killed_and_the_others_are_made():
+    tasks = [Task(1, seed, "sleep" if seed == 3 else None) for seed in range(9)]
+    kept = []
+    with Processes(Sums(), 2, limit=1.0) as processes:
+        assert processes.run(tasks, lambda task, outcome: kept.append((task.seed, outcome)))
+    assert sorted(seed for seed, _ in kept) == list(range(9))
+    broken = {seed: (one.status, one.reason) for seed, one in kept if one.status != "ok"}
+    assert broken == {3: ("killed", "it took longer than 1 s")}
+
+
+def test_a_clock_that_jumps_neither_kills_a_run_nor_makes_it_long():
+    """As after a machine has slept for a day while a run was under way."""
+    now, kept = [0.0], []
+    processes = Processes(Sums(), 1, limit=100.0)
+    processes.awake = Awake(lambda: now[0])
+    process = Process(SimpleNamespace(), bytearray(8), deque([Task(1, 0, None)]))
+    processes.processes.append(process)
+    process.started[0] = 1
+    for moment in (0.5, 1.0, 86_401.0, 86_401.5):
+        now[0] = moment
+        processes.end_late(processes.awake.look())
+        assert not process.overran
+    report = [Outcome("ok", seconds=86_400.0)]
+    processes.take(process, report, deque(), lambda _, outcome: kept.append(outcome.seconds))
+    assert 1.5 <= kept[0] <= 4.0
+    assert processes.seconds < 1.0

@@ -1,0 +1,175 @@
+"""The store of runs: what is committed stays, other files are left alone, others may read."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+import textwrap
+import time
+
+import numpy as np
+import pytest
+
+from app.experiments.runs.database import FILE, looked_into
+from app.experiments.runs.outcome import Outcome
+from app.experiments.runs.reading import Kept, readable
+from app.experiments.runs.store import Store, is_taken
+from worlds.refusal import Refusal
+
+CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
+
+
+def test_what_is_added_is_read_back_in_the_order_of_the_plan(tmp_path):
+    series = {"s": (np.array([10, 20]), np.array([0.5, np.nan]))}
+    with Store(tmp_path / "deep", ["k", "x"]) as store:
+        second, first = store.lay_out(CELLS[::-1])
+        store.add(first, 2, Outcome("ok", {"k": 7, "x": 1.0}, ticks=9))
+        store.add(second, 1, Outcome("failed", reason="ValueError: no"))
+        store.add(first, 1, Outcome("gave-up", {"k": None, "x": np.float64(0.1)}, series=series))
+        store.lay_out(CELLS)
+    kept = Kept(tmp_path / "deep")
+    rows = [
+        (cell, seed, status, ticks, k, x)
+        for cell, seed, status, _, _, ticks, _, k, x in kept.runs()
+    ]
+    assert rows == [
+        (first, 1, "gave-up", 0, None, 0.1),
+        (first, 2, "ok", 9, 7, 1.0),
+        (second, 1, "failed", 0, None, None),
+    ]
+    assert isinstance(rows[1][-1], float), "1.0 does not come back as 1"
+    assert kept.counts == {"ok": 1, "gave-up": 1, "failed": 1, "killed": 0}
+    [(cell, seed, name, ticks, values)] = kept.series()
+    assert (cell, seed, name, ticks.tolist()) == (first, 1, "s", [10, 20])
+    assert values[0] == 0.5
+    assert np.isnan(values[1])
+
+
+def test_cells_that_are_no_longer_planned_stay(tmp_path):
+    with Store(tmp_path, ["k"]) as store:
+        [first, second] = store.lay_out(CELLS)
+        store.add(first, 1, Outcome("ok", {"k": 1}))
+        store.add(second, 1, Outcome("ok", {"k": 2}))
+    with Store(tmp_path, ["k", "new"]) as store:
+        assert store.lay_out(CELLS[1:]) == [second]
+        assert store.done([second]) == {(second, 1): "ok"}
+    kept = Kept(tmp_path)
+    assert (kept.others, kept.counts["ok"], kept.columns) == (1, 1, ["k", "new"])
+
+
+def test_failed_runs_are_forgotten_on_request(tmp_path):
+    with Store(tmp_path, []) as store:
+        [cell, _] = store.lay_out(CELLS)
+        for seed, status in enumerate(("ok", "gave-up", "failed", "killed")):
+            store.add(cell, seed, Outcome(status))
+        store.keep()
+        assert store.forget_broken() == 2
+        assert store.done([cell]) == {(cell, 0): "ok", (cell, 1): "gave-up"}
+
+
+@pytest.mark.parametrize("content", [b"a,b,c\n1,2,3\n", b"SQLite format 3\0 torn"])
+def test_another_file_is_refused_and_left_alone(tmp_path, content):
+    (tmp_path / FILE).write_bytes(content)
+    with pytest.raises(Refusal, match="is not a store of runs: move it away"), Store(tmp_path, []):
+        pass
+    assert (tmp_path / FILE).read_bytes() == content
+    assert not readable(tmp_path)
+
+
+def test_a_database_of_anything_else_is_refused_and_left_alone(tmp_path):
+    other = sqlite3.connect(tmp_path / FILE)
+    other.execute("CREATE TABLE run (mine)")
+    other.close()
+    before = (tmp_path / FILE).read_bytes()
+    with pytest.raises(Refusal, match="is not a store of runs"), Store(tmp_path, []):
+        pass
+    assert (tmp_path / FILE).read_bytes() == before
+
+
+def test_a_store_of_a_newer_format_is_refused(tmp_path):
+    with Store(tmp_path, []) as store:
+        store.connection.execute("PRAGMA user_version = 99")
+    with (
+        pytest.raises(Refusal, match=r"newer .* \(format 99, here 1\)"),
+        Store(tmp_path, []),
+    ):
+        pass
+
+
+def test_two_parents_cannot_have_one_store(tmp_path):
+    with Store(tmp_path, []):
+        assert is_taken(tmp_path)
+        with (
+            pytest.raises(Refusal, match="by another process"),
+            Store(tmp_path, []),
+        ):
+            pass
+    assert not is_taken(tmp_path)
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(Refusal, match="cannot be made"), Store(tmp_path / "file" / "deep", []):
+        pass
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_may_only_be_read_is_refused(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(Refusal, match="cannot be written"), Store(tmp_path, []):
+        pass
+
+
+def test_a_full_disk_is_told_in_a_line_and_loses_nothing_that_was_kept(tmp_path):
+    with Store(tmp_path, []) as store:
+        [cell, _] = store.lay_out(CELLS)
+        store.add(cell, 1, Outcome("ok"))
+        store.keep()
+        pages = store.connection.execute("PRAGMA page_count").fetchone()[0]
+        store.connection.execute(f"PRAGMA max_page_count = {pages}")
+        for seed in range(2, 2000):
+            store.add(cell, seed, Outcome("ok"))
+        with pytest.raises(Refusal, match="cannot be kept: the disk is full"):
+            store.keep()
+    assert Kept(tmp_path).counts["ok"] == 1
+    with Store(tmp_path, []) as store:
+        assert list(store.done([cell])) == [(cell, 1)]
+
+
+def test_another_process_reads_while_one_writes(tmp_path):
+    with Store(tmp_path, ["k"]) as store:
+        [cell, _] = store.lay_out(CELLS)
+        store.add(cell, 1, Outcome("ok", {"k": 1}))
+        store.tell(progress={"rate": 2.0})
+        store.keep()
+        store.add(cell, 2, Outcome("ok", {"k": 2}))
+        ask = f"""
+            from pathlib import Path
+            from app.experiments.runs.reading import Kept
+            kept = Kept(Path({str(tmp_path)!r}))
+            print(kept.counts["ok"], kept.state["progress"]["rate"])
+        """
+        said = subprocess.run(
+            [sys.executable, "-c", textwrap.dedent(ask)], capture_output=True, text=True, check=True
+        )
+        assert said.stdout == "1 2.0\n"
+
+
+def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
+    cells = [(str(number), "{}") for number in range(100)]
+    with Store(tmp_path, ["k", "x"]) as store:
+        numbers = store.lay_out(cells)
+        for seed in range(1000):
+            for cell in numbers:
+                store.add(cell, seed, Outcome("ok", {"k": seed, "x": 0.1 * seed}, "", 0.01, 100))
+    began = time.process_time()
+    with Store(tmp_path, ["k", "x"]) as store:
+        assert len(store.done(numbers)) == 100_000
+    assert len(Kept(tmp_path).runs()) == 100_000
+    assert time.process_time() - began < 2.0
+    assert (tmp_path / FILE).stat().st_size < 60 * 100_000
+
+
+def test_a_reader_of_what_is_not_there_is_refused(tmp_path):
+    with pytest.raises(Refusal, match="there is no store of runs"):
+        looked_into(tmp_path / FILE)

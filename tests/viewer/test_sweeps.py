@@ -1,0 +1,327 @@
+"""Sweeps from the page: what may be begun, the process that makes the runs, what is found again."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from agents.flock import Flock
+from app.experiments.runs.database import FILE
+from app.experiments.runs.outcome import Outcome
+from app.experiments.runs.reading import Kept
+from app.experiments.runs.store import Store, is_taken
+from app.experiments.sweeps.conduct import SPEC, STOP
+from app.experiments.sweeps.pictures.groups import Group
+from app.experiments.sweeps.sweep import read_sweep
+from app.experiments.sweeps.table import wide
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.sweeps.asked import AGENTS, Asked, Axis
+from app.viewer.lab.sweeps.bounds import MOST_CELLS, words
+from app.viewer.lab.sweeps.picture import picture
+from app.viewer.lab.sweeps.reading import Shown, scene_of, shown, typical
+from app.viewer.lab.sweeps.sweeps import Sweeps, demand_from_page
+from app.viewer.lab.sweeps.taking import content
+from app.viewer.run.home import at_home
+from tests.viewer.http_client import ask
+from tests.viewer.waiting import until
+from worlds.layout import world as build_world
+from worlds.refusal import Refusal
+
+OPENS = {"X-Flockscope": "scene"}
+SPEC_OF = at_home("vem", agents=20, seed=2, parameters={"eta": 0.4, "v0": 0.05})
+ASKED = Asked(SPEC_OF, [Axis("eta", 0.0, 6.0, 3)], "polarisation", runs=2, ticks=30)
+LONG = replace(ASKED, axes=[Axis("eta", 0.0, 6.0, 50)], runs=100, ticks=4000)
+
+
+@pytest.fixture(scope="module")
+def laboratory(tmp_path_factory):
+    made = Laboratory(SPEC_OF, port=0, running=False, results=tmp_path_factory.mktemp("results"))
+    made.sweeps.watched = lambda: True
+    assert made.simulation.ready.wait(60)
+    until(lambda: made.parameters.controls and made.sweep.observed)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def finished(laboratory):
+    """The folder of a sweep that was begun as the page does."""
+    name = laboratory.sweeps.begin(ASKED)
+    until(lambda: state_of(laboratory.sweeps, name) == "done", 90)
+    until(lambda: laboratory.sweeps.making is None)
+    return laboratory.sweeps.results / name
+
+
+def state_of(sweeps: Sweeps, name: str) -> str:
+    sweeps.now.set()
+    found = sweeps.seen.of(name)
+    return found.state if found else ""
+
+
+def test_a_sweep_is_around_the_run_as_it_is_now(tmp_path):
+    asked = replace(ASKED, axes=[Axis("eta", 0.0, 6.0, 3), Axis(AGENTS, 10, 40, 3, log=True)])
+    path = tmp_path / SPEC
+    path.write_text(asked.to_toml())
+    made = read_sweep(path)
+    assert [cell.axes for cell in made.cells][:4] == [
+        {"eta": 0.0, "agents": 10},
+        {"eta": 0.0, "agents": 20},
+        {"eta": 0.0, "agents": 40},
+        {"eta": 3.0, "agents": 10},
+    ]
+    assert {cell.spec.parameters["v0"] for cell in made.cells} == {0.05}
+    assert asked.name == "vem-eta-agents"
+
+
+def test_a_world_of_ones_own_goes_along(tmp_path):
+    world = replace(build_world("obstacles", 2, None, lambda _: 1.0), name="mine")
+    asked = replace(
+        ASKED, spec=at_home("hwvem-nav", world=world, agents=10), axes=[Axis("eta", 0.0, 1.0, 2)]
+    )
+    (tmp_path / SPEC).write_text(asked.to_toml())
+    (tmp_path / "world.toml").write_text(asked.world())
+    (cell, _) = read_sweep(tmp_path / SPEC).cells
+    assert len(Flock(cell.spec.but(seed=1)).world.obstacles) == len(world.obstacles)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"axes": [Axis("eta", 0.0, 9.0, 3)]}, r"eta = 9 is not in \[0, 6.28"),
+        ({"axes": [Axis("eta", math.nan, 1.0, 3)]}, "eta = nan is not in"),
+        ({"axes": [Axis("eta", 1.0, 1.0, 3)]}, "to itself"),
+        ({"axes": [Axis("eta", 0.0, 1.0, 51)]}, "51 values of eta"),
+        ({"axes": [Axis("eta", 0.0, 1.0, 3, log=True)]}, "by logarithms from 0"),
+        ({"axes": [Axis("neighbours", 0.0, 1.0, 3)]}, "'neighbours'"),
+        ({"axes": [Axis("eta", 0.0, 1.0, 3)] * 2}, "both axes"),
+        ({"axes": [Axis("eta", 0, 1, 21), Axis("v0", 0, 0.1, 20)]}, "420 cells are not allowed"),
+        ({"axes": [Axis(AGENTS, 10, 3001, 3)]}, "agents = 3001"),
+        ({"runs": 101}, "101 runs of a cell"),
+        ({"axes": [Axis("eta", 0, 1, 9), Axis("v0", 0, 0.1, 20)], "runs": 50}, "9,000 runs"),
+        ({"runs": 0}, "0 runs"),
+        ({"ticks": 20_001}, "20,001 ticks"),
+        ({"axes": [Axis(AGENTS, 10, 3000, 9)], "runs": 99, "ticks": 20_000}, "steps of an agent"),
+        ({"observable": "nonsense"}, "nonsense"),
+        ({"observable": "binder"}, "over 2 or more"),
+        ({"over": 31}, "the last 31 ticks"),
+    ],
+)
+def test_what_is_too_much_or_nonsense_is_refused_before_anything_is_made(tmp_path, changes, said):
+    sweeps = Sweeps(tmp_path)
+    with pytest.raises(Refusal, match=said):
+        sweeps.begin(replace(ASKED, **changes))
+    assert not list(tmp_path.iterdir())
+    sweeps.close()
+
+
+def test_the_bound_is_said_on_the_page(laboratory):
+    assert f"{MOST_CELLS} cells" in words()
+    laboratory.sweep.runs.value = 100
+    laboratory.sweep.second.choose("v0")
+    laboratory.sweep.first.count.value = laboratory.sweep.second.count.value = 50
+    until(lambda: "not allowed from the page" in laboratory.sweep.said.content)
+    assert laboratory.sweep.start.disabled
+    laboratory.sweep.second.over.value = "nothing else"
+    laboratory.sweep.first.count.value = 5
+    laboratory.sweep.runs.value = 3
+    until(lambda: "15 runs" in laboratory.sweep.said.content)
+    until(lambda: not laboratory.sweep.start.disabled)
+
+
+def test_a_sweep_fills_in_and_is_found_again(laboratory, finished):
+    panel = laboratory.sweep
+    until(lambda: "6 of 6 runs" in panel.status.content)
+    until(lambda: panel.picture.content.count("data-cell") == 3)
+    assert not panel.go.visible
+    assert panel.which.value == finished.name == "vem-eta"
+    again = Sweeps(finished.parent)
+    until(lambda: again.seen.shown is not None)
+    assert again.seen.of(finished.name).done == 6
+    assert again.seen.shown.cells[1].seeds == [1, 2]
+    assert again.close() == ""
+
+
+def test_a_run_of_a_sweep_is_the_run_that_opens(laboratory, finished):
+    table = wide(Kept(finished))
+    row = list(zip(table["place"], table["seed"], strict=True)).index((2, 2))
+    scene = scene_of(finished, 2, 2, None)
+    flock = Flock(scene.spec)
+    flock.run(ASKED.ticks)
+    assert flock.observe("polarisation") == table["polarisation"][row]
+    answer = ask(laboratory.port, "/sweep/run?sweep=vem-eta&cell=2&seed=2", OPENS)
+    assert json.loads(answer.text) == {"title": "vem-eta: eta = 3, seed 2", "asks": False}
+    until(lambda: laboratory.simulation.state.spec.seed == 2, 60)
+    until(lambda: laboratory.simulation.state.values.get("eta") == 3.0)
+    assert "polarisation came to" in scene.watch
+
+
+def test_a_click_on_a_cell_opens_the_run_nearest_to_its_mean(finished):
+    assert typical(Group({}, 1, [0.0, 0.6, 1.0], [7, 8, 9])) == 8
+    assert typical(Group({}, 1, broken=3)) is None
+    cell = shown(finished).cells[3]
+    assert scene_of(finished, 3, None, None).spec.seed == typical(cell)
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "sweep=nonsense&cell=1",
+        "sweep=../results/vem-eta&cell=1",
+        "sweep=.&cell=1",
+        "cell=1",
+        "sweep=vem-eta",
+        "sweep=vem-eta&cell=4",
+        "sweep=vem-eta&cell=0",
+        "sweep=vem-eta&cell=-1",
+        "sweep=vem-eta&cell=1&seed=1e9",
+        "sweep=vem-eta&cell=99999999999999999999999",
+        "sweep=vem-eta&cell=%C2%B2",
+    ],
+)
+def test_what_is_not_there_is_not_opened(laboratory, finished, query):
+    assert finished.exists()
+    answer = ask(laboratory.port, f"/sweep/run?{query}", OPENS)
+    assert answer.status == 400
+    assert answer.text.count("\n") == 1
+
+
+def test_other_pages_can_neither_choose_nor_open(laboratory, finished):
+    assert finished.exists()
+    for path in ("/sweep/over?name=eta", "/sweep/run?sweep=vem-eta&cell=1"):
+        assert ask(laboratory.port, path).status == 403
+        assert ask(laboratory.port, path, OPENS | {"Sec-Fetch-Site": "cross-site"}).status == 403
+
+
+def test_sweep_this_begins_the_form_with_a_parameter(laboratory):
+    until(lambda: laboratory.simulation.state.spec.model == "vem")
+    assert ask(laboratory.port, "/sweep/over?name=v0", OPENS).status == 200
+    assert laboratory.sweep.first.axis().name == "v0"
+    assert ask(laboratory.port, "/sweep/over?name=nonsense", OPENS).status == 400
+    assert laboratory.sweep.first.axis().name == "v0"
+
+
+def test_all_of_it_can_be_taken_along(finished):
+    name, table = content(finished, "CSV")
+    assert name == "vem-eta.csv"
+    assert len(table.splitlines()) == 7
+    assert tomllib.loads(content(finished, "Spec")[1].decode())["run"]["agents"] == 20
+    assert content(finished, "PNG")[1].startswith(b"\x89PNG")
+    assert b"<svg" in content(finished, "SVG")[1]
+    with pytest.raises(Refusal, match="not one of"):
+        content(finished, "EXE")
+
+
+def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
+    sweeps = Sweeps(tmp_path)
+    name = sweeps.begin(LONG)
+    with pytest.raises(Refusal, match="one sweep at a time"):
+        sweeps.begin(ASKED)
+    until(lambda: state_of(sweeps, name) == "running" and sweeps.seen.of(name).done, 90)
+    sweeps.stop(name)
+    until(lambda: state_of(sweeps, name) == "stopped", 60)
+    done = sweeps.seen.of(name).done
+    assert 0 < done < 5000
+    until(lambda: sweeps.making is None or not sweeps.making.runs)
+    sweeps.go_on(name)
+    until(lambda: is_taken(tmp_path / name), 60)
+    until(lambda: sweeps.seen.of(name).done > done, 60)
+    making = sweeps.making
+    assert sweeps.close() == name
+    assert making.runs, "a laboratory that ends leaves its sweep running"
+    other = Sweeps(tmp_path)
+    until(lambda: state_of(other, name) == "running")
+    with pytest.raises(Refusal, match="one sweep at a time"):
+        other.begin(ASKED)
+    other.stop(name)
+    assert (tmp_path / name / STOP).exists() or not is_taken(tmp_path / name)
+    until(lambda: state_of(other, name) == "stopped", 60)
+    making.process.wait(30)
+    other.close()
+
+
+def test_what_the_command_refuses_is_said_and_leaves_nothing(tmp_path):
+    sweeps = Sweeps(tmp_path)
+    sweeps.begin(replace(ASKED, spec=SPEC_OF.but(world="nonsense")))
+    until(lambda: sweeps.now.set() or sweeps.seen.fault, 60)
+    assert "unknown world 'nonsense'" in sweeps.seen.fault
+    assert not list(tmp_path.iterdir())
+    sweeps.close()
+
+
+def store_of(folder: Path, text: str, runs: int, agents: int = 20) -> Path:
+    with Store(folder, ["polarisation"]) as store:
+        cell = {"axes": {"eta": 0.1}, "identity": {"spec": {"agents": agents, "informed": None}}}
+        (number,) = store.lay_out([("a", json.dumps(cell))])
+        store.tell(kind="sweep", runs=runs, limit=100, columns=["polarisation"], axes=["eta"])
+        store.add(number, 1, Outcome("ok", {"polarisation": 0.5}))
+    (folder / SPEC).write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("text", "runs", "agents", "said"),
+    [
+        ('[run]\nmodel = "vem"\n', 101, 20, "101 runs of a cell"),
+        ('[run]\nmodel = "vem"\n', 10, 3001, "3,001 agents"),
+        ('[run]\nmodel = "mine.py"\n', 10, 20, "code of its own"),
+        ('[run]\nmodel = "vem"\n[[observe]]\nmeasure = "m.py:f"\n', 10, 20, "code of its own"),
+        ('[run]\nmodel = "vem"\n[cluster]\nkind = "slurm"\n', 10, 20, "not of the page's kind"),
+        ('[run]\nmodel = "vem"\n[[record]]\nevery = 1\n', 10, 20, "not of the page's kind"),
+    ],
+)
+def test_the_page_goes_on_with_what_it_could_have_begun_only(tmp_path, text, runs, agents, said):
+    with pytest.raises(Refusal, match=said):
+        demand_from_page(store_of(tmp_path / "one", text, runs, agents))
+    demand_from_page(store_of(tmp_path / "two", '[run]\nmodel = "vem"\n', 10))
+
+
+def test_a_store_of_anything_else_is_no_sweep(tmp_path):
+    with Store(tmp_path / "paper", ["k"]) as store:
+        store.tell(kind="paper")
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / FILE).write_bytes(b"nonsense" * 40)
+    sweeps = Sweeps(tmp_path)
+    sweeps.look()
+    assert sweeps.seen.sweeps == ()
+    sweeps.close()
+
+
+def drawn(axes: dict, cells: dict[int, Group]) -> str:
+    return picture(Shown("a<b", "vem", axes, ("polarisation",), "polarisation", cells, 10))
+
+
+def test_a_curve_marks_what_has_no_value_and_says_its_names_safely():
+    groups = {
+        1: Group({"eta": 0.0}, 1, [0.9, 1.0], [1, 2]),
+        2: Group({"eta": 3.0}, 2, [0.4], [1], gave_up=1),
+        3: Group({"eta": 6.0}, 3, broken=2),
+        4: Group({"eta": 6.2}, 4),
+    }
+    made = drawn({"eta": [0.0, 3.0, 6.0, 6.2]}, groups)
+    assert made.count("data-cell") == 3
+    assert made.count('class="fs-point"') == 2
+    assert made.count('class="fs-run"') == 3
+    assert made.count('class="fs-gave-up"') == made.count('class="fs-broken"') == 1
+    assert "a<b" not in made
+    assert "eta = 3: 0.4, 1 run; 1 gave up" in made
+
+
+def test_a_map_has_a_colour_for_each_cell_with_a_value():
+    values = [0.0, 1.0, 2.0]
+    groups = {
+        1 + 3 * k + j: Group({"eta": x, "v0": y}, 1, [0.1 * (k + j)], [1])
+        for k, x in enumerate(values)
+        for j, y in enumerate(values)
+    }
+    groups[9] = Group({"eta": 2.0, "v0": 2.0}, 1)
+    made = drawn({"eta": values, "v0": values}, groups)
+    assert made.count('class="fs-cell"') == 8
+    assert len({part.split('"')[0] for part in made.split('fill="')[1:]}) == 4
+    sample = {k: Group({"eta": 0.1 * k, "v0": 0.3 * k}, k, [0.5], [1]) for k in range(10)}
+    axes = {name: [one.axes[name] for one in sample.values()] for name in ("eta", "v0")}
+    assert "A sample" in drawn(axes, sample)
