@@ -42,10 +42,10 @@
       const made = button("fs-sweep-this", "sweep", (event) => {
         event.preventDefault();
         event.stopPropagation();
-        sweep(marks[made.dataset.of]);
+        sweep(marks[made.dataset.slider]);
       });
       made.type = "button";
-      made.dataset.of = uuid;
+      made.dataset.slider = uuid;
       made.title = "Sweep this: runs over its values";
       made.setAttribute("aria-label", `Sweep ${label.textContent}`);
       label.after(made);
