@@ -30,7 +30,7 @@ KEYS = {"cert.pem": "tls_client_cert", "key.pem": "tls_client_key"}
 """Files of the keys, and what they are of Security's; all roles have the same."""
 SETTINGS = {
     "distributed.scheduler.allowed-failures": FAILURES,
-    "distributed.comm.timeouts.connect": f"{CONNECT:g}s",
+    "distributed.comm.timeouts.connect": "30s",
 }
 
 
