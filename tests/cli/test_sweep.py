@@ -121,9 +121,13 @@ def test_the_common_case_needs_no_file(tmp_path, monkeypatch):
     lines = table("vem-eta-agents").splitlines()
     assert lines[0] == "place,eta,agents,seed,status,reason,ticks,astray,polarisation"
     assert len(lines) == 13
-    for ending, kind in ((".pdf", "lines"), (".svg", "map"), (".png", "distribution")):
+    exponents = ["--beta", "0.45", "--nu", "1.6", "--critical", "4.3"]
+    more_of = {"map": ["--snapshots"], "scaling": exponents}
+    for ending, kind in (
+        (".pdf", "lines"), (".svg", "map"), (".png", "distribution"), (".PNG", "scaling"),
+    ):  # fmt: skip
         path = tmp_path / f"x{ending}"
-        more = ["--snapshots"] if kind == "map" else []
+        more = more_of.get(kind, [])
         drawn = call("sweep", "plot", "vem-eta-agents", "--kind", kind, "--out", path, *more)
         assert drawn.exit_code == 0, drawn.stderr
         assert path.stat().st_size > 1000
@@ -139,6 +143,7 @@ def test_the_common_case_needs_no_file(tmp_path, monkeypatch):
         (("run", "vem", "--vary", "eta=0:6:3", "--set", "v0=-1"), "(--set v0=-1"),
         (("run", "vem", "--vary", "eta=0:6:3", "--observe", "x"), "unknown observable 'x'"),
         (("run", "vem", "--vary", "eta=0:6:3", "--over", "9"), "--over needs --observe"),
+        (("plot", "x", "--beta", "1"), "a collapse takes --beta and --nu"),
         (("status", "nothing"), "there is no sweep 'nothing'"),
         (("show", "nothing"), "there is no sweep 'nothing'"),
     ],

@@ -10,6 +10,7 @@ import typer
 from app.cli.outcome import tell_written
 from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
+from worlds.refusal import Refusal
 
 
 def plot(
@@ -19,7 +20,9 @@ def plot(
     ] = None,
     kind: Annotated[
         str | None,
-        typer.Option(help="lines, map, points or distribution. \\[default: what suits the axes]"),
+        typer.Option(
+            help="lines, map, points, distribution or scaling. \\[default: what suits the axes]"
+        ),
     ] = None,
     x: Annotated[str | None, typer.Option(help="The axis along the picture.")] = None,
     y: Annotated[str | None, typer.Option(help="The axis up a map.")] = None,
@@ -29,6 +32,17 @@ def plot(
     snapshots: Annotated[
         bool, typer.Option("--snapshots", help="Draw the flock of each cell into a map.")
     ] = False,
+    beta: Annotated[
+        float | None, typer.Option(help="Exponent of the collapse in a picture of scaling.")
+    ] = None,
+    nu: Annotated[float | None, typer.Option(help="The other exponent.")] = None,
+    critical: Annotated[
+        float | None,
+        typer.Option(
+            help="Where the transition is. \\[default: where Binder's cumulants of the two largest "
+            "sizes cross]"
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(help="PNG, SVG or PDF by its ending. \\[default: a PNG beside the runs]"),
@@ -40,18 +54,25 @@ def plot(
 ) -> None:
     """Draw lines with 95 % bands, a map over two axes, a sample's points, or distributions.
 
-    Cells with runs that gave up or failed are marked; such runs are in no mean.
+    Cells with runs that gave up or failed are marked; such runs are in no mean. Scaling takes an
+    axis 'agents': a line for each size, Binder's cumulant if 'binder' is observed, and with --beta
+    and --nu the collapse.
     """
     from app.experiments.runs.reading import Kept
     from app.experiments.sweeps.pictures.draw import draw
+    from app.experiments.sweeps.pictures.scaling import Scaling
     from app.experiments.sweeps.table import measured
 
+    if (beta is None) != (nu is None) or (critical is not None and beta is None):
+        raise Refusal("a collapse takes --beta and --nu, and --critical beside them")
+    scaling = None if beta is None or nu is None else Scaling(beta, nu, critical)
     kept = Kept(kept_sweep(name))
     shown = observable or next(iter(measured(kept)), "picture")
     path = out or kept.folder / f"{shown.replace('/', '-')}.png"
     draw(
         kept, path, observable,
-        kind=kind, x=x, y=y, where=where, snapshots=snapshots, overwrite=overwrite or out is None,
+        kind=kind, x=x, y=y, where=where, snapshots=snapshots, scaling=scaling,
+        overwrite=overwrite or out is None,
     )  # fmt: skip
     if not quiet:
         tell_written(path)

@@ -12,12 +12,13 @@ from app.experiments.sweeps.pictures.groups import Group, groups_of, is_number, 
 from app.experiments.sweeps.pictures.lines import FEW, draw_lines
 from app.experiments.sweeps.pictures.maps import draw_map
 from app.experiments.sweeps.pictures.points import draw_points
+from app.experiments.sweeps.pictures.scaling import SIZE, Scaling, draw_scaling
 from app.figure import write_figure
 from worlds.counting import counted
 from worlds.refusal import Refusal, unknown
 from worlds.writing import demand_writable
 
-Kind = Literal["lines", "map", "points", "distribution"]
+Kind = Literal["lines", "map", "points", "distribution", "scaling"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 ENDINGS = (".png", ".svg", ".pdf")
 
@@ -32,12 +33,14 @@ def draw(
     y: str | None = None,
     where: str = "",
     snapshots: bool = False,
+    scaling: Scaling | None = None,
     overwrite: bool = True,
 ) -> str:
     """Draw an observable, the first by default; returns the kind of picture. Raises Refusal.
 
     `x` and `y` are the axes of the picture; `where` is a condition that leaves cells out.
-    `snapshots`: whether a map shows how the flock of each cell looks at its end.
+    `snapshots`: whether a map shows how the flock of each cell looks at its end. `scaling`: the
+    exponents of the collapse that a picture of finite-size scaling shows.
     """
     demand_writable("picture", path, overwrite, ENDINGS)
     if kind is not None and kind not in KINDS:
@@ -50,6 +53,8 @@ def draw(
     kind = kind or ("map" if snapshots else suited(groups, axes))
     if snapshots and kind != "map":
         raise Refusal(f"snapshots are of a map, not of {kind}")
+    if scaling is not None and kind != "scaling":
+        raise Refusal(f"exponents are of scaling, not of {kind}")
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -62,6 +67,9 @@ def draw(
             draw_map(figure, name, groups, first, second, kept if snapshots else None)
         elif kind == "lines":
             draw_lines(figure, name, groups, one(groups, axes, x))
+        elif kind == "scaling":
+            along = one(groups, [axis for axis in axes if axis != SIZE], x)
+            draw_scaling(figure, kept, name, groups, along, where, scaling)
         elif kind == "points":
             draw_points(figure, name, groups, [x] if x else axes)
         else:
