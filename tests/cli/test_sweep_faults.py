@@ -51,9 +51,9 @@ def undisturbed(tmp_path_factory):
     return folder / "s.toml", table(folder / "out")
 
 
-def begun(undisturbed, out, runs=5, **more):
+def begun(undisturbed, out, *options, runs=5, **more):
     """The sweep as a program of its own, once it has made some runs."""
-    process = start("sweep", "run", undisturbed[0], "--out", out, **more)
+    process = start("sweep", "run", undisturbed[0], "--out", out, *options, **more)
     wait_until(lambda: done(out) >= runs, process)
     return process
 
@@ -108,7 +108,8 @@ def test_a_machine_that_sleeps_loses_no_run_and_no_time(tmp_path, undisturbed):
     text = TEXT.replace("ticks = 2000", "ticks = 2000\nseconds = 3.0")
     (tmp_path / "s.toml").write_text(text)
     out = tmp_path / "out"
-    process = begun((tmp_path / "s.toml", ""), out, start_new_session=True)
+    alone = "--workers", 1  # one that has made runs: a second might just begin
+    process = begun((tmp_path / "s.toml", ""), out, *alone, start_new_session=True)
     os.killpg(process.pid, signal.SIGSTOP)
     time.sleep(5.0)
     os.killpg(process.pid, signal.SIGCONT)
