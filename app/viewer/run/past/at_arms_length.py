@@ -22,7 +22,11 @@ SOUND, REFUSED = b"+", b"-"
 
 def rewritten(name: str, content: bytes) -> bytes:
     """The file, as a process of ours has written it. Raises Refusal for one that is unsound."""
-    begin = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()"
+    # It ends at once: in the usual farewell threads of pyarrow's may end it with another code.
+    begin = (
+        f"import os, sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve(); "
+        "sys.stdout.flush(); os._exit(0)"
+    )
     try:
         done = subprocess.run(
             [sys.executable, "-c", begin, name],
