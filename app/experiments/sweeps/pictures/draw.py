@@ -68,7 +68,8 @@ def draw(
         elif kind == "lines":
             draw_lines(figure, name, groups, one(groups, axes, x))
         elif kind == "scaling":
-            along = one(groups, [axis for axis in axes if axis != SIZE], x)
+            rest = [axis for axis in axes if axis != SIZE] or axes
+            along = SIZE if x == SIZE else one(groups, rest, x)
             draw_scaling(figure, kept, name, groups, along, where, scaling)
         elif kind == "points":
             draw_points(figure, name, groups, [x] if x else axes)
