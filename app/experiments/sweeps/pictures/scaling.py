@@ -80,13 +80,13 @@ def draw_scaling(
 def by_size(kept: Kept, groups: list[Group], x: str) -> Lines:
     """The cells by the number of agents. Raises Refusal if something else varies too."""
     axes = varied(groups)
+    if SIZE not in axes or x == SIZE:
+        raise Refusal(f"scaling needs the axis {SIZE!r} with two sizes or more, and another axis")
     rest = [axis for axis in axes if axis not in (x, SIZE)]
     if rest:
         raise Refusal(
             f"{', '.join(rest)} varies too: say at which value, such as --where '{rest[0]} == ...'"
         )
-    if SIZE not in axes or x == SIZE:
-        raise Refusal(f"scaling needs the axis {SIZE!r} with two sizes or more, and another axis")
     cells = kept.cells
     found: Lines = {}
     for group in groups:
