@@ -208,6 +208,7 @@ def test_faster_in_every_pair(done, quick, slow, word):
     assert judged(done[0], [quick * 22, slow * 22], said) == [word]
 
 
+FEW = {"evaluations": 4, "population": 2, "seeds": 2, "fresh": 2}
 SHORT = {
     "liu2021-fig2": ({}, []),
     "liu2021-fig3": ({}, []),
@@ -259,6 +260,8 @@ SHORT = {
     "jacobs-future": ({"limit": 12.0}, []),
     "jacobs-gallery1": ({"limit": 12.0}, []),
     "jacobs-gallery2": ({"limit": 12.0}, []),
+    "liu2021-weights": (FEW, []),
+    "liu2021-tradeoff": (FEW, []),
 }
 
 
