@@ -38,6 +38,8 @@ def test_a_curve_fills_in_opens_a_run_and_is_there_after_a_reload(laboratory, wi
     until(lambda: points.count() == 3, 90, "a point for each value")
     page.get_by_text("6 of 6 runs").wait_for(timeout=30_000)
     assert page.locator(".fs-sweep .fs-run").count() == 6
+    page.mouse.move(640, 60)
+    until(lambda: page.get_by_role("tooltip").count() == 0)  # one that fades away is faint
     assert faint(page) == []
 
     spec = laboratory.simulation.state.spec

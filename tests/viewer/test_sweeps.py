@@ -125,7 +125,7 @@ def test_the_bound_is_said_on_the_page(laboratory):
     laboratory.sweep.second.choose("v0")
     laboratory.sweep.first.count.value = laboratory.sweep.second.count.value = 50
     until(lambda: "not allowed from the page" in laboratory.sweep.said.content)
-    assert laboratory.sweep.start.disabled
+    until(lambda: laboratory.sweep.start.disabled)
     laboratory.sweep.second.over.value = "nothing else"
     laboratory.sweep.first.count.value = 5
     laboratory.sweep.runs.value = 3
