@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from app.cli.outcome import as_json, tell_written
-from app.cli.progress import Progress
-from app.cli.refusals import INTERRUPTED
-from app.cli.stopping import Stopping
+from app.cli.sweep.making import (
+    BROKEN,
+    AsJson,
+    Drawn,
+    Limit,
+    Nice,
+    Overwrite,
+    Quiet,
+    RetryFailed,
+    Workers,
+    demand_sound,
+    tell,
+    under_way,
+    warn,
+)
 from app.results import PICTURES
-from app.settings import at_least
 
 if TYPE_CHECKING:
     from app.experiments.optimisation.answer import Answer
     from app.experiments.optimisation.optimise import Done
     from app.experiments.optimisation.study import Study
 
-BROKEN = 3
-"""Exit code if any run failed or was killed."""
 FAULTS = 20
 """Failed runs that are named."""
 
@@ -32,23 +39,14 @@ def optimise(
     out: Annotated[
         Path | None, typer.Option(help="Folder of its runs. \\[default: results/NAME]")
     ] = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option(help="PNG, SVG or PDF by its ending. \\[default: two beside the runs]"),
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the file that --picture names.")
-    ] = False,
-    workers: Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")] = None,
-    nice: Annotated[
-        int, typer.Option(help="How far the processes give way to others, 0 to 19.")
-    ] = 0,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
-    ] = False,
-    limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    picture: Drawn = None,
+    overwrite: Overwrite = False,
+    workers: Workers = None,
+    nice: Nice = 0,
+    retry_failed: RetryFailed = False,
+    limit: Limit = None,
+    json_asked: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Search the values of parameters for which a measure is least or most.
 
@@ -57,16 +55,13 @@ def optimise(
     from the store. The exit code is 3 if any run failed.
     """
     from app.cli.sweep.asked import begun_in, folder_of, is_sweep
-    from app.cli.sweep.run import MOST_WORKERS, tell, warn
     from app.experiments.optimisation.picture import draw
     from app.experiments.optimisation.study import read_study, study_of
     from app.experiments.sweeps.pictures.draw import ENDINGS
     from worlds.refusal import Refusal
     from worlds.writing import demand_writable
 
-    at_least("--workers", workers, 1, MOST_WORKERS)
-    at_least("--nice", nice, 0, 19)
-    at_least("--limit", limit, 1)
+    demand_sound(workers, nice, limit)
     if Path(what).suffix.lower() == ".toml":
         study, own = read_study(Path(what)), folder_of(Path(what).stem)
     elif is_sweep(folder_of(what)):
@@ -107,26 +102,20 @@ def carried_out(
     limit: int | None,
     quiet: bool,
 ) -> Done:
-    """Carry out the search; after Ctrl-C tell how to go on."""
-    from app.cli.sweep.run import tell
+    """Carry out the search."""
     from app.experiments.optimisation.optimise import optimise as carry_out
 
-    try:
-        with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
-            return carry_out(
-                study,
-                folder,
-                workers=workers,
-                nice=nice,
-                retry=retry,
-                limit=limit,
-                tell=None if quiet else tell,
-                at=lambda share, words: progress.at(share, None, words),
-            )
-    except KeyboardInterrupt:
-        again = f"flockscope {shlex.join(sys.argv[1:])}"
-        tell(f"flockscope: stopped; finished runs are in {folder}; go on with: {again}")
-        raise typer.Exit(INTERRUPTED) from None
+    with under_way(folder, quiet) as progress:
+        return carry_out(
+            study,
+            folder,
+            workers=workers,
+            nice=nice,
+            retry=retry,
+            limit=limit,
+            tell=None if quiet else tell,
+            at=lambda share, words: progress.at(share, None, words),
+        )
 
 
 def report(

@@ -8,14 +8,25 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome import as_json, tell_written
+from app.cli.sweep.making import (
+    BROKEN,
+    AsJson,
+    Drawn,
+    Limit,
+    Nice,
+    Overwrite,
+    Quiet,
+    RetryFailed,
+    Workers,
+    carried_out,
+    demand_sound,
+    tell,
+    warn,
+)
 from app.results import PICTURES
-from app.settings import at_least
 
 if TYPE_CHECKING:
     from app.experiments.sensitivity.answer import Sensitivity
-
-BROKEN = 3
-"""Exit code if any run failed or was killed."""
 
 
 def sensitivity(
@@ -26,23 +37,14 @@ def sensitivity(
     out: Annotated[
         Path | None, typer.Option(help="Folder of the sweep. \\[default: results/NAME]")
     ] = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option(help="PNG, SVG or PDF by its ending. \\[default: two beside the runs]"),
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the file that --picture names.")
-    ] = False,
-    workers: Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")] = None,
-    nice: Annotated[
-        int, typer.Option(help="How far the processes give way to others, 0 to 19.")
-    ] = 0,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
-    ] = False,
-    limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    picture: Drawn = None,
+    overwrite: Overwrite = False,
+    workers: Workers = None,
+    nice: Nice = 0,
+    retry_failed: RetryFailed = False,
+    limit: Limit = None,
+    json_asked: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Make the runs of a sweep that are not there yet, and say which of its axes matters most.
 
@@ -50,7 +52,6 @@ def sensitivity(
     for elementary effects. What is measured is a mean over seeds that all cells have in common.
     """
     from app.cli.sweep.asked import read_or_kept
-    from app.cli.sweep.run import MOST_WORKERS, carried_out, tell, warn
     from app.experiments.runs.reading import Kept
     from app.experiments.sensitivity.answer import analysed, design_of
     from app.experiments.sensitivity.picture import draw
@@ -58,9 +59,7 @@ def sensitivity(
     from worlds.refusal import unknown
     from worlds.writing import demand_writable
 
-    at_least("--workers", workers, 1, MOST_WORKERS)
-    at_least("--nice", nice, 0, 19)
-    at_least("--limit", limit, 1)
+    demand_sound(workers, nice, limit)
     sweep, own = read_or_kept(what, None if quiet else tell)
     folder = out or own
     design_of(sweep)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,9 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome import as_json
-from app.cli.progress import Progress
-from app.cli.refusals import INTERRUPTED
-from app.cli.stopping import Stopping
 from app.cli.sweep.asked import (
     Fixed,
     Hold,
@@ -37,6 +33,19 @@ from app.cli.sweep.clusters import (
     cluster_asked,
     in_words,
 )
+from app.cli.sweep.making import (
+    BROKEN,
+    AsJson,
+    Limit,
+    Nice,
+    Quiet,
+    RetryFailed,
+    Workers,
+    carried_out,
+    demand_sound,
+    tell,
+    warn,
+)
 from app.settings import at_least
 from worlds.counting import counted, duration
 
@@ -44,10 +53,6 @@ if TYPE_CHECKING:
     from app.experiments.cluster.asked import Cluster
     from app.experiments.sweeps.conduct import Done
     from app.experiments.sweeps.sweep import Sweep
-
-MOST_WORKERS = 1024
-BROKEN = 3
-"""Exit code if any run failed or was killed."""
 
 
 def run(
@@ -65,14 +70,10 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder of the sweep. \\[default: results/NAME]")
     ] = None,
-    workers: Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")] = None,
-    nice: Annotated[
-        int, typer.Option(help="How far the processes give way to others, 0 to 19.")
-    ] = 0,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
-    ] = False,
-    limit: Annotated[int | None, typer.Option(help="Runs to make now, at most.")] = None,
+    workers: Workers = None,
+    nice: Nice = 0,
+    retry_failed: RetryFailed = False,
+    limit: Limit = None,
     cluster: OnCluster = "",
     dry_run: DryRun = False,
     jobs: Jobs = None,
@@ -84,8 +85,8 @@ def run(
     plot: Annotated[
         bool, typer.Option("--plot", help="Draw each observable as PNG and SVG at the end.")
     ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    json_asked: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Make the runs of a sweep that are not there yet; the same call goes on after any stop.
 
@@ -95,9 +96,7 @@ def run(
     at_least("--ticks", ticks, 1)
     at_least("--over", over, 1)
     at_least("--hold", hold, 1)
-    at_least("--workers", workers, 1, MOST_WORKERS)
-    at_least("--nice", nice, 0, 19)
-    at_least("--limit", limit, 1)
+    demand_sound(workers, nice, limit)
     heard = None if quiet else tell
     sweep, own = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, heard)
     folder = out or own
@@ -124,49 +123,6 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
     typer.echo(job_script(cluster), nl=False)
     if not quiet:
         tell(f"flockscope: nothing is run; without --dry-run {in_words(cluster)}")
-
-
-def warn(sweep: Sweep) -> None:
-    """Warn of worlds that are not those of the papers."""
-    from app.experiments.sweeps.estimate import other_worlds
-
-    for line in other_worlds(sweep):
-        tell(f"flockscope: {line}")
-
-
-def carried_out(
-    sweep: Sweep,
-    folder: Path,
-    workers: int | None,
-    nice: int,
-    retry: bool,
-    limit: int | None,
-    quiet: bool,
-    cluster: Cluster | None = None,
-) -> Done:
-    """Carry out the sweep; after Ctrl-C tell how to go on."""
-    from app.experiments.sweeps.conduct import conduct
-    from app.experiments.workers.processes import cores
-
-    if cluster is not None and not quiet:
-        tell(in_words(cluster, bool(sweep.file.record)))
-    try:
-        with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
-            return conduct(
-                sweep,
-                folder,
-                workers=workers or cores(),
-                nice=nice,
-                retry=retry,
-                limit=limit,
-                cluster=cluster,
-                tell=None if quiet else tell,
-                at=progress.at,
-            )
-    except KeyboardInterrupt:
-        again = f"flockscope {shlex.join(sys.argv[1:])}"
-        tell(f"flockscope: stopped; finished runs are in {folder}; go on with: {again}")
-        raise typer.Exit(INTERRUPTED) from None
 
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
@@ -223,8 +179,3 @@ def report(
         tell(f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}")
     if files:
         tell("written: " + ", ".join(map(str, files)))
-
-
-def tell(line: str) -> None:
-    """A line on stderr."""
-    typer.echo(line, err=True)
