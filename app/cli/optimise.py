@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome import as_json, tell, tell_written
 from app.cli.sweep.making import (
     BROKEN,
     AsJson,
@@ -19,7 +19,6 @@ from app.cli.sweep.making import (
     RetryFailed,
     Workers,
     demand_sound,
-    tell,
     under_way,
     warn,
 )

@@ -21,11 +21,16 @@ CELLS = 12
 """Entries of a table that are shown to people."""
 
 
+def tell(line: str) -> None:
+    """A line on stderr."""
+    typer.echo(line, err=True)
+
+
 def tell_written(*files: Path | None) -> None:
     """Name the files that were written on stderr; None is left out."""
     named = [str(path) for path in files if path is not None]
     if named:
-        typer.echo("written: " + ", ".join(named), err=True)
+        tell("written: " + ", ".join(named))
 
 
 def plain(value: Any) -> Any:

@@ -12,7 +12,7 @@ import typer
 from app.cli.given import Asked, given, named, set_by, with_options
 from app.cli.keeping import run_ticks
 from app.cli.lookout import Lookout
-from app.cli.outcome import as_json, outcome, show, tell_written
+from app.cli.outcome import as_json, outcome, show, tell, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules, by_name, first_of
@@ -214,11 +214,6 @@ def demand_outputs(
     ):
         if path is not None:
             demand_writable(option, path, overwrite, endings)
-
-
-def tell(line: str) -> None:
-    """A line on stderr."""
-    typer.echo(line, err=True)
 
 
 def stopped(

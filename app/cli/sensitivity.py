@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome import as_json, tell, tell_written
 from app.cli.sweep.making import (
     BROKEN,
     AsJson,
@@ -20,7 +20,6 @@ from app.cli.sweep.making import (
     Workers,
     carried_out,
     demand_sound,
-    tell,
     warn,
 )
 from app.results import PICTURES

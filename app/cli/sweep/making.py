@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli.outcome import tell
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.stopping import Stopping
@@ -98,8 +99,3 @@ def carried_out(
             tell=None if quiet else tell,
             at=progress.at,
         )
-
-
-def tell(line: str) -> None:
-    """A line on stderr."""
-    typer.echo(line, err=True)

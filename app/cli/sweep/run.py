@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome import as_json, tell
 from app.cli.sweep.asked import (
     Fixed,
     Hold,
@@ -43,7 +43,6 @@ from app.cli.sweep.making import (
     Workers,
     carried_out,
     demand_sound,
-    tell,
     warn,
 )
 from app.settings import at_least

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.given import Asked, with_options
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome import as_json, tell, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules
-from app.cli.run import tell
 from app.cli.stopping import Stopping
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from app.cli.run import tell
+from app.cli.outcome import tell
 from worlds.refusal import Refusal, unknown
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.given import Asked, named
+from app.cli.outcome import tell
 from app.cli.rule_option import by_name, first_of
-from app.cli.run import built, tell
+from app.cli.run import built
 from app.experiments.workers.kernels import compile_loop
 from worlds.refusal import Refusal
 
