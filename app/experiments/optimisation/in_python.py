@@ -14,9 +14,8 @@ from app.experiments.optimisation.optimise import optimise as carry_out
 from app.experiments.optimisation.picture import draw
 from app.experiments.optimisation.study import Study, read_study, study_of
 from app.experiments.search import Algorithm
-from app.experiments.sensitivity.in_python import bounds
 from app.experiments.sweeps.given.places import Places
-from app.experiments.sweeps.in_python import is_file, kept_in, values_of
+from app.experiments.sweeps.in_python import bounds, is_file, kept_in, values_of
 from app.experiments.sweeps.results import Results
 from worlds.refusal import Refusal
 

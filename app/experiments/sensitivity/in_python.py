@@ -12,7 +12,7 @@ from app.experiments.runs.reading import Kept
 from app.experiments.sensitivity.answer import Sensitivity, analysed, design_of
 from app.experiments.sensitivity.picture import draw
 from app.experiments.sweeps.conduct import conduct
-from app.experiments.sweeps.in_python import asked, is_file, kept_in, plain
+from app.experiments.sweeps.in_python import asked, bounds, is_file, kept_in
 from app.experiments.sweeps.results import Results
 from app.experiments.workers.processes import cores
 from worlds.refusal import Refusal, unknown
@@ -120,17 +120,3 @@ def sensitivity(
     place = kept_in(folder)
     conduct(made, place, workers=workers or cores(), tell=tell)
     return Influences(analysed(made, Kept(place)), made.title, Results(place))
-
-
-def bounds(axis: Any) -> Any:
-    """An axis as a file has it: a pair are its bounds.
-
-    >>> bounds((0.0, 6.0)), bounds([1, 2, 3])
-    ({'from': 0.0, 'to': 6.0}, [1, 2, 3])
-    """
-    if isinstance(axis, Mapping):
-        return dict(axis)
-    values = plain(list(axis))
-    if len(values) == 2 and all(isinstance(one, int | float) for one in values):
-        return {"from": float(values[0]), "to": float(values[1])}
-    return values

@@ -144,6 +144,20 @@ def shared(spec: Spec) -> dict[str, Any]:
     return {key: plain(value) for key, value in kept.items()}
 
 
+def bounds(axis: Any) -> Any:
+    """An axis as a file has it: a pair are its bounds.
+
+    >>> bounds((0.0, 6.0)), bounds([1, 2, 3])
+    ({'from': 0.0, 'to': 6.0}, [1, 2, 3])
+    """
+    if isinstance(axis, Mapping):
+        return dict(axis)
+    values = plain(list(axis))
+    if len(values) == 2 and all(isinstance(one, int | float) for one in values):
+        return {"from": float(values[0]), "to": float(values[1])}
+    return values
+
+
 def plain(value: Any) -> Any:
     """Arrays and NumPy's numbers as Python's own."""
     if isinstance(value, np.ndarray | np.generic):
