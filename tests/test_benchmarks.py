@@ -128,3 +128,20 @@ def test_mesa_and_a_sweep_find_the_same():
     found = by_sweep(20, 10, range(1, 4), 1)
     assert len(found) == 12
     assert found == by_mesa(20, 10, range(1, 4), 1)
+
+
+def test_the_rate_of_sweeps_is_printed_for_each_kind_of_run():
+    lines = printed("sweep_rate.py", "--runs", "40").splitlines()
+    kinds = [line.split()[:4] for line in lines[1:]]
+    assert [one[:3] for one in kinds] == [
+        ["50", "x", "100"],
+        ["300", "x", "100"],
+        ["1000", "x", "1000"],
+    ]
+    assert [int(one[3]) for one in kinds] == [40, 20, 8]
+
+
+def test_the_store_of_sweeps_gives_back_what_it_took():
+    lines = printed("sweep_store.py", "--rows", "2000").splitlines()
+    assert lines[0].startswith("2000 runs written in ")
+    assert lines[1].startswith("2000 of them counted")
