@@ -5,7 +5,7 @@
 Each node is a process that begins, makes a run of ten ticks and measures it. `own`: nodes with a
 folder of kernels each, empty; `shared`: one empty folder for all, in which the first compiles while
 the others wait; `kept`: the same folder, once it is full. Processor time of all nodes; by the clock
-a node is as fast as its machine.
+a node is as fast as its machine. The memory is that of the largest process that made a run.
 """
 
 from __future__ import annotations
@@ -57,6 +57,8 @@ def main() -> None:
             spent, clock = begun(given.model, caches)
             each = spent / given.nodes
             print(f"{name:10}{given.nodes:8}{spent:15.1f}{each:12.1f}{clock:14.1f}")
+    largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
+    print(f"memory of a process, MB: {largest:.0f}")
 
 
 if __name__ == "__main__":
