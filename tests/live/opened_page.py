@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -26,3 +27,15 @@ def opened(lab: Lab) -> Iterator[LivePage]:
         yield page
     finally:
         page.close()
+
+
+def arm(page, browser, is_so, within=BEGINS):
+    """Arm the cars in a browser, again where a busy machine had them held, until it is so."""
+
+    def tried():
+        if page.session.status.arm == "safe" and not page.session.status.reasons:
+            browser.arm(page.session.code.digits)
+            time.sleep(0.2)
+        return is_so()
+
+    until(tried, within)

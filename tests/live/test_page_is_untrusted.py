@@ -21,7 +21,7 @@ from websockets.exceptions import ConnectionClosed
 from agents.models.declare import declared
 from app.live.laboratory.example import example
 from app.viewer.web.server import UNWANTED
-from tests.live.opened_page import opened
+from tests.live.opened_page import arm, opened
 from tests.live.stand_in import CAMERA, StandIn
 from tests.live.waiting import until
 
@@ -259,8 +259,7 @@ def test_no_key_and_no_button_but_the_two_arms(page, witness):
 def test_the_cars_stop_when_the_browser_that_armed_them_is_gone(page, junk):
     page.session.place(0.0, 0.0)
     with StandIn(page.server.get_port()) as browser:
-        browser.arm(page.session.code.digits)
-        until(lambda: page.session.status.arm == "armed", SOON)
+        arm(page, browser, lambda: page.session.status.arm == "armed", SOON)
         if junk:
             browser.say(
                 type="TransformControlsUpdateMessage",

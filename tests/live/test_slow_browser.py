@@ -21,7 +21,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from app.live.laboratory.example import example
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
-from tests.live.opened_page import BEGINS, opened
+from tests.live.opened_page import arm, opened
 from tests.live.served_room import ServedRoom, descendants, is_there
 from tests.live.stand_in import LITTLE, StandIn
 from tests.live.waiting import until
@@ -47,25 +47,13 @@ def page():
 def operator(page):
     """A browser that works; the cars are driving, armed by it."""
     with StandIn(page.server.get_port()) as browser:
-        arm(page, browser)
+        arm(page, browser, lambda: page.session.frame.speed.min() > 0.3)
         browser.usual, _ = pace(page)
         yield browser
         browser.stop()
         until(lambda: page.session.status.arm == "emergency", SOON)
         browser.press("Reset the emergency stop")
         until(lambda: page.session.status.arm == "safe", SOON)
-
-
-def arm(page, browser):
-    """Arm, again where a busy machine had the cars held, until they drive."""
-
-    def drives():
-        if page.session.status.arm == "safe" and not page.session.status.reasons:
-            browser.arm(page.session.code.digits)
-            time.sleep(0.2)
-        return page.session.frame.speed.min() > 0.3
-
-    until(drives, BEGINS)
 
 
 def pace(page):
