@@ -232,6 +232,22 @@ def test_what_rises_is_seen_from_aside_by_who_has_not_moved_the_camera():
     assert np.hypot(*(still.camera.position - still.camera.look_at)[:2]) > still.camera.position[2]
 
 
+def test_a_browser_that_was_slow_to_begin_is_shown_the_whole_and_a_person_has_the_last_word(two):
+    (slow, _), viewpoints, _ = two
+    whole = pose(slow)
+    viewpoints._stands[1].since -= 60.0
+    start = viewpoints._server.initial_camera
+    slow.camera.position, slow.camera.look_at = start.position.copy(), start.look_at.copy()
+    viewpoints._fit(slow, slow.camera)
+    assert pose(slow) == pytest.approx(whole)
+    viewpoints._fit(slow, slow.camera)
+    slow.camera.position = slow.camera.position + 1.0
+    moved = pose(slow)
+    viewpoints._fit(slow, slow.camera)
+    assert pose(slow) == moved
+    assert 1 not in viewpoints._stands
+
+
 def test_a_flock_that_flies_out_of_an_open_world_stays_in_view_of_who_has_not_moved_the_camera():
     browsers = [Browser(1), Browser(2)]
     viewpoints = Viewpoints(Server(browsers))

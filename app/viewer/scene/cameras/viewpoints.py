@@ -62,13 +62,22 @@ class Stand:
     arrived: bool = False
     """Whether the browser has told that it is there; before, it tells of where it was."""
 
+    def has(self, camera: CameraHandle) -> bool:
+        """Whether the camera is where it was put."""
+        return is_at(camera, self.view.position, self.view.target)
+
     def is_left(self, camera: CameraHandle) -> bool:
         """Whether a person has moved the camera since."""
-        put = np.stack([self.view.position, self.view.target])
-        gap = np.abs(put - np.stack([camera.position, camera.look_at])).max()
-        there = bool(gap <= MOVED * np.linalg.norm(put[0] - put[1]))
+        there = self.has(camera)
         self.arrived |= there or time.monotonic() > self.since + ARRIVES
         return self.arrived and not there
+
+
+def is_at(camera: CameraHandle, position: np.ndarray, target: np.ndarray) -> bool:
+    """Whether a camera is as good as in a place, and looks at the target."""
+    put = np.stack([position, target])
+    gap = np.abs(put - np.stack([camera.position, camera.look_at])).max()
+    return bool(gap <= MOVED * np.linalg.norm(put[0] - put[1]))
 
 
 class Viewpoints:
@@ -255,7 +264,11 @@ class Viewpoints:
         stand = self._stands.get(client.client_id)
         if stand is None:
             return
-        if stand.is_left(camera):
+        start = self._server.initial_camera
+        if is_at(camera, start.position, start.look_at) and not stand.has(camera):
+            # The browser was slow to begin: where it was asked to look is lost.
+            self._place(client, stand.preset, stand.leans)
+        elif stand.is_left(camera):
             with self._lock:
                 self._stands.pop(client.client_id, None)
         elif abs(_aspect(client) - stand.aspect) >= RESHAPED:
