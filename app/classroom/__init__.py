@@ -1,0 +1,1 @@
+"""A class: students with flocks of their own, behind one address."""
