@@ -204,7 +204,8 @@ def beat_the_paper(spec: Spec) -> tuple[str, dict[str, Any]] | None:
     return (
         "Choose p1 and p2 so that all agree sooner than with the paper's 0.1 and 5; hand in as "
         "often as you like",
-        asked | {"title": "Find the weights that beat the paper's", "counts": "all"},
+        asked
+        | {"title": "Find the weights that beat the paper's", "free": ["p1"], "counts": "all"},
     )
 
 

@@ -115,9 +115,9 @@ class Collection:
         pairs = zip(self.points, self.counting, strict=True)
         return [point for point, counts in pairs if counts]
 
-    def groups(self, alike: bool = False) -> list[Group]:
-        """Mean and spread by value, rising; `alike`: only of runs as the class's scene has them."""
-        counted = [one for one in self.counted if not (alike and one.differs)]
+    def groups(self) -> list[Group]:
+        """Mean and spread by value, rising, of the runs that are as the class's scene has them."""
+        counted = [one for one in self.counted if not one.differs]
         return groups_of(counted, bool(self.question.values))
 
     def told(self) -> str:
@@ -131,4 +131,4 @@ class Collection:
         twice = len(counted) - len(distinct(counted))
         said += f"; {count(twice, 'run')} handed in twice, counted once" if twice else ""
         other = sum(bool(point.differs) for point in counted)
-        return said + (f"; {other} not of the class's scene" if other else "")
+        return said + (f"; {other} not of the class's scene, in no mean" if other else "")

@@ -74,7 +74,7 @@ def curve_of(folder: Path, question: Question, scene: Spec) -> Curve:
     place = places_of(kept)[found[0].number]
     spec = spec_at(kept, place, 1)
     meant = question.with_value(scene.but(seed=1), float(found[0].axes[question.parameter]))
-    differs = differences(Ran.of(Flock(spec)), Ran.of(Flock(meant)), question.parameter)
+    differs = differences(Ran.of(Flock(spec)), Ran.of(Flock(meant)), [question.parameter])
     return Curve(name, tuple(groups), differs)
 
 

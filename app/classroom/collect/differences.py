@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,8 +33,8 @@ class Ran:
         return cls(flock.options.model, options, parameters, flock.world)
 
 
-def differences(ran: Ran, meant: Ran, but: str) -> tuple[str, ...]:
-    """In what a run is not as meant, the parameter `but` apart; at most 13 sentences."""
+def differences(ran: Ran, meant: Ran, but: Collection[str]) -> tuple[str, ...]:
+    """In what a run is not as meant, what is in `but` apart; at most 13 sentences."""
     said: list[str] = []
     if ran.model != meant.model:
         said.append(f"another model: {ran.model}")
@@ -47,12 +47,14 @@ def differences(ran: Ran, meant: Ran, but: str) -> tuple[str, ...]:
     return tuple(said)
 
 
-def apart(word: str, ran: Mapping[str, Any], meant: Mapping[str, Any], but: str) -> list[str]:
+def apart(
+    word: str, ran: Mapping[str, Any], meant: Mapping[str, Any], but: Collection[str]
+) -> list[str]:
     """The values that are not as meant."""
     return [
         f"{word} {name}: {shown(ran[name])}, not {shown(value)}"
         for name, value in meant.items()
-        if name != but and name in ran and ran[name] != value
+        if name not in but and name in ran and ran[name] != value
     ]
 
 
@@ -64,7 +66,17 @@ def of_worlds(ran: World, meant: World) -> list[str]:
         return ["own obstacles"]
     if replace(nameless(ran), size=meant.size, height=meant.height) == nameless(meant):
         return [f"another size: {shown(ran.size)}, not {shown(meant.size)}"]
-    return [f"another world: {ran.title or ran.name}"]
+    return [f"another world: {on_one_line(ran.title or ran.name, 80)}"]
+
+
+def on_one_line(text: str, most: int) -> str:
+    """At most so many letters of a text that may be anybody's, printable and without semicolons.
+
+    >>> on_one_line("a\\n b; c\\x07", 4)
+    'a b,'
+    """
+    kept = "".join(one for one in text.replace(";", ",") if one.isprintable() or one.isspace())
+    return " ".join(kept.split())[:most]
 
 
 def nameless(world: World) -> World:

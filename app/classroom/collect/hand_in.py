@@ -14,7 +14,7 @@ from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
 from agents.spec import Spec
 from app.classroom.collect.bounds import demand_cheap
-from app.classroom.collect.differences import Ran, differences
+from app.classroom.collect.differences import Ran, differences, on_one_line
 from app.classroom.collect.question import Question
 from app.experiments.runs.outcome import Outcome, Status, failure
 from app.experiments.sweeps.making.one_run import Wanted
@@ -48,7 +48,9 @@ class Point:
     when: datetime
     """In UTC, to the second."""
     differs: tuple[str, ...] = ()
-    """How the run is not that of the class's scene, in words, seed and parameter apart."""
+    """How the run is not that of the class's scene, in words, apart from what may be chosen."""
+    free: tuple[float, ...] = ()
+    """Values of the question's free parameters, in its order."""
 
     def scene(self, question: Question) -> SavedScene:
         """What opens the run, at its first tick. Raises Refusal."""
@@ -97,7 +99,8 @@ def hand_in(
         outcome.ticks,
         flock.spec.to_toml(),
         (when or datetime.now(UTC)).astimezone(UTC).replace(microsecond=0),
-        differences(Ran.of(flock), meant, question.parameter),
+        differences(Ran.of(flock), meant, question.open),
+        tuple(question.value_of(spec, name) for name in question.free),
     )
 
 
@@ -128,14 +131,14 @@ def run_of(question: Question, spec: Spec) -> Outcome:
 def measured(question: Question, outcome: Outcome) -> tuple[float | None, str]:
     """The result of a run, and why there is none."""
     if outcome.status == "failed":
-        return None, f"the run failed: {outcome.reason}"[:200]
+        return None, on_one_line(f"the run failed: {outcome.reason}", 200)
     value = outcome.values.get(question.column)
     if value is None:
         what = question.measure.until
         return None, f"{what} did not hold for {question.measure.hold} ticks in {question.ticks}"
     if not math.isfinite(value):
         return None, f"{question.measure.observe} has no value there"
-    return float(value), outcome.astray
+    return float(value), on_one_line(outcome.astray, 200)
 
 
 def as_meant(question: Question, scene: Spec, value: float, seed: int) -> Ran:

@@ -54,7 +54,7 @@ def draw(axes: Any, collection: Collection, curve: Curve | None) -> None:
         draw_curve(axes, curve)
     for points, face, words in (
         ([one for one in counted if not one.differs], CLASS, "a result"),
-        ([one for one in counted if one.differs], "none", "a result, not of the class's scene"),
+        ([one for one in counted if one.differs], "none", "not of the class's scene"),
     ):
         draw_points(axes, points, face, words)
     draw_means(axes, [group for group in collection.groups() if group.runs > 1])
@@ -97,7 +97,7 @@ def draw_points(axes: Any, points: Sequence[Point], face: str, words: str) -> No
     if there:
         axes.plot(
             [one.value for one in there], [one.result for one in there], "o", color=CLASS,
-            markerfacecolor=face, markersize=4, alpha=0.55, linestyle="", label=words,
+            markerfacecolor=face, markersize=4.5, alpha=0.6, zorder=4, linestyle="", label=words,
         )  # fmt: skip
 
 
@@ -108,8 +108,8 @@ def draw_means(axes: Any, groups: Sequence[Group]) -> None:
             [group.value for group in groups],
             [group.mean for group in groups],
             yerr=[group.half for group in groups],
-            fmt="D", color=COLOURS[1], markersize=5, capsize=3, linestyle="",
-            label="mean and 95 % interval", zorder=4,
+            fmt="_", color=COLOURS[1], markersize=9, markeredgewidth=1.6, elinewidth=1.2,
+            capsize=3, linestyle="", label="mean and 95 % interval", zorder=2.5,
         )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
-from agents.models.declare import Declared, declared
+from agents.models.declare import Declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from app.classroom.collect.bounds import MOST_TICKS, demand_cheap
@@ -23,13 +23,15 @@ from app.experiments.sweeps.given.file import Observe
 from app.experiments.sweeps.making.measures import demand_number, measure_of
 from app.experiments.sweeps.making.one_run import Making, Until
 from app.strict import Strict
-from app.viewer.lab.sweeps.asked import AGENTS, allowed, is_whole
+from app.viewer.lab.sweeps.asked import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.measured import words as in_words
 from worlds.reading import toml
 from worlds.refusal import Refusal, first_refusal, shortened, unknown
 
 MOST_VALUES = 50
 """That are given to students in turn."""
+MOST_FREE = 5
+"""Parameters beside the one in question."""
 MOST_LETTERS = 80
 """Of a title."""
 Whole = Annotated[int, Field(ge=1, le=MOST_TICKS)]
@@ -92,6 +94,8 @@ class Question(Strict):
     ticks: Whole
     values: list[float] = Field(default_factory=list, max_length=MOST_VALUES)
     """Rising; empty: students choose."""
+    free: list[str] = Field(default_factory=list, max_length=MOST_FREE)
+    """Parameters that students may change too; a run that differs by others is in no mean."""
     counts: Literal["last", "all"] = "last"
     """Of what a student hands in several times: the last result, or all."""
 
@@ -112,13 +116,12 @@ class Question(Strict):
     @property
     def declared(self) -> Declared | None:
         """The parameter as its model declares it; None for `agents`."""
-        found = {one.name: one for one in declared(MODELS[self.model].parameters)}
-        return found.get(self.parameter)
+        return next((one for one in numbers(self.model) if one.name == self.parameter), None)
 
     @property
     def unit(self) -> str:
         """Of the parameter; 1 for a pure number."""
-        return self.declared.unit if self.declared is not None else "1"
+        return self.unit_of(self.parameter)
 
     @property
     def result_unit(self) -> str:
@@ -143,17 +146,27 @@ class Question(Strict):
         """Whether the parameter has whole numbers only."""
         return is_whole(self.model, self.parameter)
 
-    def value_of(self, spec: Spec) -> float:
-        """The value of the parameter in a run. Raises Refusal where the run has none."""
-        if self.parameter == AGENTS:
+    @property
+    def open(self) -> tuple[str, ...]:
+        """What may be other than in the class's scene."""
+        return (self.parameter, *self.free)
+
+    def value_of(self, spec: Spec, name: str = "") -> float:
+        """The value of the parameter in a run, or of a free one. Raises Refusal without it."""
+        name = name or self.parameter
+        if name == AGENTS:
             return float(spec.agents if spec.agents is not None else MODELS[spec.model].agents)
-        found = MODELS[spec.model].parameters.model_fields.get(self.parameter)
+        found = MODELS[spec.model].parameters.model_fields.get(name)
         if found is None:
             raise Refusal(
-                f"{self.parameter} is what the class is asked about, and {spec.model} has no such "
-                f"parameter: take {self.model}"
+                f"{name} is what the class is asked about, and {spec.model} has no such parameter: "
+                f"take {self.model}"
             )
-        return float(spec.parameters.get(self.parameter, found.default))
+        return float(spec.parameters.get(name, found.default))
+
+    def unit_of(self, name: str) -> str:
+        """The unit of a parameter by name; 1 for a pure number."""
+        return next((one.unit for one in numbers(self.model) if one.name == name), "1")
 
     def with_value(self, spec: Spec, value: float) -> Spec:
         """A run with another value of the parameter. Raises Refusal."""
@@ -213,6 +226,10 @@ def fitted(made: Question, scene: Spec) -> Question:
             raise Refusal(f"values: {made.parameter} = {value:g} is not in [{low:g}, {high:g}]")
         if made.is_whole and value != math.floor(value):
             raise Refusal(f"values: {made.parameter} = {value:g} is not a whole number")
+    for name in made.free:
+        allowed(made.model, name)
+        if made.free.count(name) > 1 or name == made.parameter:
+            raise Refusal(f"free: {name} is there twice")
     values = sorted({float(value) for value in made.values})
     if len(values) == 1:
         raise Refusal(f"values: one value of {made.parameter} shows nothing: give two or more")

@@ -22,7 +22,7 @@ from worlds.refusal import Refusal, shortened
 
 APART = "; "
 """Between two differences."""
-LONGEST = 1_000
+LONGEST = 4_000
 """Letters of a text in a table."""
 FIGURES = 6
 """Of a number in a page's plot."""
@@ -43,6 +43,7 @@ def heads(question: Question) -> list[str]:
         "number",
         "student",
         headed(question.parameter, question.unit),
+        *(headed(name, question.unit_of(name)) for name in question.free),
         headed(question.column, question.result_unit),
         *("status", "counts", "seed", "ticks", "differs", "reason", "when"),
     ]
@@ -59,6 +60,7 @@ def to_csv(collection: Collection) -> str:
         list(range(1, len(points) + 1)),
         [point.student for point in points],
         [point.value for point in points],
+        *([point.free[k] for point in points] for k in range(len(collection.question.free))),
         [point.result for point in points],
         [point.status for point in points],
         counting,
@@ -98,7 +100,7 @@ def points_from_csv(
 
 def point_of(row: Sequence[str], spec: str, at: str) -> Point:
     """A row as a point. Raises Refusal."""
-    _, student, value, result, status, _, seed, ticks, differs, reason, when = row
+    _, student, value, *free, result, status, _, seed, ticks, differs, reason, when = row
     if status not in get_args(Status):
         raise Refusal(f"status = {shortened(status)} is no status of a run ({at})")
     if (status != "ok" and result) or not (result or reason):
@@ -119,6 +121,7 @@ def point_of(row: Sequence[str], spec: str, at: str) -> Point:
         spec,
         moment(when, at),
         tuple(differs.split(APART)) if differs else (),
+        tuple(number(one, at) for one in free),
     )
 
 
