@@ -33,6 +33,8 @@ VALUES = 12
 """Of a curve for a question to which students choose their values."""
 RUNS = 20
 """Of each of its values."""
+FIRST_SEED = 10_001
+"""Beyond the seeds that students are given: a curve of the class's own runs would tell nothing."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,7 @@ class CurveAsked:
         if one.until:
             said["stop"] = {"when": one.until, "hold": one.hold}
         said["design"] = [{"kind": "grid", "axes": {question.parameter: axis}}]
-        said["replicates"] = {"count": self.runs}
+        said["replicates"] = {"count": self.runs, "first": FIRST_SEED}
         if one.observe:
             over = {"over": one.over} if one.over else {}
             said["observe"] = [{"name": one.observe} | over]

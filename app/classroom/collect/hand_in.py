@@ -7,24 +7,26 @@ sent to a process.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
-from agents.spec import Spec
+from agents.spec import Spec, versions
 from app.classroom.collect.bounds import demand_cheap
 from app.classroom.collect.differences import Ran, differences, on_one_line
 from app.classroom.collect.question import Question
 from app.experiments.runs.outcome import Outcome, Status, failure
 from app.experiments.sweeps.making.one_run import Wanted
-from app.viewer.gallery.saved_scene import TEXTS, SavedScene
+from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from app.viewer.lab.sweeps.asked import AGENTS
+from app.viewer.run.home import at_home
 from worlds.refusal import Refusal
 
 SECONDS = 30.0
 """After which whoever asked for a result kills the process that makes it: bounds are of steps, and
 a flock that is crowded takes longer for one."""
+VERSIONS = versions()
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Point:
     ticks: int
     """That were run."""
     spec: str
-    """The run as TOML, with nothing left open: the same spec gives the same result."""
+    """The run as TOML, with all its parameters: the same spec gives the same result."""
     when: datetime
     """In UTC, to the second."""
     differs: tuple[str, ...] = ()
@@ -54,16 +56,10 @@ class Point:
 
     def scene(self, question: Question) -> SavedScene:
         """What opens the run, at its first tick. Raises Refusal."""
-        made = SavedScene.from_toml(self.spec_of_scene(), f"the result of {self.student}")
-        return SavedScene(
-            title=f"{self.student}: {question.parameter} = {self.value:g}"[: TEXTS["title"]],
-            spec=made.spec,
-            watch=self.told(question)[: TEXTS["watch"]],
-        )
-
-    def spec_of_scene(self) -> str:
-        """The run as the table of a scene."""
-        return SavedScene("", Spec.from_toml(self.spec, self.student)).to_toml()
+        made = read_scene(f"the result of {self.student}", self.spec.encode())
+        title = f"{self.student}: {question.parameter} = {self.value:g}"
+        watch = self.told(question)
+        return replace(made, title=title[: TEXTS["title"]], watch=watch[: TEXTS["watch"]])
 
     def told(self, question: Question) -> str:
         """The result in a sentence."""
@@ -85,8 +81,9 @@ def hand_in(
     demand_answer(question, spec)
     value = question.value_of(spec)
     flock = Flock(spec)
-    meant = as_meant(question, scene, value, flock.seed)
     seeded = spec.but(seed=flock.seed)
+    kept = whole(seeded, flock)
+    meant = as_meant(question, scene, value, flock.seed)
     outcome = run_of(question, seeded)
     result, reason = measured(question, outcome)
     return Point(
@@ -97,11 +94,24 @@ def hand_in(
         reason,
         flock.seed,
         outcome.ticks,
-        flock.spec.to_toml(),
+        kept,
         (when or datetime.now(UTC)).astimezone(UTC).replace(microsecond=0),
         differences(Ran.of(flock), meant, question.open),
         tuple(question.value_of(spec, name) for name in question.free),
     )
+
+
+def whole(spec: Spec, flock: Flock) -> str:
+    """A run with all its parameters, as a scene opens it again. Raises Refusal if none can."""
+    made = at_home(**dict(spec)).but(
+        agents=flock.options.agents,
+        informed=flock.options.informed,
+        parameters=flock.parameters.model_dump(),
+        versions=VERSIONS,
+    )
+    text = made.to_toml()
+    read_scene("this run", text.encode())
+    return text
 
 
 def demand_answer(question: Question, spec: Spec) -> None:
@@ -134,8 +144,7 @@ def measured(question: Question, outcome: Outcome) -> tuple[float | None, str]:
         return None, on_one_line(f"the run failed: {outcome.reason}", 200)
     value = outcome.values.get(question.column)
     if value is None:
-        what = question.measure.until
-        return None, f"{what} did not hold for {question.measure.hold} ticks in {question.ticks}"
+        return None, f"it did not happen in {question.ticks} ticks: {question.condition_words}"
     if not math.isfinite(value):
         return None, f"{question.measure.observe} has no value there"
     return float(value), on_one_line(outcome.astray, 200)

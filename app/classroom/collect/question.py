@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -61,7 +60,7 @@ class Asked(Strict):
             raise ValueError("hold is of until, not of what is observed")
         return self
 
-    @cached_property
+    @property
     def condition(self) -> Comparison | None:
         """What has to hold. Raises Refusal."""
         return comparison(self.until) if self.until else None
@@ -135,11 +134,19 @@ class Question(Strict):
         """What is measured, for people."""
         one = self.measure
         if one.until:
-            held = f" for {one.hold} ticks" if one.hold > 1 else ""
-            return f"ticks until {in_words(one.until)}{held}"
+            return f"ticks until {self.condition_words}"
         if OBSERVABLES[one.observe].over is not None or one.over is not None:
             return f"{in_words(one.observe)} over the last {one.over} ticks"
         return f"{in_words(one.observe)} after {self.ticks} ticks"
+
+    @property
+    def condition_words(self) -> str:
+        """What has to hold, for people; nothing where nothing has to."""
+        condition = self.measure.condition
+        if condition is None:
+            return ""
+        held = f" for {self.measure.hold} ticks" if self.measure.hold > 1 else ""
+        return f"{in_words(condition.name)} {condition.sign} {condition.bound:g}{held}"
 
     @property
     def is_whole(self) -> bool:
