@@ -22,7 +22,7 @@ BLANK = ("Zs", "Zl", "Zp")
 HIDDEN = ("Cc", "Cf", "Cs", "Co", "Cn")
 """Categories of control and format characters, bidirectional ones too, and of no character."""
 INVISIBLE = frozenset("\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
-"""Letters and signs that leave no ink: Hangul fillers, inherent vowels of Khmer, Braille's blank."""
+"""Letters and signs without ink: Hangul fillers, vowels that Khmer implies, Braille's blank."""
 
 
 def student_name(text: object) -> str:
