@@ -10,12 +10,15 @@ import asyncio
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from pathlib import Path
 
+from app.classroom.asking import Asking
 from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
 from app.classroom.student import Place, Role, Student
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.classroom.workers.seen import Seen
+from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.refusal import Refusal
 
@@ -32,9 +35,12 @@ LONGEST_WORD = 200
 
 
 class Classroom:
-    """One class. `seats`: students at most. `workers`: processes for their flocks."""
+    """One class. `seats`: students at most. `workers`: processes for their flocks. `results`: the
+    folder of sweeps."""
 
-    def __init__(self, scene: SavedScene, seats: int = 40, workers: int = 2):
+    def __init__(
+        self, scene: SavedScene, seats: int = 40, workers: int = 2, results: Path = RESULTS
+    ):
         self.scene = scene
         """What flocks of one's own begin with."""
         self.seats = seats
@@ -47,6 +53,7 @@ class Classroom:
         self.by_key: dict[str, Student] = {}
         self.first_role = Role.WATCHING
         """What new students do."""
+        self.asking = Asking(results)
         self.word = ""
         self.frozen = False
         self.is_over = False
@@ -83,7 +90,8 @@ class Classroom:
         self.tell()
         for task in self.tasks:
             task.cancel()
-        await asyncio.gather(*(one.close() for one in (*self.workers, self.own) if one))
+        processes = [one for one in (*self.workers, self.own) if one]
+        await asyncio.gather(self.asking.close(), *(one.close() for one in processes))
 
     def task(self, work: object) -> None:
         """Have something done beside all else."""
@@ -142,6 +150,8 @@ class Classroom:
         self.students.pop(student.number, None)
         self.by_key.pop(student.key, None)
         self.leave_place(student)
+        if self.asking.open is not None:
+            self.asking.open.take_back(student.name)
         self.tell()
 
     def student_of(self, cookie: str) -> Student | None:
@@ -188,7 +198,7 @@ class Classroom:
     async def open_own(self, student: Student) -> Place:
         """Open a student's own laboratory, on what they ran last or on the class's scene."""
         worker = min(self.workers, key=self.crowd)
-        scene = student.scene or self.own_scene(student)
+        scene = student.scene or self.first_scene(student)
         try:
             port = await worker.ask("open", student.number, scene)
             if student.frozen:
@@ -204,8 +214,14 @@ class Classroom:
             for one in self.students.values()
         )
 
-    def own_scene(self, student: Student) -> str:
-        """The class's scene with a seed of the student's own, TOML."""
+    def first_scene(self, student: Student) -> str:
+        """What a student begins with, TOML: the class's scene with a seed of their own.
+
+        While a question is asked it has their value.
+        """
+        asked = self.asking.begins(student.name, self.scene)
+        if asked is not None:
+            return asked.to_toml()
         spec = self.scene.spec
         seed = (spec.seed or 0) + student.number
         return replace(self.scene, spec=spec.but(seed=seed)).to_toml()
@@ -259,18 +275,55 @@ class Classroom:
                 self.move(student)
 
     async def start_from(self, scene: SavedScene, numbers: Iterable[int] | None = None) -> None:
-        """Have students begin with a scene, each with a seed of their own."""
+        """Have students begin with a scene, each with a seed of their own; a question is over."""
         if numbers is None:
             self.scene = scene
-        for student in self.chosen(numbers):
+            self.asking.end()
+        await self.begin_anew(self.chosen(numbers))
+
+    async def ask(self, values: object) -> str:
+        """Ask a question: all begin anew, each with a value of their own. Raises Refusal."""
+        question = await self.asking.ask(values, self.scene)
+        self.first_role = Role.OWN
+        await self.begin_anew(self.chosen(None))
+        return f"asked: {question.title}"
+
+    async def begin_anew(self, students: Iterable[Student]) -> None:
+        """Have students begin with what the class begins with, in flocks of their own."""
+        for student in students:
             student.scene = ""
             student.role = Role.OWN
             if student.place is not None:
                 try:
-                    await student.place.worker.ask("open", student.number, self.own_scene(student))
+                    first = self.first_scene(student)
+                    await student.place.worker.ask("open", student.number, first)
                 except Gone:
                     student.place = None
             self.move(student)
+
+    async def hand_in(self, student: Student) -> str:
+        """Take a student's run as an answer; the result in a sentence. Raises Refusal."""
+        if student.role is not Role.OWN or student.place is None:
+            raise Refusal("only who has a flock of their own hands in a result")
+        try:
+            ran = await student.place.worker.ask("scene", student.number)
+        except Gone:
+            raise Refusal("your flock is just beginning again") from None
+        student.scene = ran
+        collection = self.asking.demand()
+        point = await self.asking.hand_in(student.name, ran)
+        self.tell()
+        return point.told(collection.question)
+
+    async def open_point(self, number: int) -> str:
+        """Open the run of a result in the teacher's laboratory. Raises Refusal."""
+        scene = self.asking.point(number)
+        assert self.own is not None
+        try:
+            await self.own.ask("open", TEACHER, scene.to_toml())
+        except Gone:
+            raise Refusal("your flock is just beginning again") from None
+        return f"opened in your flock: {scene.title}"
 
     async def teachers_scene(self) -> SavedScene:
         """What the teacher's laboratory runs now. Raises Refusal."""

@@ -18,7 +18,8 @@
     return made;
   };
   const bar = make("div", "fs-class"), who = make("b", ""), what = make("span", "");
-  const word = make("p", "fs-word");
+  const word = make("p", "fs-word"), asked = make("div", "fs-question");
+  asked.setAttribute("role", "status");
   bar.setAttribute("role", "status");
   bar.append(who, what);
   const over = (words) => {
@@ -44,11 +45,37 @@
       told.frozen ? "your own flock, held by the teacher" : "your own flock";
     word.textContent = told.word;
     word.hidden = !told.word;
+    ask(told);
     if (moves !== null && told.moves !== moves && client) client.postMessage({ type: "retry" });
     moves = told.moves;
-    for (const act of window.flockscopeStudent.changed) act(told);
   };
-  window.flockscopeStudent = { bar, home, changed: [] };
+  /* The question, the value that one has to try, and a button that hands the run in as it is set up. */
+  const title = document.createElement("b"), task = document.createElement("p");
+  const hand = document.createElement("button"), said = make("p", "fs-answer");
+  hand.type = "button";
+  asked.append(title, task, hand, said);
+  hand.addEventListener("click", async () => {
+    hand.disabled = true;
+    said.textContent = "Your run is made and measured …";
+    try {
+      const answer = await fetch(`${home}/class/hand-in`, { method: "POST", body: "{}", cache: "no-store",
+        credentials: "same-origin", headers: { "X-Flockscope": "class", "Content-Type": "application/json" } });
+      said.textContent = (await answer.text()).trim();
+    } catch { said.textContent = "The class does not answer."; }
+    hand.disabled = false;
+  });
+  let before = null;
+  const ask = ({ question, role }) => {
+    asked.hidden = !question || role !== "own";
+    if (!question) return;
+    if (before !== question.title + question.value) said.textContent = "";
+    before = question.title + question.value;
+    title.textContent = question.title;
+    task.textContent = question.value === null ?
+      `Choose ${question.parameter.toLowerCase()} and watch: ${question.measured}.` :
+      `Yours: ${question.parameter.toLowerCase()} ${question.value}. Watch ${question.measured}.`;
+    hand.textContent = question.handed ? `Hand in again (${question.handed})` : "Hand in my run";
+  };
   const listen = () => {
     const line = new EventSource(`${home}/class/mine`);
     line.onmessage = (event) => shown(event.data, line);
@@ -57,7 +84,7 @@
     };
   };
   document.addEventListener("DOMContentLoaded", () => {
-    document.body.append(word, bar);
+    document.body.append(word, asked, bar);
     listen();
   });
 }

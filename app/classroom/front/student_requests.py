@@ -32,6 +32,8 @@ class StudentRequests:
         await values_of(request)
         if not limits.words.take():
             raise web.HTTPTooManyRequests(text="too much at once: wait a moment\n")
+        if request.path == "/class/hand-in":
+            return web.Response(text=await self.classroom.hand_in(student))
         if request.path != "/class/leave":
             raise web.HTTPForbidden(text="only the teacher may do that\n")
         self.classroom.forget(student)
@@ -46,5 +48,22 @@ class StudentRequests:
             "frozen": student.frozen,
             "moves": student.moves,
             "word": self.classroom.word,
+            "question": self.question(student),
             "over": self.classroom.is_over or student.number not in self.classroom.students,
+        }
+
+    def question(self, student: Student) -> dict[str, Any] | None:
+        """What the student is asked, and has answered so far."""
+        collection = self.classroom.asking.open
+        if collection is None:
+            return None
+        question, given = collection.question, collection.give(student.name)
+        one = question.declared
+        unit = "" if question.unit == "1" else f" {question.unit}"
+        return {
+            "title": question.title,
+            "parameter": "agents" if one is None else one.words,
+            "value": None if given.value is None else f"{given.value:g}{unit}",
+            "measured": question.result_words,
+            "handed": sum(point.student == student.name for point in collection.points),
         }

@@ -19,6 +19,11 @@ from app.viewer.web.serving.headers import POLICY
 from worlds.refusal import Refusal
 
 Values = dict[str, Any]
+PICTURES = {
+    "/class/results.svg": "image/svg+xml",
+    "/class/results.png": "image/png",
+    "/class/results.pdf": "application/pdf",
+}
 
 
 class TeacherRequests:
@@ -31,7 +36,10 @@ class TeacherRequests:
         self.classroom = classroom
         self.addresses = addresses
         self.page = own_page(
-            "class.html", ("classroom/theme.js", "classroom/wall.js", "classroom/class.js")
+            "class.html",
+            tuple(
+                f"classroom/{name}.js" for name in ("theme", "wall", "class", "chart", "collect")
+            ),
         )
         self.actions: dict[str, Callable[[Values], Awaitable[str]]] = {
             "role": self.give_role,
@@ -40,6 +48,10 @@ class TeacherRequests:
             "say": self.say,
             "renew": self.renew,
             "remove": self.remove,
+            "ask": self.ask,
+            "stop-asking": self.stop_asking,
+            "curve": self.make_curve,
+            "open-point": self.open_point,
         }
 
     async def answer(self, request: web.Request) -> web.StreamResponse | None:
@@ -52,6 +64,15 @@ class TeacherRequests:
             return await stream(request, self.classroom, self.roster)
         if path == "/class/code.svg" and get:
             return web.Response(body=self.code(request), content_type="image/svg+xml")
+        if path == "/class/choices.json" and get:
+            choices = self.classroom.asking.choices(self.classroom.scene)
+            return web.json_response(choices)
+        if path == "/class/results.csv" and get:
+            return file(self.classroom.asking.csv().encode(), "text/csv", "results.csv")
+        if path in PICTURES and get:
+            kind = path.rpartition(".")[2]
+            picture = await self.classroom.asking.picture(kind)
+            return file(picture, PICTURES[path], f"results.{kind}")
         if path == "/class/do" and request.method == "POST":
             values = await values_of(request)
             action = self.actions.get(text_in(values, "do"))
@@ -88,6 +109,7 @@ class TeacherRequests:
             "frozen": classroom.frozen,
             "first": classroom.first_role,
             "over": classroom.is_over,
+            "question": classroom.asking.shown(),
             "mine": None if mine is None else asdict(mine),
             "students": [self.student(one) for one in classroom.students.values()],
         }
@@ -143,3 +165,28 @@ class TeacherRequests:
         for student in self.classroom.chosen(numbers_in(values, "students") or []):
             self.classroom.forget(student)
         return "removed"
+
+    async def ask(self, values: Values) -> str:
+        """Ask a question."""
+        return await self.classroom.ask(values.get("question"))
+
+    async def stop_asking(self, _values: Values) -> str:
+        """Take no more results."""
+        self.classroom.asking.end()
+        self.classroom.tell()
+        return "no more results are taken; what is there stays"
+
+    async def make_curve(self, _values: Values) -> str:
+        """Have a sweep make the curve of the question."""
+        return await self.classroom.asking.make_curve()
+
+    async def open_point(self, values: Values) -> str:
+        """Open the run of a result."""
+        (number,) = numbers_in(values, "points", most=1) or [-1]
+        return await self.classroom.open_point(number)
+
+
+def file(body: bytes, kind: str, name: str) -> web.Response:
+    """An answer that a browser saves under a name."""
+    headers = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return web.Response(body=body, content_type=kind, headers=headers)

@@ -33,8 +33,15 @@ def context() -> Any:
 class WorkerProcess:
     """One worker; `ended` is called on the loop when its process is gone."""
 
-    def __init__(self, ended: Callable[[WorkerProcess], None]):
+    def __init__(
+        self,
+        ended: Callable[[WorkerProcess], None],
+        kind: Callable[..., Any] = worker.Laboratories,
+        *given: Any,
+    ):
         self.ended = ended
+        self.what = kind, *given
+        """What does the work in it."""
         self.numbers = itertools.count()
         self.waiting: dict[int, asyncio.Future[Any]] = {}
         self.closing = False
@@ -43,7 +50,7 @@ class WorkerProcess:
         """Begin the process."""
         ours, theirs = socket.socketpair()
         self.process = context().Process(
-            target=worker.serve, args=(theirs,), name="laboratories", daemon=True
+            target=worker.serve, args=(theirs, *self.what), name="laboratories", daemon=True
         )
         await asyncio.to_thread(self.process.start)
         theirs.close()

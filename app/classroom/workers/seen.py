@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.catalogue import MODELS
-from agents.observables.catalogue import OBSERVABLES
+from agents.models.model import Model
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.measuring.measured import QUICK, STEADY, words
 from app.viewer.scene.shown.frame import Frame
 
 MOST = 400
@@ -43,30 +44,27 @@ def seen(laboratory: Laboratory) -> Seen:
     """How a laboratory stands now."""
     simulation = laboratory.simulation
     state, frame, readings = simulation.state, simulation.frame, simulation.readings
+    model = MODELS[state.spec.model]
     shape, dots = (1.0, "") if frame is None else small_picture(frame)
     return Seen(
-        MODELS[state.spec.model].title,
+        model.title,
         0 if frame is None else frame.tick,
         state.agents,
         state.running,
         state.compiling is not None,
         laboratory.browsers(),
-        two_numbers({} if readings is None else readings.values),
+        two_numbers(model, {} if readings is None else readings.values),
         shape,
         dots,
         state.error,
     )
 
 
-NUMBERS = ("polarisation", "goal-distance", "groups", "milling", "inside-obstacles")
-"""What tells most about a flock, the first of them first."""
-
-
-def two_numbers(values: dict[str, float]) -> tuple[tuple[str, float], ...]:
-    """At most two of what has been measured: title and value."""
-    found = [(name, values[name]) for name in NUMBERS if name in values]
-    finite = [(OBSERVABLES[name].title, value) for name, value in found if np.isfinite(value)]
-    return tuple(finite[:2])
+def two_numbers(model: Model, values: dict[str, float]) -> tuple[tuple[str, float], ...]:
+    """At most two of what has been measured, what tells most of a model first: words and value."""
+    names = dict.fromkeys((*model.tells, *QUICK, *STEADY))
+    found = [(words(name), values[name]) for name in names if name in values]
+    return tuple(one for one in found if np.isfinite(one[1]))[:2]
 
 
 def small_picture(frame: Frame) -> tuple[float, str]:

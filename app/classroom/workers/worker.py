@@ -11,12 +11,14 @@ import pickle
 import signal
 import socket
 import struct
+from collections.abc import Callable
 from typing import Any, BinaryIO
 
 from app.classroom.workers.seen import Seen, seen
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
+from app.viewer.watching.watching import Watching
 from app.viewer.web.server import open_server
 from app.viewer.web.serving.front import Front
 from worlds.refusal import Refusal
@@ -62,8 +64,10 @@ class Laboratories:
         return self.all[whose].port
 
     def watch(self, whose: int) -> int:
-        """TODO"""
-        return self.all[whose].port
+        """Open the page of those who watch one; its port."""
+        self.watching = Watching(self.all[whose], "the teacher")
+        self.watching.server.on_client_connect(self.all[whose].welcome)
+        return self.watching.port
 
     def close(self, whose: int) -> None:
         """Close one."""
@@ -99,17 +103,17 @@ class Laboratories:
         self.all[whose].simulation.go()
 
 
-def serve(line: socket.socket) -> None:
-    """The process: carry out what is told, in order, until nobody tells any more."""
+def serve(line: socket.socket, kind: Callable[..., Any], *given: Any) -> None:
+    """The process: have one of a kind do what is told, in order, until nobody tells any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command, which ends the line
-    laboratories, told = Laboratories(), line.makefile("rb")
+    doing, told = kind(*given), line.makefile("rb")
     while True:
         try:
-            number, name, given = read(told)
+            number, name, asked = read(told)
         except (EOFError, OSError):
             os._exit(0)  # at once, whatever is being compiled
         try:
-            answer = number, True, getattr(laboratories, name)(*given)
+            answer = number, True, getattr(doing, name)(*asked)
         except Refusal as refusal:
             answer = number, False, refusal
         except Exception as error:
