@@ -48,6 +48,8 @@ class Classroom:
         self.code = new_code()
         self.key = new_key()
         """What opens the teacher's page."""
+        self.first_key = new_key()
+        """What opens it once: a browser is begun with it, and everybody on the machine sees how."""
         self.teachers: set[str] = set()
         """Hashes of the teacher's cookies."""
         self.students: dict[int, Student] = {}
@@ -171,11 +173,17 @@ class Classroom:
 
     def admit_teacher(self, key: str) -> str:
         """A cookie for who has the teacher's key. Raises Refusal."""
-        if not same(key, self.key):
+        if not self.is_key(key):
             raise Refusal("this is not the teacher's key")
+        if not same(key, self.key):
+            self.first_key = ""
         cookie = new_key()
         self.teachers.add(hashed(cookie))
         return cookie
+
+    def is_key(self, key: str) -> bool:
+        """Whether it opens the teacher's page."""
+        return bool(key) and (same(key, self.key) | same(key, self.first_key))
 
     def is_teacher(self, cookie: str) -> bool:
         """Whether it is a cookie of the teacher's."""
@@ -308,6 +316,8 @@ class Classroom:
                 try:
                     first = self.first_scene(student)
                     await student.place.worker.ask("open", student.number, first)
+                    if student.frozen:
+                        await student.place.worker.ask("pause", student.number)
                 except Gone:
                     student.place = None
             self.move(student)

@@ -23,6 +23,7 @@ from app.viewer.watching.watcher import Watcher
 from app.viewer.watching.words import standing, values
 from app.viewer.web.addresses import here
 from app.viewer.web.incoming.kinds import CAMERA, Kind
+from app.viewer.web.incoming.visitors import Visitors
 from app.viewer.web.origin import Allowed
 from app.viewer.web.server import close_server, open_server
 from app.viewer.web.serving.front import Front
@@ -66,9 +67,10 @@ class Watching:
         host: str = "127.0.0.1",
         port: int = 0,
         allow: tuple[Allowed, ...] = (),
+        visitors: Visitors | None = None,
     ):
         self.laboratory, self.whose, self.host = laboratory, whose, host
-        self.server = open_server(host, port, Front(SCRIPTS, allow), HEARD)
+        self.server = open_server(host, port, Front(SCRIPTS, allow), HEARD, visitors)
         self.scene = OwnScene(self.server)
         self.watchers: dict[int, Watcher] = {}
         """By browser."""

@@ -76,16 +76,19 @@ def open_server(
     port: int = 8080,
     front: Front | None = None,
     hears: Mapping[str, Kind] = KINDS,
+    visitors: Visitors | None = None,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
     `front` answers what comes by HTTP; by default one with viser's page alone. `hears`: of which
     kinds of messages it hears, and how often; all others are dropped before anybody decodes them.
+    `visitors` bounds what comes from one address; by default as many as a person has.
     Raises Refusal if the port is busy or the host is not this machine's.
     """
     hand_over()
     keep_icons_open()
-    entrance, quiet = Entrance(front or Front(), hears), contextlib.redirect_stdout(io.StringIO())
+    entrance = Entrance(front or Front(), hears, visitors or Visitors())
+    quiet = contextlib.redirect_stdout(io.StringIO())
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet:
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)

@@ -18,6 +18,8 @@ REQUESTS = (50.0, 150.0)
 """Connections of one address, a second and at once: a page loads about ten files."""
 PAGES = (5.0, 40.0)
 """Pages of one address that connect, a second and at once."""
+MOST_RELAYED = 2048
+"""Open connections in all of a server behind a front."""
 PATIENCE = 5.0
 """Seconds that a connection may have to wait for its turn."""
 PRICE, DEEPEST = 10.0, 40.0
@@ -111,3 +113,27 @@ class Visitors:
         """The limit that all connections of an address have in common; for one thread."""
         with self.lock:
             return self.of(address).messages
+
+
+class Relayed(Visitors):
+    """All come from one address, that of a front which bounds each of them itself.
+
+    What one of them has done is nobody else's fault: no wait is shared, and no limit of messages.
+    """
+
+    def enter(self, address: str) -> float | None:
+        with self.lock:
+            if self.open >= MOST_RELAYED:
+                return None
+            self.of(address).open += 1
+            self.open += 1
+            return 0.0
+
+    def page(self, _address: str) -> float | None:
+        return 0.0
+
+    def cut(self, _address: str) -> None:
+        pass
+
+    def messages(self, _address: str) -> RateLimit:
+        return RateLimit(*MESSAGES, self.clock)
