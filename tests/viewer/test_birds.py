@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from app.viewer.run.picture import Camera
+from app.viewer.scene.draw.coarse import OF_LENGTH
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
@@ -136,7 +137,9 @@ def test_wings_are_at_the_shoulders_of_their_bodies():
     bodies, both = scene.there("/flock/birds/bodies"), scene.there("/flock/birds/wings")
     size = SCALE * made.length
     over = both.batched_positions - bodies.batched_positions
-    assert np.linalg.norm(over, axis=1) == pytest.approx(SHOULDER * size, rel=1e-3)
+    assert np.linalg.norm(over, axis=1) == pytest.approx(
+        SHOULDER * size, abs=2.0 * OF_LENGTH * made.length
+    )
     assert both.batched_scales[:, 0] == pytest.approx(size)
     assert np.hypot(*both.batched_scales.T[1:]) == pytest.approx(size)
     sent = [bodies.batched_positions, bodies.batched_wxyzs, bodies.batched_colors]

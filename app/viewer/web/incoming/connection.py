@@ -11,6 +11,7 @@ from websockets.frames import CloseCode, Frame
 from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
+from app.viewer.web.incoming.heard import Heard
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
@@ -27,8 +28,17 @@ PROTOCOL = f"viser-v{viser.__version__}"
 class Connection(ServerConnection):
     """What is too much is dropped before it is decoded; who goes on is cut off, with a word."""
 
-    def __init__(self, *args: Any, visitors: Visitors, log: Log, renders: Renders, **options: Any):
+    def __init__(
+        self,
+        *args: Any,
+        visitors: Visitors,
+        log: Log,
+        renders: Renders,
+        heard: Heard,
+        **options: Any,
+    ):
         super().__init__(*args, **options)
+        self.heard = heard
         self.visitors = visitors
         self.renders = renders
         self.log = log
@@ -81,6 +91,7 @@ class Connection(ServerConnection):
         while True:
             data = await super().recv(decode)
             if self.messages.pass_on(data):
+                self.heard.note(self.loop)
                 return data
             self.end_if_told()
 
