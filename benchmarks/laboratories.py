@@ -1,9 +1,11 @@
-"""What many laboratories cost in one process: `python benchmarks/laboratories.py [laboratories]
-[agents] [ticks/s] [dimension] [alone]`.
+"""What many laboratories cost in one process.
 
-Each has a flock of its own, and what a class allows; all it wants, if `alone`. Prints what it takes to start one, to keep one that nobody looks at,
-and to show one: clients in a process of their own read every frame (programs, not browsers). What
-they read is also deflated as a websocket does, with and without what went before.
+    python benchmarks/laboratories.py [laboratories] [agents] [ticks/s] [dimension] [alone]
+
+Each has a flock of its own, and what a class allows; all it wants, if `alone`. Prints what it takes
+to start one, to keep one that nobody looks at, and to show one: clients in a process of their own
+read every frame (programs, not browsers). What they read is also deflated as a websocket does, with
+and without what went before.
 """
 
 from __future__ import annotations

@@ -296,7 +296,9 @@ class Simulation:
             return
         self.stale = False
         now = time.perf_counter()
-        self.next_frame = now + self.keeping.between_frames
+        apart = self.keeping.between_frames
+        # A tick that is a little early is not left out for it, or every other one would be.
+        self.next_frame = max(self.next_frame, now - 0.5 * apart) + apart
         self.warn(self.run)
         known = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
