@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from app.viewer.run.picture import Camera
-from app.viewer.scene.draw.coarse import OF_LENGTH
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
+from app.viewer.scene.draw.coarse import OF_LENGTH
 from app.viewer.scene.draw.picture import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards

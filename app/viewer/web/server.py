@@ -33,7 +33,7 @@ from app.viewer.web.incoming.handed_over import hand_over
 from app.viewer.web.incoming.heard import Heard
 from app.viewer.web.incoming.kinds import LARGEST
 from app.viewer.web.incoming.log import Log
-from app.viewer.web.incoming.visitors import Visitors
+from app.viewer.web.incoming.visitors import USUAL, Limits, Visitors
 from app.viewer.web.property_kinds import find_kinds_once
 from app.viewer.web.renders import Renders, accept_renders
 from app.viewer.web.serving.front import Front
@@ -73,17 +73,22 @@ entrances: WeakKeyDictionary[viser.ViserServer, Entrance] = WeakKeyDictionary()
 
 
 def open_server(
-    host: str = "127.0.0.1", port: int = 8080, front: Front | None = None
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    front: Front | None = None,
+    limits: Limits = USUAL,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
-    `front` answers what comes by HTTP; by default one with viser's page alone. Raises Refusal if
+    `front` answers what comes by HTTP; by default one with viser's page alone. `limits`: how many
+    connections there may be, of all and of one address, and how soon more. Raises Refusal if
     the port is busy or the host is not this machine's.
     """
     hand_over()
     find_kinds_once()
     keep_icons_open()
-    entrance, quiet = Entrance(front or Front()), contextlib.redirect_stdout(io.StringIO())
+    entrance = Entrance(front or Front(), Visitors(limits=limits))
+    quiet = contextlib.redirect_stdout(io.StringIO())
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet:
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
