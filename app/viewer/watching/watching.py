@@ -15,7 +15,7 @@ from app.viewer.panels.hotkeys import KEYS, add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.picture import Elsewhere
-from app.viewer.scene.drawing import Drawing
+from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.shown.look import RIDE, STEP_OFF
 from app.viewer.watching.marks import Choice, OwnScene
 from app.viewer.watching.plots import ALWAYS, Curves, wanted
@@ -138,7 +138,7 @@ class Watching:
                     self.browsers,
                     self.choose,
                     self.refresh,
-                    BANDWIDTH,
+                    rates=Rates(bandwidth=BANDWIDTH),
                 )
                 self.drawing.start()
 
