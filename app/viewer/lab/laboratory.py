@@ -257,6 +257,8 @@ class Laboratory:
     def now(self, title: str = "") -> SavedScene:
         """The run, with the parameters as they are now, and the view, as a scene."""
         state, before = self.simulation.state, self.told_scene()
+        if before is not None and self.pointing is not None and state.run <= self.pointing[0]:
+            return replace(before, title=title or before.title)  # it is about to be set up
         spec, beside = state.again()
         scene = SavedScene(
             title or MODELS[spec.model].title + (FROM_THE_START if state.stored else ""),
