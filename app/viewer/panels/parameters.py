@@ -215,8 +215,17 @@ def worded(one: Declared) -> tuple[str, str]:
     if one.kind != "number":
         return one.words, hint
     hint += f" Double click: back to {in_short(one.default)}."
-    unit = "" if one.unit == "1" else f", {re.sub(r'\^(\d)', raised, one.unit)}"
+    unit = "" if one.unit == "1" else f", {raised_powers(one.unit)}"
     return f"{one.words} {plain(one.symbol)}{unit}", hint
+
+
+def raised_powers(unit: str) -> str:
+    """A unit with its exponents in small figures.
+
+    >>> raised_powers("m/s^2")
+    'm/s²'
+    """
+    return re.sub(r"\^(\d)", raised, unit)
 
 
 def raised(found: re.Match[str]) -> str:
