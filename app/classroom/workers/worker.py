@@ -19,7 +19,7 @@ from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.watching.watching import Watching
-from app.viewer.web.incoming.visitors import Relayed
+from app.viewer.web.incoming.visitors import BEHIND_A_FRONT
 from app.viewer.web.server import open_server
 from app.viewer.web.serving.front import Front
 from worlds.refusal import Refusal
@@ -60,13 +60,13 @@ class Laboratories:
         if whose in self.all:
             self.all[whose].open(opened)
         else:
-            server = open_server(HOST, 0, Front(SCRIPTS), visitors=Relayed())
+            server = open_server(HOST, 0, Front(SCRIPTS), limits=BEHIND_A_FRONT)
             self.all[whose] = Laboratory(host=HOST, server=server, opened=opened, waits=True)
         return self.all[whose].port
 
     def watch(self, whose: int) -> int:
         """Open the page of those who watch one; its port."""
-        self.watching = Watching(self.all[whose], "the teacher", visitors=Relayed())
+        self.watching = Watching(self.all[whose], "the teacher", limits=BEHIND_A_FRONT)
         self.watching.server.on_client_connect(self.all[whose].welcome)
         return self.watching.port
 
