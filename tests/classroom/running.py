@@ -174,8 +174,9 @@ def running(folder: Path, *options: str, scene: str | None = None):
     """A class in a folder, stopped at the end."""
     (folder / "scene.toml").write_text(SCENE)
     command = [sys.executable, "-P", "-m", "flockscope", "class", scene or "scene.toml"]
+    port = () if "--port" in options else ("--port", "0")
     process = subprocess.Popen(
-        [*command, "--port", "0", "--no-open", *options],
+        [*command, *port, "--no-open", *options],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

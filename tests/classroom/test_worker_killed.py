@@ -1,0 +1,90 @@
+"""The process of many laboratories is killed while twenty students look."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
+
+from tests.classroom.running import BUSY, Person, roster, running
+from tests.classroom.test_class import worker_of
+from tests.viewer.waiting import until
+
+STUDENTS = 20
+BACK = 20.0
+"""Seconds in which all have pictures again, on a busy machine; on an idle one it is 5."""
+RETRY = 0.5
+"""Seconds after which somebody who was cut off tries again."""
+
+
+@dataclass
+class Looking:
+    """A student who looks, and connects again when their line breaks."""
+
+    person: Person
+    came: list[float] = field(default_factory=list)
+    """When something came."""
+    broke: list[float] = field(default_factory=list)
+    """When the line broke."""
+
+    def look(self, over: threading.Event) -> None:
+        """Look until it is over."""
+        while not over.is_set():
+            try:
+                with self.person.connect() as line:
+                    while not over.is_set():
+                        line.recv(timeout=BUSY)
+                        self.came.append(time.monotonic())
+            except (ConnectionClosed, InvalidHandshake, OSError):
+                self.broke.append(time.monotonic())
+                over.wait(RETRY)
+
+    def pause(self, since: float, until_: float) -> float:
+        """The longest time without anything, s."""
+        times = [since, *(one for one in self.came if since < one < until_), until_]
+        return max(later - one for one, later in pairwise(times))
+
+
+def test_who_was_there_has_pictures_again_and_the_others_notice_nothing(tmp_path, capsys):
+    with running(tmp_path, "--workers", "2") as ours:
+        teacher = ours.teacher()
+        teacher.do("role", role="own")
+        all_ = [Looking(ours.student(f"Student {k}")) for k in range(STUDENTS)]
+        over = threading.Event()
+        threads = [threading.Thread(target=one.look, args=(over,)) for one in all_]
+        for one in threads:
+            one.start()
+        try:
+            until(lambda: all(len(one.came) > 50 for one in all_), 2 * BUSY)
+            time.sleep(3.0)
+            killed = time.monotonic()
+            usual = max(one.pause(killed - 3.0, killed) for one in all_)
+            os.kill(worker_of(ours, None), signal.SIGKILL)
+            until(lambda: any(one.broke for one in all_), BACK)
+            lost = [one for one in all_ if one.broke]
+            until(lambda: all(one.came[-1] > one.broke[-1] for one in all_ if one.broke), BACK)
+            back = time.monotonic()
+            time.sleep(1.0)
+        finally:
+            over.set()
+            for one in threads:
+                one.join()
+        lost = [one for one in all_ if one.broke]
+        kept = [one for one in all_ if not one.broke]
+        assert len(lost) == len(kept) == STUDENTS / 2
+        took = [min(t for t in one.came if t > one.broke[0]) - killed for one in lost]
+        paused = max(one.pause(killed, back + 1.0) for one in kept)
+        assert max(took) < BACK
+        assert paused < max(5.0, 3 * usual)
+        assert len(roster(teacher)["students"]) == STUDENTS
+        with capsys.disabled():
+            print(
+                f"\n{len(lost)} students have pictures again after {min(took):.1f} to "
+                f"{max(took):.1f} s; the other {len(kept)} waited {paused:.2f} s for one at most, "
+                f"and {usual:.2f} s before"
+            )
