@@ -68,6 +68,7 @@ class View:
         self.port = self.laboratory.port
         self.is_open = True
         open_views.append(self)
+        atexit.register(self.end)  # before viser ends its server, which has registered by now
 
     @property
     def address(self) -> str:
@@ -78,7 +79,8 @@ class View:
     def flock(self) -> Flock:
         """A new flock, as that of the laboratory is now, or was when that was closed.
 
-        It goes on as that one does, to the bit. Raises Refusal where there is none.
+        It goes on as that one does, to the bit; from a preview that moves while the model is
+        compiled, up to rounding. Raises Refusal where there is none.
         """
         now = self.in_hand() if self.is_open else self.left
         if now is None:
@@ -90,7 +92,7 @@ class View:
         simulation = self.laboratory.simulation
 
         def taken() -> InHand:
-            flock = simulation.compiled_run("what goes on in Python").flock
+            flock = simulation.sound_run().flock
             return InHand(flock.spec, flock.snapshot())
 
         answer: Future[InHand] = simulation.tell(taken)
@@ -114,6 +116,7 @@ class View:
         if self.is_open:
             self.is_open = False
             open_views.remove(self)
+            atexit.unregister(self.end)
             self.laboratory.close()
 
     def __repr__(self) -> str:
@@ -172,10 +175,10 @@ def show(
     whole("height", height, LEAST, MOST)
     place = find_place(through, origin)
     here = cell()
-    for one in open_views:
-        if one.of() is flock or (here and one.cell == here):
-            one.close()
+    before = [one for one in open_views if one.of() is flock or (here and one.cell == here)]
     view = View(flock, place, height, running)
+    for one in before:
+        one.close()
     view.display()
     return view
 
@@ -194,10 +197,3 @@ def cell() -> str:
         return ""
     said = kernel_shell.kernel.get_parent().get("metadata", {})
     return str(said.get("cellId", ""))
-
-
-@atexit.register
-def end_all() -> None:
-    """Leave nothing open."""
-    for one in open_views:
-        one.end()
