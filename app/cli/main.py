@@ -25,6 +25,11 @@ class Entry(NamedTuple):
 
 COMMANDS = {
     "lab": Entry(".lab", "lab", "Open the laboratory in the browser (the default)."),
+    "class": Entry(
+        ".classroom",
+        "classroom",
+        "A class: students with flocks of their own, one code on the wall.",
+    ),
     "run": Entry(".run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
     "sweep": Entry(".sweep.commands", "sweep", "Many runs over parameters, kept whatever happens."),

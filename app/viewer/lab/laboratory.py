@@ -44,7 +44,7 @@ from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.home import at_home, lively_speed, usual_of
 from app.viewer.run.past.stored import LARGEST, Beginning
-from app.viewer.run.picture import Wanted
+from app.viewer.run.picture import Elsewhere, Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
 from app.viewer.run.steering import leader, usable_pose
@@ -112,6 +112,10 @@ class Laboratory:
         self.selected_beside = False
         self.wanted = Wanted()
         self.watched: frozenset[str] = frozenset()
+        self.elsewhere = Elsewhere()
+        """What the pages of those who only watch want to know."""
+        self.contents: dict[str, str] = {}
+        """What the monitors show, by block."""
         self.between = Between()
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
@@ -365,6 +369,8 @@ class Laboratory:
             points=look.points,
             row=self.selected,
             beside=self.selected_beside,
+            others=self.elsewhere.rows,
+            others_beside=self.elsewhere.rows_beside,
         )
         if wanted != self.wanted:
             self.wanted = wanted
@@ -411,12 +417,11 @@ class Laboratory:
         self.plots.refresh(readings, frame, beside)
         self.more.offer(self.plots.offered)
         last = self.plots.last
-        self.monitors.show(
-            contents(state, frame, readings, self.browsers(), beside, self.more, last)
-        )
+        self.contents = contents(state, frame, readings, self.browsers(), beside, self.more, last)
+        self.monitors.show(self.contents)
         self.crashes.refresh(readings, beside)
         self.numbers.refresh((readings,) if beside is None else (readings, beside), last)
-        watched = self.plots.names | self.more.names
+        watched = self.plots.names | self.more.names | self.elsewhere.names
         if watched != self.watched:
             self.watched = watched
             self.simulation.watch(watched)

@@ -137,7 +137,8 @@ class Pair(Run):
         """Change what frames hold; only the flock that is meant is looked at from close."""
         nobody = replace(wanted, row=None)
         self.camera.want(nobody if wanted.beside else wanted)
-        self.second.camera.want(wanted if wanted.beside else nobody)
+        second = wanted if wanted.beside else nobody
+        self.second.camera.want(replace(second, others=wanted.others_beside))
 
     def advance(self, ticks: int) -> None:
         """Run ticks of the first flock, and as many of the second as take the same time."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,6 +37,27 @@ class Wanted:
     """Row of the agent to inspect."""
     beside: bool = False
     """Whether that is an agent of the flock beside."""
+    others: frozenset[int] = frozenset()
+    """Rows of agents that other pages inspect: a few times a second."""
+    others_beside: frozenset[int] = frozenset()
+    """The same of the flock beside."""
+
+    @property
+    def first(self) -> Wanted:
+        """The same without what other pages inspect."""
+        return replace(self, others=frozenset(), others_beside=frozenset())
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """What other pages want to know of a laboratory's run, beside what its own wants."""
+
+    names: frozenset[str] = frozenset()
+    """Observables to measure."""
+    rows: frozenset[int] = frozenset()
+    """Rows of the agents to inspect."""
+    rows_beside: frozenset[int] = frozenset()
+    """The same of the flock beside."""
 
 
 @dataclass
@@ -51,17 +73,20 @@ class Camera:
     links: np.ndarray | None = None
     points: np.ndarray | None = None
     inspected: Inspection | None = None
+    others: Mapping[int, Inspection] = field(default_factory=dict)
     fastest: float = 1e-12
     surveyed: object | None = None
     """The world whose boundary points are at hand."""
     warm: bool = False
     aside: Aside = field(default_factory=Aside)
     rate_limit: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 15, share=0.15))
+    others_limit: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 4, share=0.1))
 
     def want(self, wanted: Wanted) -> None:
         """Change what is wanted; it is in the next frame."""
+        if wanted.first != self.wanted.first:
+            self.rate_limit.renew()
         self.wanted = wanted
-        self.rate_limit.renew()
 
     def take(self) -> Frame:
         """A frame of the flock now; layers, groups and links are as last examined."""
@@ -91,6 +116,7 @@ class Camera:
             measured=self.measured,
             links=self.links,
             inspected=self.inspected,
+            others=self.others,
             active=active if now.can_crash else None,
             crashes=now.crashes if flock.can_crash else None,
             saved=now.signal(SAVED) if SAVED in flock.model.columns else None,
@@ -128,6 +154,15 @@ class Camera:
         if row is None or not 0 <= row < len(self.flock.ids) or not self.is_warm():
             return
         self.inspected = self.flock.inspect(row)
+
+    def inspect_others(self, at_once: bool = False) -> None:
+        """Look at the agents that other pages inspect, if it is due, or `at_once`."""
+        rows = [row for row in self.wanted.others if 0 <= row < len(self.flock.ids)]
+        if not rows:
+            self.others = {}
+        elif (at_once or self.others_limit.due(time.perf_counter())) and self.is_warm():
+            with self.others_limit.measured():
+                self.others = {row: self.flock.inspect(row) for row in rows}
 
     def is_warm(self) -> bool:
         """Whether an agent can be inspected at once; what that takes is compiled aside."""

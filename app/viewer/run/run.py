@@ -129,6 +129,7 @@ class Run:
         self.attempt(lambda: self.readings.read(at_once=closely))
         self.attempt(lambda: self.camera.examine(at_once=closely))
         self.attempt(self.camera.inspect)
+        self.attempt(lambda: self.camera.inspect_others(at_once=closely))
         return self.camera.take()
 
     def attempt(self, look: Callable[[], None]) -> None:

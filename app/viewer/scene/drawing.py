@@ -25,15 +25,17 @@ BIRD_BYTES = 74
 """What a bird takes: a body and wings of its own."""
 
 
-def period(agents: float, browsers: int) -> float:
+def period(agents: float, browsers: int, bandwidth: float = BANDWIDTH) -> float:
     """Time between two frames, s: longer for a large flock and for many browsers.
+
+    `bandwidth`: what all of these together may be sent, bytes/s.
 
     >>> round(1 / period(1000, 1)), round(1 / period(1000, 40))
     (40, 14)
     """
     if browsers == 0:
         return SLOWEST
-    return min(max(FASTEST, agents * AGENT_BYTES * browsers / BANDWIDTH), SLOWEST)
+    return min(max(FASTEST, agents * AGENT_BYTES * browsers / bandwidth), SLOWEST)
 
 
 def load(frame: Frame, look: Look) -> float:
@@ -52,6 +54,7 @@ class Drawing:
         browsers: Callable[[], int],
         before: Callable[[], None],
         panels: Callable[[], None],
+        bandwidth: float = BANDWIDTH,
     ):
         """`before` is called before every frame, `panels` four times a second."""
         self.scene = scene
@@ -59,6 +62,7 @@ class Drawing:
         self.browsers = browsers
         self.before = before
         self.panels = panels
+        self.bandwidth = bandwidth
         self.drawn: tuple[Frame, Look] | None = None
         self.closing = threading.Event()
         self.thread = threading.Thread(target=self.live, name="drawing", daemon=True)
@@ -93,10 +97,11 @@ class Drawing:
     def period(self) -> float:
         """Time between two frames now, s."""
         if self.drawn is None:
-            return period(0, self.browsers())
+            return period(0, self.browsers(), self.bandwidth)
         frame, look = self.drawn
         flocks = [one for one in (frame, frame.beside) if one is not None]
-        return period(sum(load(one, look) for one in flocks), self.browsers())
+        agents = sum(load(one, look) for one in flocks)
+        return period(agents, self.browsers(), self.bandwidth)
 
     def draw(self) -> bool:
         """Draw the latest frame if it, or the look, is new; whether there was one."""

@@ -22,6 +22,7 @@ from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import Look
 
 Clicked = Callable[[int | None, np.ndarray, np.ndarray, bool], None]
+Chosen = Callable[[ClientHandle, int | None, bool], None]
 
 
 class Scene:
@@ -44,6 +45,7 @@ class Scene:
         self._see_through = SeeThrough()
         self._sights: tuple[Sight, ...] = ()
         self._clicked: list[Clicked] = []
+        self._chosen: list[Chosen] = []
         scene.on_click()(self._click)  # type: ignore[arg-type]
 
     def show(self, frame: Frame, look: Look) -> None:
@@ -103,6 +105,13 @@ class Scene:
         """
         self._clicked.append(callback)
 
+    def on_chosen(self, callback: Chosen) -> None:
+        """Call `callback(client, row, beside)` when there is a click into one browser's picture.
+
+        Otherwise as `on_clicked`.
+        """
+        self._chosen.append(callback)
+
     def on_leader_dragged(self, callback: Dragged) -> None:
         """Call `callback(position, heading)`, world units, while the gizmo is dragged or turned."""
         self._gizmo.on_dragged(callback)
@@ -115,12 +124,15 @@ class Scene:
         """Offer, or withdraw, the handles on the information agent."""
         self._gizmo.show(visible)
 
-    def camera(self, client: ClientHandle, name: str) -> None:
+    def camera(
+        self, client: ClientHandle, name: str, whom: tuple[int | None, int] | None = None
+    ) -> None:
         """Give one browser a preset point of view, one of `CAMERAS`, or `RIDE` or `STEP_OFF`.
 
-        `RIDE` while riding steps off too; `STEP_OFF` while not riding changes nothing.
+        `RIDE` while riding steps off too; `STEP_OFF` while not riding changes nothing. `whom`: row
+        and flock of the agent to follow or to ride on, instead of the inspected one.
         """
-        self._viewpoints.place(client, name)
+        self._viewpoints.place(client, name, whom)
 
     def open_on(self, camera: str) -> None:
         """Have worlds open on a preset, one of `CAMERAS`; empty: on the usual one."""
@@ -142,3 +154,5 @@ class Scene:
         shown, aside = self._sights[side]
         for callback in self._clicked:
             callback(row, shown.stage.unplaced(origin - aside), direction, side == 1)
+        for chosen in self._chosen:
+            chosen(event.client, row, side == 1)

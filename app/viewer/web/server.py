@@ -12,7 +12,7 @@ import contextlib
 import os
 import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -30,7 +30,7 @@ from app.viewer.web.incoming.controls import guard
 from app.viewer.web.incoming.door import Door
 from app.viewer.web.incoming.failures import log_failures, logger
 from app.viewer.web.incoming.handed_over import hand_over
-from app.viewer.web.incoming.kinds import LARGEST
+from app.viewer.web.incoming.kinds import KINDS, LARGEST, Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.visitors import Visitors
 from app.viewer.web.renders import Renders, accept_renders
@@ -57,6 +57,8 @@ class Entrance:
     """How browsers come to one server."""
 
     front: Front
+    hears: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
+    """Of which kinds of messages it hears at all."""
     visitors: Visitors = field(default_factory=Visitors)
     log: Log = field(default_factory=Log)
     renders: Renders = field(default_factory=Renders)
@@ -70,16 +72,20 @@ entrances: WeakKeyDictionary[viser.ViserServer, Entrance] = WeakKeyDictionary()
 
 
 def open_server(
-    host: str = "127.0.0.1", port: int = 8080, front: Front | None = None
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    front: Front | None = None,
+    hears: Mapping[str, Kind] = KINDS,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
-    `front` answers what comes by HTTP; by default one with viser's page alone. Raises Refusal if
-    the port is busy or the host is not this machine's.
+    `front` answers what comes by HTTP; by default one with viser's page alone. `hears`: of which
+    kinds of messages it hears, and how often; all others are dropped before anybody decodes them.
+    Raises Refusal if the port is busy or the host is not this machine's.
     """
     hand_over()
     keep_icons_open()
-    entrance = Entrance(front or Front())
+    entrance = Entrance(front or Front(), hears)
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
@@ -173,7 +179,9 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
             "sock": sock,
             "start_serving": False,
             "max_size": LARGEST,
-            "create_connection": partial(Connection, visitors=visitors, log=log, renders=renders),
+            "create_connection": partial(
+                Connection, visitors=visitors, log=log, renders=renders, hears=entrance.hears
+            ),
             "process_request": answer,
             "process_response": finish,
             "logger": logger(log),

@@ -98,11 +98,11 @@ def speed_text(speed: float) -> str:
     return "as fast as it goes" if math.isinf(speed) else f"{speed:g} ticks/s"
 
 
-def status(state: State) -> str:
-    """The state in a line, with a coloured dot."""
+def status(state: State, mend: str = "Press Setup.") -> str:
+    """The state in a line, with a coloured dot; `mend` says what to do when it has stopped."""
     if state.error:
         why = html.escape(state.error)
-        return f'<div class="fs-error"><b>Stopped.</b> {why}<br>Press Setup.</div>'
+        return f'<div class="fs-error"><b>Stopped.</b> {why}<br>{mend}</div>'
     model, beside = state.models
     words = MODELS[model].title if beside is None else f"{model} beside {beside}"
     title = "" if state.busy else f" · {html.escape(words)}"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import tomlkit
@@ -54,6 +54,15 @@ class Axis:
         return [float(f"{one:.12g}") for one in made.tolist()]
 
 
+class Begun(Protocol):
+    """What a sweep is begun from: its file, a world beside it, and what its folder is called."""
+
+    @property
+    def name(self) -> str: ...
+    def to_toml(self) -> str: ...
+    def world(self) -> str: ...
+
+
 @dataclass(frozen=True)
 class Asked:
     """A sweep around a run: `spec` with its parameters, as they are now."""
@@ -68,24 +77,9 @@ class Asked:
 
     def values(self) -> dict[str, Any]:
         """What a file says of it, world.toml beside it. Raises Refusal."""
-        if self.spec.model in FILES:
-            raise Refusal(
-                f"{self.spec.model} is a model of a file: its sweeps are begun on the command line,"
-                " flockscope sweep run FILE.toml"
-            )
+        demand_catalogued(self.spec)
         grid = self.grid()
-        if self.spec.start != "random":
-            raise Refusal("this run began from given places: a sweep begins from random ones")
-        run: dict[str, Any] = {"model": self.spec.model, "ticks": self.ticks} | self.spec.chosen
-        for name in ("agents", "size", "dim"):
-            if (value := getattr(self.spec, name)) is not None and name not in grid:
-                run[name] = list(value) if isinstance(value, tuple) else value
-        world = self.spec.world
-        run["world"] = WORLD if isinstance(world, World) else world
-        if isinstance(world, World):
-            run.pop("size", None)
-            run.pop("dim", None)
-        run["parameters"] = {k: v for k, v in self.spec.parameters.items() if k not in grid}
+        run = run_table(self.spec, self.ticks, grid)
         observe = {"name": self.observable} | ({"over": self.over} if self.over else {})
         return {
             "title": f"{MODELS[self.spec.model].title}: {', '.join(grid)}",
@@ -133,6 +127,36 @@ class Asked:
     def name(self) -> str:
         """What its folder is called, if there is none of that name yet."""
         return "-".join([self.spec.model, *(axis.name for axis in self.axes)])
+
+
+def demand_catalogued(spec: Spec) -> None:
+    """Refuse a run of a model that only this process knows. Raises Refusal."""
+    if spec.model in FILES:
+        raise Refusal(
+            f"{spec.model} is a model of a file: its sweeps are begun on the command line,"
+            " flockscope sweep run FILE.toml"
+        )
+
+
+def run_table(spec: Spec, ticks: int, axes: Collection[str]) -> dict[str, Any]:
+    """A run as the table [run] of a file, without what `axes` set. Raises Refusal.
+
+    A world that is none of the built-in ones is in WORLD.
+    """
+    demand_catalogued(spec)
+    if spec.start != "random":
+        raise Refusal("this run began from given places: a sweep begins from random ones")
+    run: dict[str, Any] = {"model": spec.model, "ticks": ticks} | spec.chosen
+    for name in ("agents", "size", "dim"):
+        if (value := getattr(spec, name)) is not None and name not in axes:
+            run[name] = list(value) if isinstance(value, tuple) else value
+    world = spec.world
+    run["world"] = WORLD if isinstance(world, World) else world
+    if isinstance(world, World):
+        run.pop("size", None)
+        run.pop("dim", None)
+    run["parameters"] = {k: v for k, v in spec.parameters.items() if k not in axes}
+    return run
 
 
 def numbers(model: str) -> list[Declared]:

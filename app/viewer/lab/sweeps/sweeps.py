@@ -20,7 +20,7 @@ from app.experiments.runs.database import FILE
 from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import is_taken
 from app.experiments.sweeps.conduct import SPEC, STOP
-from app.viewer.lab.sweeps.asked import WORLD, Asked
+from app.viewer.lab.sweeps.asked import WORLD, Begun
 from app.viewer.lab.sweeps.bounds import MOST_BEGUN, demand
 from app.viewer.lab.sweeps.process import Making
 from app.viewer.lab.sweeps.reading import Listed, Shown, listed, named_in, shown
@@ -85,7 +85,7 @@ class Sweeps:
 
     # What browsers ask for.
 
-    def begin(self, asked: Asked) -> str:
+    def begin(self, asked: Begun) -> str:
         """Begin a sweep; its name. Raises Refusal, having left nothing."""
         with self.beginning:
             text, world = asked.to_toml(), asked.world()

@@ -103,8 +103,13 @@ class Viewpoints:
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._farewell)
 
-    def place(self, client: ClientHandle, name: str) -> None:
-        """Give one browser the preset `name`, or let it get on a bird or off it."""
+    def place(
+        self, client: ClientHandle, name: str, whom: tuple[int | None, int] | None = None
+    ) -> None:
+        """Give one browser the preset `name`, or let it get on a bird or off it.
+
+        `whom`: row and side of the agent to follow or to ride on; None: see `_worth_following`.
+        """
         if not self._sights:
             return
         if name in (RIDE, STEP_OFF):
@@ -113,10 +118,10 @@ class Viewpoints:
             if ride is not None:
                 _set(client, ride.before)
             elif name == RIDE:
-                self.ride(client, *self._worth_following())
+                self.ride(client, *(whom or self._worth_following()))
             return
         if name == "follow":
-            self.follow(client, *self._worth_following())
+            self.follow(client, *(whom or self._worth_following()))
             return
         self._place(client, name)
 
@@ -155,7 +160,9 @@ class Viewpoints:
 
     def ride(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Put one browser's camera behind the agent now in `row` of the flock `side`."""
-        if row is None or not 0 <= row < len(self._sights[side].picture.at):
+        if row is None or side >= len(self._sights):
+            return
+        if not 0 <= row < len(self._sights[side].picture.at):
             return
         self._forget(client)
         camera = client.camera

@@ -3,6 +3,7 @@ the next, so that one sees where it goes."""
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -18,9 +19,10 @@ STEP = 0.25
 
 
 class Between:
-    """Holds the last two frames; the older one until the newer is reached."""
+    """Holds the last two frames; the older one until the newer is reached. Any thread may ask."""
 
     def __init__(self) -> None:
+        self.lock = threading.Lock()
         self.before: Frame | None = None
         self.after: Frame | None = None
         self.since = 0.0
@@ -33,6 +35,13 @@ class Between:
         One object as long as it is to be the same picture; the newest frame itself once all have
         arrived, and where the run is not slow.
         """
+        with self.lock:
+            return self.frame_of(newest, running, speed, now)
+
+    def frame_of(
+        self, newest: Frame | None, running: bool, speed: float, now: float
+    ) -> Frame | None:
+        """The same; for one thread at a time."""
         if newest is not self.after:
             follows = self.after is not None and newest is not None and is_next(self.after, newest)
             self.before = self.after if follows and speed <= SLOW else None

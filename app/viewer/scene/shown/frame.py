@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -68,6 +70,8 @@ class Frame:
     links: np.ndarray | None = None
     """(M, 2) int: rows of neighbouring pairs, if asked for."""
     inspected: Inspection | None = None
+    others: Mapping[int, Inspection] = MappingProxyType({})
+    """Agents that other pages inspect, by row, as they were looked at last."""
     active: np.ndarray | None = None
     """(N,) bool: agents that have not crashed; None where nobody can."""
     crashes: Crashes | None = None

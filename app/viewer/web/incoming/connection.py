@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
 
@@ -11,6 +12,7 @@ from websockets.frames import CloseCode, Frame
 from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
+from app.viewer.web.incoming.kinds import KINDS, Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
@@ -27,8 +29,17 @@ PROTOCOL = f"viser-v{viser.__version__}"
 class Connection(ServerConnection):
     """What is too much is dropped before it is decoded; who goes on is cut off, with a word."""
 
-    def __init__(self, *args: Any, visitors: Visitors, log: Log, renders: Renders, **options: Any):
+    def __init__(
+        self,
+        *args: Any,
+        visitors: Visitors,
+        log: Log,
+        renders: Renders,
+        hears: Mapping[str, Kind] = KINDS,
+        **options: Any,
+    ):
         super().__init__(*args, **options)
+        self.hears = hears
         self.visitors = visitors
         self.renders = renders
         self.log = log
@@ -37,7 +48,9 @@ class Connection(ServerConnection):
     def connection_made(self, transport: Any) -> None:
         self.address = address_of(transport.get_extra_info("peername"))
         shared = self.visitors.messages(self.address)
-        self.messages = Messages(shared, self.complain, expected=self.renders.expects)
+        self.messages = Messages(
+            shared, self.complain, expected=self.renders.expects, hears=self.hears
+        )
         super().connection_made(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:

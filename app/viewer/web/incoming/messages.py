@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from app.viewer.web.incoming.kinds import (
     CAMERA,
@@ -11,6 +11,7 @@ from app.viewer.web.incoming.kinds import (
     KNOWN,
     LARGEST,
     RENDER,
+    Kind,
     Unusable,
     demand_shape,
     kind_of,
@@ -32,7 +33,8 @@ class Messages:
     """Judges the messages of one connection; used by viser's thread.
 
     `shared` is a limit that all connections of an address have in common; `log` gets a line for a
-    message that nobody can use; `expected` knows the answers that were asked for.
+    message that nobody can use; `expected` knows the answers that were asked for; `hears` are the
+    kinds that may be passed on.
     """
 
     def __init__(
@@ -41,6 +43,7 @@ class Messages:
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
         expected: Callable[[bytes], bool] = lambda _: False,
+        hears: Mapping[str, Kind] = KINDS,
     ):
         self.shared = shared
         self.expected = expected
@@ -48,7 +51,7 @@ class Messages:
         self.frames = RateLimit(*ALL, clock)
         self.bytes = RateLimit(*BYTES, clock)
         self.dropped = RateLimit(*DROPPED, clock)
-        self.kinds = {name: RateLimit(kind.rate, kind.most, clock) for name, kind in KINDS.items()}
+        self.kinds = {name: RateLimit(kind.rate, kind.most, clock) for name, kind in hears.items()}
         self.introduced = False
         """Whether the browser has sent its camera."""
         self.verdict = ""

@@ -55,8 +55,8 @@ class ClientPage:
 
 
 @lru_cache(maxsize=8)
-def client_page(scripts: tuple[str, ...]) -> ClientPage:
-    """viser's page with these files of `static/` as scripts of its own, which run first.
+def client_page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> ClientPage:
+    """viser's page with these files of `static/`: styles, and scripts of its own that run first.
 
     They stand in the page itself: it can neither be had without them nor take them from elsewhere.
     Raises Refusal if viser's page is not built as it was.
@@ -70,7 +70,7 @@ def client_page(scripts: tuple[str, ...]) -> ClientPage:
     attributes, loader = loaders[0]
     client = unpacked(attributes)
     texts = [*(text.encode() for text in own), loader.encode(), client]
-    style = font_face() + "".join((STATIC / name).read_text() for name in STYLES)
+    style = font_face() + "".join((STATIC / name).read_text() for name in (*STYLES, *styles))
     added = "".join((*(f"<script>{text}</script>" for text in own), f"<style>{style}</style>"))
     page = (head + found + added + rest).encode()
     return ClientPage(page, gzip.compress(page, mtime=0), tuple(hashed(text) for text in texts))

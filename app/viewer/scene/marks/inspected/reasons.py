@@ -25,15 +25,17 @@ SHAFT = 0.026
 class Reasons:
     """Arrows, dots and words that follow `Frame.inspected`."""
 
-    def __init__(self, scene: SceneApi, root: str = "") -> None:
+    def __init__(self, scene: SceneApi, root: str = "", still: str | None = None) -> None:
+        """`still`: what the places are below, where `root` is moved about with the agent."""
         self._scene = scene
-        self._name = name = f"{root}/inspected"
+        name = f"{root}/inspected"
+        self._still = f"{root if still is None else still}/inspected"
         nothing = np.zeros((1, 2, 3), dtype=np.float32)
         self._arrows = scene.add_arrows(
             f"{name}/forces", nothing, np.zeros((1, 3), dtype=np.uint8), visible=False
         )
         self._seen = scene.add_point_cloud(
-            f"{name}/points",
+            f"{self._still}/points",
             nothing[0],
             tone.single(palette.POINT),
             point_shape="circle",
@@ -41,10 +43,10 @@ class Reasons:
             precision="float32",
             visible=False,
         )
-        self._aim = add_lines(scene, f"{name}/aim", thickness=2.0)
+        self._aim = add_lines(scene, f"{self._still}/aim", thickness=2.0)
         self._words: dict[str, LabelHandle] = {}
         self._dots = scene.add_point_cloud(
-            f"{name}/places",
+            f"{self._still}/places",
             nothing[0],
             tone.single(palette.SELECTED),
             point_shape="circle",
@@ -98,7 +100,7 @@ class Reasons:
         places = remembered(seen)
         for place in places.keys() - self._words.keys():
             self._words[place] = self._scene.add_label(
-                f"{self._name}/words/{place}",
+                f"{self._still}/words/{place}",
                 place,
                 anchor="bottom-center",
                 font_screen_scale=0.85,

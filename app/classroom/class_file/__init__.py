@@ -1,0 +1,1 @@
+"""A class in one file: saved whole or not at all, opened like a stranger's."""

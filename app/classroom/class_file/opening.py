@@ -1,0 +1,182 @@
+"""A class from its file, whoever wrote it: all of it is checked before anything is opened."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import ValidationError
+
+from agents.spec import LARGEST_SEED, Spec
+from app.classroom.class_file.archive import Archive, content_of
+from app.classroom.class_file.saving import FORMAT
+from app.classroom.class_file.state import (
+    MOST_QUESTIONS,
+    MOST_STUDENTS,
+    ClassState,
+    Limits,
+    Role,
+    Student,
+)
+from app.classroom.collect.collection import MOST_GIVEN, MOST_POINTS, Collection, Given
+from app.classroom.collect.hand_in import Point
+from app.classroom.collect.question import Question, question_from_toml, titled
+from app.classroom.collect.table import points_from_csv
+from app.classroom.names import same, student_name
+from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
+from worlds.reading import toml
+from worlds.refusal import Refusal, first_refusal, shortened, unknown
+
+KEYS = ("format", "title", "limits", "students", "questions")
+OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"), (
+    "student", "value", "seed",
+)  # fmt: skip
+
+
+def load(path: str | Path) -> ClassState:
+    """The class of a file. Raises Refusal in one line, having opened nothing."""
+    return opened(Path(path).name, content_of(Path(path)))
+
+
+def opened(name: str, data: bytes) -> ClassState:
+    """The class in the bytes of a file. Raises Refusal in one line."""
+    pack = Archive(name, data)
+    said = toml(pack.text("class.toml"), f"class.toml of {name}")
+    demand_keys(said, KEYS, "class.toml")
+    if said.get("format") != FORMAT:
+        raise Refusal(
+            f"{name} has the format {shortened(said.get('format'))}: this flockscope opens {FORMAT}"
+        )
+    scene = read_scene(f"scene.toml of {name}", pack.text("scene.toml").encode())
+    return ClassState(
+        title_of(said),
+        scene,
+        students_of(said, pack),
+        questions_of(said, scene, pack),
+        limits_of(said.get("limits", {})),
+    )
+
+
+def title_of(said: Mapping[str, Any]) -> str:
+    """The class's title. Raises Refusal."""
+    title = said.get("title")
+    if not isinstance(title, str) or len(title) > TEXTS["title"]:
+        raise Refusal(f"title = {shortened(title)} is no text of at most {TEXTS['title']} letters")
+    return titled(title)
+
+
+def limits_of(values: Any) -> Limits:
+    """What students may have. Raises Refusal."""
+    try:
+        return Limits(**values)
+    except ValidationError as error:
+        raise first_refusal(error, "limits", "class.toml") from None
+    except TypeError:
+        raise Refusal(f"limits = {shortened(values)} is not a table (class.toml)") from None
+
+
+def students_of(said: Mapping[str, Any], pack: Archive) -> dict[str, Student]:
+    """The students by name. Raises Refusal."""
+    made: dict[str, Student] = {}
+    alike: set[str] = set()
+    for row in tables(said, "students", MOST_STUDENTS, OF_STUDENT):
+        name = checked_name(row.get("name"))
+        if same(name) in alike:
+            raise Refusal(f"students: {name!r} is there twice (class.toml)")
+        alike.add(same(name))
+        role: Any = row.get("role")
+        if role not in get_args(Role):
+            raise unknown("role", role, get_args(Role), "class.toml")
+        scene: SavedScene | None = None
+        if "file" in row:
+            entry = text_of(row["file"], r"students/[^/]+\.toml")
+            scene = read_scene(f"{entry} of {pack.name}", pack.text(entry).encode())
+        made[name] = Student(role, scene)
+    return made
+
+
+def questions_of(said: Mapping[str, Any], scene: SavedScene, pack: Archive) -> list[Collection]:
+    """The questions with their results. Raises Refusal."""
+    made = []
+    for row in tables(said, "questions", MOST_QUESTIONS, OF_QUESTION):
+        key = text_of(row.get("file"), r"[^/]+")
+        entry = f"questions/{key}.toml"
+        question = question_from_toml(pack.text(entry), scene.spec, f"{entry} of {pack.name}")
+        given: dict[str, Given] = {}
+        for one in tables(row, "given", MOST_GIVEN, OF_GIVEN):
+            name = checked_name(one.get("student"))
+            if name in given:
+                raise Refusal(f"given: {name!r} is there twice (class.toml)")
+            given[name] = given_of(one, question)
+        made.append(Collection(question, points_of(key, question, pack), given))
+    return made
+
+
+def given_of(row: Mapping[str, Any], question: Question) -> Given:
+    """What a student was given. Raises Refusal."""
+    value, seed = row.get("value"), row.get("seed")
+    if value is not None and (isinstance(value, bool) or value not in question.values):
+        raise Refusal(f"given: value = {shortened(value)} is none of the question's (class.toml)")
+    if value is None and question.values:
+        raise Refusal("given: value is missing (class.toml)")
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
+        raise Refusal(f"given: seed = {shortened(seed)} is no seed (class.toml)")
+    return Given(None if value is None else float(value), seed)
+
+
+def points_of(key: str, question: Question, pack: Archive) -> list[Point]:
+    """The results of a question, each with its run. Raises Refusal."""
+    entry = f"results/{key}.csv"
+    specs: list[str] = []
+    while f"results/{key}/{len(specs) + 1:04d}.toml" in pack.names and len(specs) <= MOST_POINTS:
+        specs.append(pack.text(f"results/{key}/{len(specs) + 1:04d}.toml"))
+    points = points_from_csv(pack.text(entry), question, specs, f"{entry} of {pack.name}")
+    for number, point in enumerate(points, 1):
+        demand_same_run(point, question, f"results/{key}/{number:04d}.toml of {pack.name}")
+    return points
+
+
+def demand_same_run(point: Point, question: Question, origin: str) -> None:
+    """Refuse a spec that is not the run of its row, or that could not be opened. Raises Refusal."""
+    spec: Spec = read_scene(origin, point.spec.encode()).spec
+    values = tuple(question.value_of(spec, name) for name in question.free)
+    if (spec.seed, question.value_of(spec), values) != (point.seed, point.value, point.free):
+        raise Refusal(f"{origin} is not the run of its row: seed or {question.parameter} differ")
+
+
+def tables(
+    values: Mapping[str, Any], key: str, most: int, keys: tuple[str, ...]
+) -> list[Mapping[str, Any]]:
+    """A list of tables with no other keys than these. Raises Refusal."""
+    found = values.get(key, [])
+    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+        raise Refusal(f"{key} = {shortened(found)} is no list of tables (class.toml)")
+    if len(found) > most:
+        raise Refusal(f"{key}: {len(found):,} are there, at most {most:,} (class.toml)")
+    for one in found:
+        demand_keys(one, keys, f"{key} of class.toml")
+    return found
+
+
+def demand_keys(values: Mapping[str, Any], keys: tuple[str, ...], origin: str) -> None:
+    """Refuse a key that is none of these. Raises Refusal."""
+    for key in values:
+        if key not in keys:
+            raise unknown("key", key, keys, origin)
+
+
+def checked_name(text: Any) -> str:
+    """A student's name, written as it is shown. Raises Refusal."""
+    name = student_name(text)
+    if name != text:
+        raise Refusal(f"name = {shortened(text)} is not written as it is shown, {name!r}")
+    return name
+
+
+def text_of(value: Any, pattern: str) -> str:
+    """The name of an entry. Raises Refusal."""
+    if not isinstance(value, str) or not re.fullmatch(pattern, value):
+        raise Refusal(f"file = {shortened(value)} is no name of an entry (class.toml)")
+    return value

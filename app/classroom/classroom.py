@@ -1,0 +1,390 @@
+"""A class: who is in it, in what role, and which laboratory each of them sees.
+
+All of it runs on one event loop. What takes long is done in worker processes; one of them has the
+teacher's laboratory alone, so that nothing that students do makes it wait.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from app.classroom.asking import Asking
+from app.classroom.keys import hashed, new_code, new_key, same
+from app.classroom.names import student_name, unique_name
+from app.classroom.student import Place, Role, Student
+from app.classroom.workers.process import Gone, WorkerProcess
+from app.classroom.workers.seen import Seen
+from app.results import RESULTS
+from app.viewer.gallery.saved_scene import SavedScene
+from worlds.refusal import Refusal
+
+TEACHER = 0
+"""The number of the teacher's laboratory; students count from 1."""
+WAITS = 300.0
+"""Seconds that the flock of a student waits whose line broke; then it is kept as a scene."""
+UNUSED = 60.0
+"""Seconds after which a seat is free again that somebody took without ever opening the page."""
+LOOK = 2.0
+"""Seconds between two looks at all laboratories."""
+LONGEST_WORD = 200
+"""Letters of a word to all."""
+
+
+class Classroom:
+    """One class. `seats`: students at most. `workers`: processes for their flocks. `results`: the
+    folder of sweeps."""
+
+    def __init__(
+        self, scene: SavedScene, seats: int = 40, workers: int = 2, results: Path = RESULTS
+    ):
+        self.scene = scene
+        """What flocks of one's own begin with."""
+        self.seats = seats
+        self.code = new_code()
+        self.key = new_key()
+        """What opens the teacher's page."""
+        self.teachers: set[str] = set()
+        """Hashes of the teacher's cookies."""
+        self.students: dict[int, Student] = {}
+        self.by_key: dict[str, Student] = {}
+        self.first_role = Role.WATCHING
+        """What new students do."""
+        self.asking = Asking(results)
+        self.word = ""
+        self.frozen = False
+        self.is_over = False
+        self.seen: dict[int, Seen] = {}
+        self.count = workers
+        self.workers: list[WorkerProcess] = []
+        self.own: WorkerProcess | None = None
+        """The worker of the teacher's laboratory."""
+        self.teacher_place: Place | None = None
+        self.watching_place: Place | None = None
+        self.tasks: set[asyncio.Task[None]] = set()
+        self.listeners: set[Callable[[], None]] = set()
+        """Called when something has changed that pages should be told."""
+
+    # Its processes.
+
+    async def open(self) -> None:
+        """Begin the processes and the teacher's laboratory. Raises Refusal."""
+        self.own = await WorkerProcess(self.has_ended).begin()
+        self.workers = [await WorkerProcess(self.has_ended).begin() for _ in range(self.count)]
+        await self.open_teacher()
+        self.task(self.look())
+
+    async def open_teacher(self) -> None:
+        """Open the teacher's laboratory, and the page of those who watch it."""
+        assert self.own is not None
+        port = await self.own.ask("open", TEACHER, self.scene.to_toml())
+        self.teacher_place = Place(self.own, port)
+        self.watching_place = Place(self.own, await self.own.ask("watch", TEACHER))
+
+    async def close(self) -> None:
+        """End all processes."""
+        self.is_over = True
+        self.tell()
+        for task in self.tasks:
+            task.cancel()
+        processes = [one for one in (*self.workers, self.own) if one]
+        await asyncio.gather(self.asking.close(), *(one.close() for one in processes))
+
+    def task(self, work: object) -> None:
+        """Have something done beside all else."""
+        task = asyncio.get_running_loop().create_task(work)  # type: ignore[arg-type, var-annotated]
+        self.tasks.add(task)
+        task.add_done_callback(self.tasks.discard)
+
+    def has_ended(self, worker: WorkerProcess) -> None:
+        """A process has died: begin another; pages connect to new laboratories by themselves."""
+        for student in self.students.values():
+            if student.place is not None and student.place.worker is worker:
+                student.place = None
+                self.move(student)
+        if not self.is_over:
+            self.task(self.begin_again(worker))
+
+    async def begin_again(self, worker: WorkerProcess) -> None:
+        """Another process in place of one that has died."""
+        fresh = await WorkerProcess(self.has_ended).begin()
+        if worker is self.own:
+            self.own = fresh
+            await self.open_teacher()
+            self.move_watchers()
+        else:
+            self.workers[self.workers.index(worker)] = fresh
+        self.tell()
+
+    # Who is in it.
+
+    def admit(self, code: str, name: str) -> tuple[Student, str]:
+        """Take a student in who gives the code; the student, and their cookie. Raises Refusal."""
+        if self.is_over:
+            raise Refusal("this class is over")
+        if not same(code, self.code):
+            raise Refusal("this is not the code of the class: look at the wall again")
+        self.free_seats()
+        if len(self.students) >= self.seats:
+            raise Refusal(f"all {self.seats} seats of this class are taken")
+        cookie = new_key()
+        number = max(self.students, default=0) + 1
+        chosen = unique_name(student_name(name), (one.name for one in self.students.values()))
+        student = Student(number, chosen, hashed(cookie), self.first_role, frozen=self.frozen)
+        self.students[number] = self.by_key[student.key] = student
+        self.tell()
+        return student, cookie
+
+    def free_seats(self) -> None:
+        """Take back the seats of those who never came."""
+        now = time.monotonic()
+        for student in list(self.students.values()):
+            if not student.came and now - student.left > UNUSED:
+                self.forget(student)
+
+    def forget(self, student: Student) -> None:
+        """Take a student out of the class; their page is told."""
+        self.students.pop(student.number, None)
+        self.by_key.pop(student.key, None)
+        self.leave_place(student)
+        if self.asking.open is not None:
+            self.asking.open.take_back(student.name)
+        self.tell()
+
+    def student_of(self, cookie: str) -> Student | None:
+        """Whose cookie it is."""
+        return self.by_key.get(hashed(cookie)) if cookie else None
+
+    def admit_teacher(self, key: str) -> str:
+        """A cookie for who has the teacher's key. Raises Refusal."""
+        if not same(key, self.key):
+            raise Refusal("this is not the teacher's key")
+        cookie = new_key()
+        self.teachers.add(hashed(cookie))
+        return cookie
+
+    def is_teacher(self, cookie: str) -> bool:
+        """Whether it is a cookie of the teacher's."""
+        return bool(cookie) and hashed(cookie) in self.teachers
+
+    def renew(self) -> None:
+        """Give the class another code; who is in it stays."""
+        self.code = new_code()
+        self.tell()
+
+    def student_at(self, text: str) -> Student:
+        """The student whose number stands in an address. Raises Refusal."""
+        found = self.students.get(int(text)) if text.isdecimal() and len(text) < 9 else None
+        if found is None:
+            raise Refusal("that student is not in the class any more")
+        return found
+
+    # What each of them sees.
+
+    async def place_of(self, student: Student) -> Place:
+        """The laboratory that a student sees; their own is opened if need be. Raises Refusal."""
+        if student.role is Role.WATCHING:
+            if self.watching_place is None:
+                raise Refusal("the teacher's flock is just beginning")
+            return self.watching_place
+        async with student.opening:
+            if student.place is None:
+                student.place = await self.open_own(student)
+            return student.place
+
+    async def open_own(self, student: Student) -> Place:
+        """Open a student's own laboratory, on what they ran last or on the class's scene."""
+        worker = min(self.workers, key=self.crowd)
+        scene = student.scene or self.first_scene(student)
+        try:
+            port = await worker.ask("open", student.number, scene)
+            if student.frozen:
+                await worker.ask("pause", student.number)
+        except Gone:
+            raise Refusal("your flock is just beginning again") from None
+        return Place(worker, port)
+
+    def crowd(self, worker: WorkerProcess) -> int:
+        """Laboratories that a worker has or is about to have."""
+        return sum(
+            (one.place is not None and one.place.worker is worker) or one.opening.locked()
+            for one in self.students.values()
+        )
+
+    def first_scene(self, student: Student) -> str:
+        """What a student begins with, TOML: the class's scene with a seed of their own.
+
+        While a question is asked it has their value.
+        """
+        asked = self.asking.begins(student.name, self.scene)
+        if asked is not None:
+            return asked.to_toml()
+        spec = self.scene.spec
+        seed = (spec.seed or 0) + student.number
+        return replace(self.scene, spec=spec.but(seed=seed)).to_toml()
+
+    def connect(self, student: Student) -> None:
+        """A page of a student's has connected."""
+        student.lines += 1
+        student.came = True
+        self.tell()
+
+    def disconnect(self, student: Student) -> None:
+        """A page of a student's is gone."""
+        student.lines -= 1
+        student.left = time.monotonic()
+        self.tell()
+
+    def move(self, student: Student) -> None:
+        """Have a student's pages connect anew."""
+        student.moves += 1
+        self.tell()
+
+    def move_watchers(self) -> None:
+        """Have the pages of all who watch connect anew."""
+        for student in self.students.values():
+            if student.role is Role.WATCHING:
+                self.move(student)
+
+    def tell(self) -> None:
+        """Tell all pages that something has changed."""
+        for listener in list(self.listeners):
+            listener()
+
+    # What the teacher does.
+
+    def chosen(self, numbers: Iterable[int] | None) -> list[Student]:
+        """Students by their numbers; all for None. Raises Refusal for a number nobody has."""
+        if numbers is None:
+            return list(self.students.values())
+        found = [self.students.get(number) for number in numbers]
+        if None in found:
+            raise Refusal("that student is not in the class any more")
+        return [one for one in found if one is not None]
+
+    def give_role(self, role: Role, numbers: Iterable[int] | None = None) -> None:
+        """Let students watch, or have flocks of their own; new ones too if it is said of all."""
+        if numbers is None:
+            self.first_role = role
+        for student in self.chosen(numbers):
+            if student.role is not role:
+                student.role = role
+                self.move(student)
+
+    async def start_from(self, scene: SavedScene, numbers: Iterable[int] | None = None) -> None:
+        """Have students begin with a scene, each with a seed of their own; a question is over."""
+        if numbers is None:
+            self.scene = scene
+            self.asking.end()
+        await self.begin_anew(self.chosen(numbers))
+
+    async def ask(self, values: object) -> str:
+        """Ask a question: all begin anew, each with a value of their own. Raises Refusal."""
+        question = await self.asking.ask(values, self.scene)
+        self.first_role = Role.OWN
+        await self.begin_anew(self.chosen(None))
+        return f"asked: {question.title}"
+
+    async def begin_anew(self, students: Iterable[Student]) -> None:
+        """Have students begin with what the class begins with, in flocks of their own."""
+        for student in students:
+            student.scene = ""
+            student.role = Role.OWN
+            if student.place is not None:
+                try:
+                    first = self.first_scene(student)
+                    await student.place.worker.ask("open", student.number, first)
+                except Gone:
+                    student.place = None
+            self.move(student)
+
+    async def hand_in(self, student: Student) -> str:
+        """Take a student's run as an answer; the result in a sentence. Raises Refusal."""
+        if student.role is not Role.OWN or student.place is None:
+            raise Refusal("only who has a flock of their own hands in a result")
+        try:
+            ran = await student.place.worker.ask("scene", student.number)
+        except Gone:
+            raise Refusal("your flock is just beginning again") from None
+        student.scene = ran
+        collection = self.asking.demand()
+        point = await self.asking.hand_in(student.name, ran)
+        self.tell()
+        return point.told(collection.question)
+
+    async def open_point(self, number: int) -> str:
+        """Open the run of a result in the teacher's laboratory. Raises Refusal."""
+        scene = self.asking.point(number)
+        assert self.own is not None
+        try:
+            await self.own.ask("open", TEACHER, scene.to_toml())
+        except Gone:
+            raise Refusal("your flock is just beginning again") from None
+        return f"opened in your flock: {scene.title}"
+
+    async def teachers_scene(self) -> SavedScene:
+        """What the teacher's laboratory runs now. Raises Refusal."""
+        assert self.own is not None
+        try:
+            return SavedScene.from_toml(await self.own.ask("scene", TEACHER), "the teacher's run")
+        except Gone:
+            raise Refusal("the teacher's flock is just beginning again") from None
+
+    async def freeze(self, frozen: bool, numbers: Iterable[int] | None = None) -> None:
+        """Hold flocks, or let them go on."""
+        if numbers is None:
+            self.frozen = frozen
+        for student in self.chosen(numbers):
+            student.frozen = frozen
+            if student.place is not None:
+                try:
+                    await student.place.worker.ask("pause" if frozen else "go", student.number)
+                except Gone:
+                    continue
+        self.tell()
+
+    def say(self, word: str) -> None:
+        """A word to all; empty takes it back. Raises Refusal."""
+        text = " ".join(word.split())
+        if len(text) > LONGEST_WORD or not text.isprintable():
+            raise Refusal(f"a word to all has at most {LONGEST_WORD} letters that can be printed")
+        self.word = text
+        self.tell()
+
+    # What goes on by itself.
+
+    async def look(self) -> None:
+        """Now and then: see how all laboratories stand, keep their scenes, close those left."""
+        while True:
+            await asyncio.sleep(LOOK)
+            for worker in [*self.workers, self.own]:
+                if worker is None:
+                    continue
+                try:
+                    self.seen.update(await worker.ask("seen"))
+                    for number, scene in (await worker.ask("changed")).items():
+                        if number in self.students:
+                            self.students[number].scene = scene
+                except (Gone, RuntimeError):
+                    continue  # another is about to begin
+            for student in self.students.values():
+                if not student.is_here and time.monotonic() - student.left > WAITS:
+                    self.leave_place(student)
+            self.tell()
+
+    def leave_place(self, student: Student) -> None:
+        """Close a student's laboratory; what it ran is kept as a scene."""
+        place, student.place = student.place, None
+        self.seen.pop(student.number, None)
+        if place is not None:
+            self.task(self.close_one(place.worker, student.number))
+
+    async def close_one(self, worker: WorkerProcess, number: int) -> None:
+        """Close a laboratory."""
+        try:
+            await worker.ask("close", number)
+        except (Gone, RuntimeError):
+            return

@@ -1,0 +1,134 @@
+"""The results of a class for one question, as they come in, and which value each student has.
+
+It belongs to one thread. What is slow is asked of it elsewhere: a result is made by `hand_in` in a
+process, and a `Collection` can be sent to one that draws its picture.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from agents.spec import Spec
+from app.classroom.collect.groups import Group, distinct, groups_of
+from app.classroom.collect.hand_in import Point
+from app.classroom.collect.question import Question
+from worlds.counting import counted as count
+from worlds.refusal import Refusal
+
+MOST_POINTS = 5_000
+"""Results of a question."""
+MOST_OF_ONE = 100
+"""Results of a student to a question."""
+MOST_GIVEN = 1_000
+"""Students that are given a value or a seed."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a student begins with."""
+
+    value: float | None
+    """Of the parameter; None: students choose."""
+    seed: int
+    """One for each student: two runs of one seed and one value are the same run."""
+
+
+def spread_order(count: int) -> list[int]:
+    """The order in which so many values are given, so that few already cover the whole range.
+
+    The ends come first, then always the value that is furthest from those that are taken.
+
+    >>> spread_order(5)
+    [0, 4, 2, 1, 3]
+    """
+    taken = [0, count - 1][:count]
+    while len(taken) < count:
+        free = (k for k in range(count) if k not in taken)
+        taken.append(max(free, key=lambda k: (min(abs(k - one) for one in taken), -k)))
+    return taken
+
+
+@dataclass
+class Collection:
+    """The points of one question, in the order in which they came in."""
+
+    question: Question
+    points: list[Point] = field(default_factory=list)
+    given: dict[str, Given] = field(default_factory=dict)
+    """By student."""
+
+    def give(self, student: str) -> Given:
+        """The value and the seed of a student, always the same ones. Raises Refusal.
+
+        Of the values the one that fewest have, in an order that covers the range early.
+        """
+        if student in self.given:
+            return self.given[student]
+        if len(self.given) >= MOST_GIVEN:
+            raise Refusal(f"{MOST_GIVEN} students have been given a value: no more are")
+        values = self.question.values
+        value = None
+        if values:
+            held = Counter(one.value for one in self.given.values())
+            order = [values[k] for k in spread_order(len(values))]
+            value = min(order, key=lambda one: held[one])
+        seed = 1 + max((one.seed for one in self.given.values()), default=0)
+        self.given[student] = Given(value, seed)
+        return self.given[student]
+
+    def take_back(self, student: str) -> None:
+        """Have the value of a student who goes without a result given to the next."""
+        if not any(point.student == student for point in self.points):
+            self.given.pop(student, None)
+
+    def begins(self, student: str, scene: Spec) -> Spec:
+        """The run that a student begins with: the class's, with their value and their seed."""
+        given = self.give(student)
+        spec = scene.but(seed=given.seed)
+        return spec if given.value is None else self.question.with_value(spec, given.value)
+
+    def demand_room(self, student: str) -> None:
+        """Refuse a result before it is made, if there is no room for it. Raises Refusal."""
+        if len(self.points) >= MOST_POINTS:
+            raise Refusal(f"{MOST_POINTS:,} results are there: no more are taken")
+        if sum(point.student == student for point in self.points) >= MOST_OF_ONE:
+            raise Refusal(f"{MOST_OF_ONE} results of {student} are there: no more are taken")
+
+    def add(self, point: Point) -> int:
+        """Take a result; its number, from 0. Raises Refusal."""
+        self.demand_room(point.student)
+        self.points.append(point)
+        return len(self.points) - 1
+
+    @property
+    def counting(self) -> list[bool]:
+        """Of each point, whether it counts: all, or the last one of each student."""
+        if self.question.counts == "all":
+            return [True] * len(self.points)
+        last = {point.student: number for number, point in enumerate(self.points)}
+        return [last[point.student] == number for number, point in enumerate(self.points)]
+
+    @property
+    def counted(self) -> list[Point]:
+        """The points that count."""
+        pairs = zip(self.points, self.counting, strict=True)
+        return [point for point, counts in pairs if counts]
+
+    def groups(self) -> list[Group]:
+        """Mean and spread by value, rising, of the runs that are as the class's scene has them."""
+        counted = [one for one in self.counted if not one.differs]
+        return groups_of(counted, bool(self.question.values))
+
+    def told(self) -> str:
+        """How many results there are, in words."""
+        counted = self.counted
+        students = len({point.student for point in counted})
+        said = f"{count(len(counted), 'result')} of {count(students, 'student')}"
+        without = Counter(point.status for point in counted)
+        said += f"; {without['gave-up']} did not come to it" if without["gave-up"] else ""
+        said += f"; {without['failed']} failed" if without["failed"] else ""
+        twice = len(counted) - len(distinct(counted))
+        said += f"; {count(twice, 'run')} handed in twice, counted once" if twice else ""
+        other = sum(bool(point.differs) for point in counted)
+        return said + (f"; {other} not of the class's scene, in no mean" if other else "")

@@ -1,0 +1,102 @@
+"""How a run differs from the class's scene, in words: so that a teacher does not mix them up."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from agents.flock import Flock
+from agents.spec import OPTIONS
+from worlds.world import World
+
+APART = ("seed", "size", "dim", "world")
+"""Options that are told apart from the others."""
+MOST = 12
+"""Differences that are told one by one."""
+
+
+@dataclass(frozen=True)
+class Ran:
+    """All that a run depends on but its seed, with nothing left open."""
+
+    model: str
+    options: Mapping[str, Any]
+    parameters: Mapping[str, Any]
+    world: World
+
+    @classmethod
+    def of(cls, flock: Flock) -> Ran:
+        """That of a flock."""
+        options = {name: getattr(flock.options, name) for name in OPTIONS if name not in APART}
+        parameters = flock.parameters.model_dump()
+        return cls(flock.options.model, options, parameters, flock.world)
+
+
+def differences(ran: Ran, meant: Ran, but: Collection[str]) -> tuple[str, ...]:
+    """In what a run is not as meant, what is in `but` apart; at most 13 sentences."""
+    said: list[str] = []
+    if ran.model != meant.model:
+        said.append(f"another model: {ran.model}")
+    else:
+        said += apart("other", ran.parameters, meant.parameters, but)
+    said += apart("other", ran.options, meant.options, but)
+    said += of_worlds(ran.world, meant.world)
+    if len(said) > MOST:
+        said = [*said[:MOST], f"{len(said) - MOST} more"]
+    return tuple(said)
+
+
+def apart(
+    word: str, ran: Mapping[str, Any], meant: Mapping[str, Any], but: Collection[str]
+) -> list[str]:
+    """The values that are not as meant."""
+    return [
+        f"{word} {name}: {shown(ran[name])}, not {shown(value)}"
+        for name, value in meant.items()
+        if name not in but and name in ran and ran[name] != value
+    ]
+
+
+def of_worlds(ran: World, meant: World) -> list[str]:
+    """How two worlds differ, whatever they are called."""
+    if nameless(ran) == nameless(meant):
+        return []
+    if bare(ran) == bare(meant):
+        return ["own obstacles"]
+    if replace(nameless(ran), size=meant.size, height=meant.height) == nameless(meant):
+        return [f"another size: {shown(ran.size)}, not {shown(meant.size)}"]
+    return [f"another world: {on_one_line(ran.title or ran.name, 80)}"]
+
+
+def on_one_line(text: str, most: int) -> str:
+    """At most so many letters of a text that may be anybody's, printable and without semicolons.
+
+    >>> on_one_line("a\\n b; c\\x07", 4)
+    'a b,'
+    """
+    kept = "".join(one for one in text.replace(";", ",") if one.isprintable() or one.isspace())
+    return " ".join(kept.split())[:most]
+
+
+def nameless(world: World) -> World:
+    """A world without what it is called and where it is from."""
+    return replace(world, name="", title="", source="")
+
+
+def bare(world: World) -> World:
+    """A world without its obstacles."""
+    return replace(nameless(world), obstacles=(), random=None)
+
+
+def shown(value: Any) -> str:
+    """A value for people.
+
+    >>> shown(0.1 + 0.2), shown((10.0, 10.0)), shown(True)
+    ('0.3', '10 x 10', 'true')
+    """
+    if isinstance(value, tuple):
+        return " x ".join(map(shown, value))
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,165 @@
+"""A result that is handed in: the student's run, made and measured by the sweep engine.
+
+`hand_in` is what a worker process is asked for; it is plain, and all that it takes and gives can be
+sent to a process.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+
+from agents.catalogue import FILES, MODELS
+from agents.flock import Flock
+from agents.spec import Spec, versions
+from app.classroom.collect.bounds import demand_cheap
+from app.classroom.collect.differences import Ran, differences, on_one_line
+from app.classroom.collect.question import Question
+from app.experiments.runs.outcome import Outcome, Status, failure
+from app.experiments.sweeps.making.one_run import Wanted
+from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
+from app.viewer.lab.sweeps.asked import AGENTS
+from app.viewer.run.home import at_home
+from worlds.refusal import Refusal
+
+SECONDS = 30.0
+"""After which whoever asked for a result kills the process that makes it: bounds are of steps, and
+a flock that is crowded takes longer for one."""
+VERSIONS = versions()
+
+
+@dataclass(frozen=True)
+class Point:
+    """One result of a student."""
+
+    student: str
+    value: float
+    """Of the parameter, in its unit, whatever the student chose."""
+    result: float | None
+    """What was measured; None where it did not happen, or the run failed."""
+    status: Status
+    """ok, gave-up where a condition did not come to hold, failed where the run raised."""
+    reason: str
+    """Why there is no result."""
+    seed: int
+    ticks: int
+    """That were run."""
+    spec: str
+    """The run as TOML, with all its parameters: the same spec gives the same result."""
+    when: datetime
+    """In UTC, to the second."""
+    differs: tuple[str, ...] = ()
+    """How the run is not that of the class's scene, in words, apart from what may be chosen."""
+    free: tuple[float, ...] = ()
+    """Values of the question's free parameters, in its order."""
+
+    def scene(self, question: Question) -> SavedScene:
+        """What opens the run, at its first tick. Raises Refusal."""
+        made = read_scene(f"the result of {self.student}", self.spec.encode())
+        title = f"{self.student}: {question.parameter} = {self.value:g}"
+        watch = self.told(question)
+        return replace(made, title=title[: TEXTS["title"]], watch=watch[: TEXTS["watch"]])
+
+    def told(self, question: Question) -> str:
+        """The result in a sentence."""
+        unit = "" if question.unit == "1" else f" {question.unit}"
+        at = f"{question.parameter} = {self.value:g}{unit}, seed {self.seed}"
+        if self.result is None:
+            return f"{self.student}, {at}: {self.reason}."
+        return f"{self.student}, {at}: {self.result:.4g} {question.result_words}."
+
+
+def hand_in(
+    question: Question, student: str, spec: Spec, scene: Spec, when: datetime | None = None
+) -> Point:
+    """Make a student's run for a question, from its first tick, and measure it.
+
+    `spec` is their run as it is now, `scene` that of the class, `when` by default now. Raises
+    Refusal, before anything is run, for what cannot be run, is no answer, or would take too long.
+    """
+    demand_answer(question, spec)
+    value = question.value_of(spec)
+    flock = Flock(spec)
+    seeded = spec.but(seed=flock.seed)
+    kept = whole(seeded, flock)
+    meant = as_meant(question, scene, value, flock.seed)
+    outcome = run_of(question, seeded)
+    result, reason = measured(question, outcome)
+    return Point(
+        student,
+        value,
+        result,
+        outcome.status,
+        reason,
+        flock.seed,
+        outcome.ticks,
+        kept,
+        (when or datetime.now(UTC)).astimezone(UTC).replace(microsecond=0),
+        differences(Ran.of(flock), meant, question.open),
+        tuple(question.value_of(spec, name) for name in question.free),
+    )
+
+
+def whole(spec: Spec, flock: Flock) -> str:
+    """A run with all its parameters, as a scene opens it again. Raises Refusal if none can."""
+    made = at_home(**dict(spec)).but(
+        agents=flock.options.agents,
+        informed=flock.options.informed,
+        parameters=flock.parameters.model_dump(),
+        versions=VERSIONS,
+    )
+    text = made.to_toml()
+    read_scene("this run", text.encode())
+    return text
+
+
+def demand_answer(question: Question, spec: Spec) -> None:
+    """Refuse a run that is no answer to a question. Raises Refusal."""
+    if spec.model in FILES:
+        raise Refusal(f"{spec.model} is a model of a file: hand in one of the catalogue's")
+    if spec.start != "random":
+        raise Refusal(
+            "this run began from given places: press Setup, which begins one that can be made again"
+        )
+    if spec.model not in MODELS:
+        raise Refusal(f"there is no model {spec.model!r} here")
+    demand_cheap(question, spec)
+
+
+def run_of(question: Question, spec: Spec) -> Outcome:
+    """The run as the sweep engine makes it; one that raises is an outcome too."""
+    making = question.making
+    making.prepare()
+    assert spec.seed is not None
+    try:
+        return making.run(Wanted(spec), spec.seed)
+    except Exception as error:
+        return failure(error)
+
+
+def measured(question: Question, outcome: Outcome) -> tuple[float | None, str]:
+    """The result of a run, and why there is none."""
+    if outcome.status == "failed":
+        return None, on_one_line(f"the run failed: {outcome.reason}", 200)
+    value = outcome.values.get(question.column)
+    if value is None:
+        return None, f"it did not happen in {question.ticks} ticks: {question.condition_words}"
+    if not math.isfinite(value):
+        return None, f"{question.measure.observe} has no value there"
+    return float(value), on_one_line(outcome.astray, 200)
+
+
+def as_meant(question: Question, scene: Spec, value: float, seed: int) -> Ran:
+    """The run of the class's scene with a student's value and seed."""
+    meant = scene.but(seed=seed)
+    if question.parameter == AGENTS or question.parameter in meant.parameters:
+        meant = question.with_value(meant, value)
+    return Ran.of(Flock(meant))
+
+
+def warm_up(question: Question, scene: Spec) -> None:
+    """Compile what a run of the question calls, so that the first student need not wait."""
+    making = question.making
+    making.prepare()
+    making.try_out(Flock(scene.but(seed=1)))

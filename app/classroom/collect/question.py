@@ -1,0 +1,277 @@
+"""A question to a class: how a measure of a run goes with one parameter of it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tomlkit
+from pydantic import ConfigDict, Field, ValidationError, model_validator
+
+from agents.catalogue import FILES, MODELS
+from agents.flock import Flock
+from agents.models.declare import Declared
+from agents.observables.catalogue import OBSERVABLES
+from agents.spec import Spec
+from app.classroom.collect.bounds import MOST_TICKS, demand_cheap
+from app.experiments.sweeps.given.conditions import Comparison, comparison
+from app.experiments.sweeps.given.file import Observe
+from app.experiments.sweeps.making.measures import demand_number, measure_of
+from app.experiments.sweeps.making.one_run import Making, Until
+from app.strict import Strict
+from app.viewer.lab.sweeps.asked import AGENTS, allowed, is_whole, numbers
+from app.viewer.measuring.measured import words as in_words
+from worlds.reading import toml
+from worlds.refusal import Refusal, first_refusal, shortened, unknown
+
+MOST_VALUES = 50
+"""That are given to students in turn."""
+MOST_FREE = 5
+"""Parameters beside the one in question."""
+MOST_LETTERS = 80
+"""Of a title."""
+Whole = Annotated[int, Field(ge=1, le=MOST_TICKS)]
+
+
+class Asked(Strict):
+    """What is measured of a run: an observable, or the ticks until a condition holds."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    observe: str = Field(default="", max_length=100)
+    """An observable, at the end of the run, or"""
+    over: Whole | None = None
+    """its mean over so many ticks at the end."""
+    until: str = Field(default="", max_length=100)
+    """A condition, such as `consistency >= 0.9984`; measured is the tick from which it held"""
+    hold: Whole = 1
+    """for so many ticks."""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Asked:
+        if bool(self.observe) == bool(self.until):
+            raise ValueError("either observe or until is needed")
+        if self.until and self.over is not None:
+            raise ValueError("over is of what is observed, not of until")
+        if self.observe and self.hold != 1:
+            raise ValueError("hold is of until, not of what is observed")
+        return self
+
+    @property
+    def condition(self) -> Comparison | None:
+        """What has to hold. Raises Refusal."""
+        return comparison(self.until) if self.until else None
+
+    @property
+    def observable(self) -> str:
+        """The observable that is looked at. Raises Refusal."""
+        return self.observe if self.condition is None else self.condition.name
+
+    @property
+    def looks(self) -> bool:
+        """Whether the observable is looked at over many ticks, not at the end only."""
+        return self.over is not None or bool(self.until)
+
+
+class Question(Strict):
+    """What a class is asked; `question_of` makes one that is checked for a scene.
+
+    A run is made for `ticks`. `values` are given to students in turn; without any they choose.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    title: str = Field(min_length=1, max_length=MOST_LETTERS)
+    model: str
+    """Of the class's scene."""
+    parameter: str
+    """Of that model, or `agents`."""
+    measure: Asked
+    ticks: Whole
+    values: list[float] = Field(default_factory=list, max_length=MOST_VALUES)
+    """Rising; empty: students choose."""
+    free: list[str] = Field(default_factory=list, max_length=MOST_FREE)
+    """Parameters that students may change too; a run that differs by others is in no mean."""
+    counts: Literal["last", "all"] = "last"
+    """Of what a student hands in several times: the last result, or all."""
+
+    @property
+    def making(self) -> Making:
+        """How the sweep engine makes and measures a run of it. Raises Refusal."""
+        one, until = self.measure, None
+        if one.condition is not None:
+            until = Until(one.condition, one.hold, 1)
+            return Making(self.ticks, (), until)
+        return Making(self.ticks, (measure_of(Observe(name=one.observe, over=one.over), Path()),))
+
+    @property
+    def column(self) -> str:
+        """What the result is called in a table, there and in that of a sweep."""
+        return self.making.columns[0]
+
+    @property
+    def declared(self) -> Declared | None:
+        """The parameter as its model declares it; None for `agents`."""
+        return next((one for one in numbers(self.model) if one.name == self.parameter), None)
+
+    @property
+    def unit(self) -> str:
+        """Of the parameter; 1 for a pure number."""
+        return self.unit_of(self.parameter)
+
+    @property
+    def result_unit(self) -> str:
+        """Of the result; 1 for a pure number."""
+        if self.measure.until:
+            return "ticks"
+        return MODELS[self.model].in_units(OBSERVABLES[self.measure.observe].unit)
+
+    @property
+    def result_words(self) -> str:
+        """What is measured, for people."""
+        one = self.measure
+        if one.until:
+            return f"ticks until {self.condition_words}"
+        if OBSERVABLES[one.observe].over is not None or one.over is not None:
+            return f"{in_words(one.observe)} over the last {one.over} ticks"
+        return f"{in_words(one.observe)} after {self.ticks} ticks"
+
+    @property
+    def condition_words(self) -> str:
+        """What has to hold, for people; nothing where nothing has to."""
+        condition = self.measure.condition
+        if condition is None:
+            return ""
+        held = f" for {self.measure.hold} ticks" if self.measure.hold > 1 else ""
+        return f"{in_words(condition.name)} {condition.sign} {condition.bound:g}{held}"
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the parameter has whole numbers only."""
+        return is_whole(self.model, self.parameter)
+
+    @property
+    def open(self) -> tuple[str, ...]:
+        """What may be other than in the class's scene."""
+        return (self.parameter, *self.free)
+
+    def value_of(self, spec: Spec, name: str = "") -> float:
+        """The value of the parameter in a run, or of a free one. Raises Refusal without it."""
+        name = name or self.parameter
+        if name == AGENTS:
+            return float(spec.agents if spec.agents is not None else MODELS[spec.model].agents)
+        found = MODELS[spec.model].parameters.model_fields.get(name)
+        if found is None:
+            raise Refusal(
+                f"{name} is what the class is asked about, and {spec.model} has no such parameter: "
+                f"take {self.model}"
+            )
+        return float(spec.parameters.get(name, found.default))
+
+    def unit_of(self, name: str) -> str:
+        """The unit of a parameter by name; 1 for a pure number."""
+        return next((one.unit for one in numbers(self.model) if one.name == name), "1")
+
+    def with_value(self, spec: Spec, value: float) -> Spec:
+        """A run with another value of the parameter. Raises Refusal."""
+        number: float = round(value) if self.is_whole else value
+        if self.parameter == AGENTS:
+            return spec.but(agents=number)
+        return spec.but(parameters={**spec.parameters, self.parameter: number})
+
+    def to_values(self) -> dict[str, Any]:
+        """The question as JSON and TOML have it."""
+        return self.model_dump(exclude_defaults=True)
+
+    def to_toml(self) -> str:
+        """The question as a file."""
+        return tomlkit.dumps(self.to_values())
+
+
+def question_of(values: object, scene: Spec, origin: str = "the question") -> Question:
+    """A question from a browser or a file, checked for the class's scene. Raises Refusal.
+
+    `model` is that of the scene, whether it is given or not.
+    """
+    if not isinstance(values, Mapping):
+        raise Refusal(f"{origin} = {shortened(values)} is not a table")
+    if scene.model in FILES:
+        raise Refusal(f"{scene.model} is a model of a file: a class has those of the catalogue")
+    given = {"model": scene.model, **values}
+    if given["model"] != scene.model:
+        raise Refusal(
+            f"model = {shortened(given['model'])} is not that of the scene: {scene.model} is"
+            f" ({origin})"
+        )
+    try:
+        made = Question(**given)
+    except ValidationError as error:
+        raise first_refusal(error, origin) from None
+    except TypeError:  # keys that are no words
+        raise Refusal(f"{origin} has keys that are no names") from None
+    try:
+        return fitted(made, scene)
+    except Refusal as refusal:
+        told = str(refusal)
+        raise Refusal(told if origin in told else f"{told} ({origin})") from None
+
+
+def question_from_toml(text: str, scene: Spec, origin: str) -> Question:
+    """A question from a file. Raises Refusal."""
+    return question_of(toml(text, origin), scene, origin)
+
+
+def fitted(made: Question, scene: Spec) -> Question:
+    """A question whose names, ranges and costs are those of a scene. Raises Refusal."""
+    title = titled(made.title)
+    low, high = allowed(made.model, made.parameter)
+    for value in made.values:
+        if not low <= value <= high:
+            raise Refusal(f"values: {made.parameter} = {value:g} is not in [{low:g}, {high:g}]")
+        if made.is_whole and value != math.floor(value):
+            raise Refusal(f"values: {made.parameter} = {value:g} is not a whole number")
+    for name in made.free:
+        allowed(made.model, name)
+        if made.free.count(name) > 1 or name == made.parameter:
+            raise Refusal(f"free: {name} is there twice")
+    values = sorted({float(value) for value in made.values})
+    if len(values) == 1:
+        raise Refusal(f"values: one value of {made.parameter} shows nothing: give two or more")
+    demand_measured(made, scene)
+    checked = made.model_copy(update={"title": title, "values": values})
+    for value in values or [checked.value_of(scene)]:
+        demand_cheap(checked, checked.with_value(scene, value))
+    return checked
+
+
+def titled(text: str) -> str:
+    """A title on one line, without what cannot be printed. Raises Refusal."""
+    kept = "".join(one for one in text if one.isprintable() or one.isspace())
+    title = re.sub(r"\s+", " ", kept).strip()
+    if not title:
+        raise Refusal(f"title = {shortened(text)} has no letters")
+    return title
+
+
+def demand_measured(made: Question, scene: Spec) -> None:
+    """Refuse what cannot be measured of a run of a scene. Raises Refusal."""
+    asked = made.measure
+    name = asked.observable
+    demand_number(name)
+    one = OBSERVABLES[name]
+    if asked.until and one.over is not None:
+        raise Refusal(f"{name} is measured over a run: no tick has it")
+    if one.over is not None and (asked.over is None or asked.over < 2):
+        raise Refusal(f"{name} is measured over a run: over = 2 or more of its last ticks")
+    if not one.applies(Flock(scene)):
+        known = [key for key, other in OBSERVABLES.items() if other.applies(Flock(scene))]
+        raise unknown("observable of this scene", name, known)
+    for key, ticks in (("over", asked.over or 0), ("hold", asked.hold)):
+        if ticks > made.ticks:
+            raise Refusal(f"{key} = {ticks} is more than ticks = {made.ticks}, those of a run")
+    if asked.condition is not None and not math.isfinite(asked.condition.bound):
+        raise Refusal(f"until = {asked.until!r} needs a finite number")
+    made.making.prepare()

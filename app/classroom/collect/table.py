@@ -1,0 +1,203 @@
+"""The points of a question as a table: CSV for people and programs, JSON for a page's plot."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any, get_args
+
+from app.classroom.collect.collection import MOST_POINTS, Collection
+from app.classroom.collect.curve import Curve
+from app.classroom.collect.groups import Group
+from app.classroom.collect.hand_in import Point
+from app.classroom.collect.question import Question
+from app.classroom.names import student_name
+from app.experiments.runs.outcome import Status
+from app.experiments.sweeps.table import as_csv
+from app.viewer.panels.notation import plain
+from worlds.refusal import Refusal, shortened
+
+APART = "; "
+"""Between two differences."""
+LONGEST = 4_000
+"""Letters of a text in a table."""
+FIGURES = 6
+"""Of a number in a page's plot."""
+
+
+def headed(name: str, unit: str) -> str:
+    """The head of a column, with its unit.
+
+    >>> headed("eta", "rad"), headed("p2", "1")
+    ('eta [rad]', 'p2')
+    """
+    return name if unit == "1" else f"{name} [{unit}]"
+
+
+def heads(question: Question) -> list[str]:
+    """The columns of the table of a question."""
+    return [
+        "number",
+        "student",
+        headed(question.parameter, question.unit),
+        *(headed(name, question.unit_of(name)) for name in question.free),
+        headed(question.column, question.result_unit),
+        *("status", "counts", "seed", "ticks", "differs", "reason", "when"),
+    ]
+
+
+def to_csv(collection: Collection) -> str:
+    """A row for each result, in the order in which they came in.
+
+    As in the table of a sweep floats come back to the bit, and there is nothing where there is no
+    result; units stand in the head.
+    """
+    points, counting = collection.points, collection.counting
+    columns: list[list[Any]] = [
+        list(range(1, len(points) + 1)),
+        [point.student for point in points],
+        [point.value for point in points],
+        *([point.free[k] for point in points] for k in range(len(collection.question.free))),
+        [point.result for point in points],
+        [point.status for point in points],
+        counting,
+        [point.seed for point in points],
+        [point.ticks for point in points],
+        [APART.join(point.differs) for point in points],
+        [point.reason for point in points],
+        [point.when.isoformat() for point in points],
+    ]
+    return as_csv(dict(zip(heads(collection.question), columns, strict=True)))
+
+
+def points_from_csv(
+    text: str, question: Question, specs: Sequence[str] | None, origin: str
+) -> list[Point]:
+    """The points of a table that `to_csv` wrote; their specs stand elsewhere. Raises Refusal.
+
+    `specs` are those of the rows, in order; None: there are none.
+    """
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
+    except csv.Error as error:
+        raise Refusal(f"{origin} is no CSV: {error}") from None
+    if not rows or rows[0] != heads(question):
+        raise Refusal(f"{origin} has not the columns {', '.join(heads(question))}")
+    if len(rows) - 1 > MOST_POINTS:
+        raise Refusal(f"{origin} has {len(rows) - 1:,} rows: at most {MOST_POINTS:,}")
+    made = []
+    for number, row in enumerate(rows[1:], 1):
+        at = f"{origin}, row {number}"
+        if len(row) != len(rows[0]) or row[0] != str(number):
+            raise Refusal(f"{at} is not as its columns, or not in order")
+        spec = "" if specs is None else specs[number - 1]
+        made.append(point_of(row, spec, at))
+    return made
+
+
+def point_of(row: Sequence[str], spec: str, at: str) -> Point:
+    """A row as a point. Raises Refusal."""
+    _, student, value, *free, result, status, _, seed, ticks, differs, reason, when = row
+    if status not in get_args(Status):
+        raise Refusal(f"status = {shortened(status)} is no status of a run ({at})")
+    if (status != "ok" and result) or not (result or reason):
+        raise Refusal(f"a run that is {status} has a result, or else a reason ({at})")
+    if max(len(differs), len(reason)) > LONGEST or not (differs + reason).isprintable():
+        raise Refusal(f"differs or reason is no line of text ({at})")
+    name = student_name(student)
+    if name != student:
+        raise Refusal(f"student = {shortened(student)} is not written as a name is ({at})")
+    return Point(
+        name,
+        number(value, at),
+        number(result, at) if result else None,
+        status,  # type: ignore[arg-type]
+        reason,
+        whole(seed, at),
+        whole(ticks, at),
+        spec,
+        moment(when, at),
+        tuple(differs.split(APART)) if differs else (),
+        tuple(number(one, at) for one in free),
+    )
+
+
+def number(text: str, at: str) -> float:
+    """A finite number. Raises Refusal."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise Refusal(f"{shortened(text)} is not a finite number ({at})")
+    return found
+
+
+def whole(text: str, at: str) -> int:
+    """A whole number of at most 19 figures. Raises Refusal."""
+    if not (text.isascii() and text.isdigit() and len(text) <= 19):
+        raise Refusal(f"{shortened(text)} is not a whole number ({at})")
+    return int(text)
+
+
+def moment(text: str, at: str) -> datetime:
+    """A time in UTC. Raises Refusal."""
+    try:
+        found = datetime.fromisoformat(text)
+    except ValueError:
+        found = None
+    if found is None or found.tzinfo is None:
+        raise Refusal(f"when = {shortened(text)} is no time with its zone ({at})")
+    return found.astimezone(UTC)
+
+
+def to_json(collection: Collection, curve: Curve | None = None) -> dict[str, Any]:
+    """What a page needs for the plot; nothing in it is nan. Names and titles are plain text.
+
+    A point is [number, student, value, result or null, counts, differs]; a group, and a place of
+    the curve, is [value, runs, mean, half of its 95 % interval, sd].
+    """
+    question = collection.question
+    one = question.declared
+    return {
+        "title": question.title,
+        "x": {
+            "name": question.parameter,
+            "title": one.words if one is not None else "Agents",
+            "symbol": plain(one.symbol) if one is not None else "N",
+            "unit": question.unit,
+        },
+        "y": {
+            "name": question.column,
+            "title": question.result_words,
+            "unit": question.result_unit,
+        },
+        "told": collection.told(),
+        "points": [
+            [k, one.student, few(one.value), few(one.result), counts, "; ".join(one.differs)]
+            for k, (one, counts) in enumerate(
+                zip(collection.points, collection.counting, strict=True)
+            )
+        ],
+        "groups": [told(group) for group in collection.groups()],
+        "curve": None if curve is None else {
+            "name": curve.name,
+            "differs": list(curve.differs),
+            "groups": [told(group) for group in curve.groups],
+        },
+    }  # fmt: skip
+
+
+def told(group: Group) -> list[float | int | None]:
+    """A group as the page has it."""
+    return [few(group.value), group.runs, few(group.mean), few(group.half), few(group.sd)]
+
+
+def few(value: float | None) -> float | None:
+    """A number in few figures; None for none."""
+    if value is None or not math.isfinite(value):
+        return None
+    return float(f"{value:.{FIGURES}g}")

@@ -1,0 +1,59 @@
+"""A request as it comes in: who it is from, and whether it may be answered at all."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from aiohttp import web
+from websockets.datastructures import Headers
+from websockets.http11 import Request
+
+from app.viewer.web.origin import Allowed
+from app.viewer.web.serving.front import refusal
+from worlds.refusal import Refusal
+
+MARK, WORD = "X-Flockscope", "class"
+"""A header that no foreign page can send: a browser would ask first whether it may."""
+LARGEST = 64 * 1024
+"""Bytes of what a page sends by POST."""
+
+
+def refused(request: web.Request, allow: tuple[Allowed, ...]) -> web.Response | None:
+    """What a request gets that is not our own page's; None for one that may be answered."""
+    headers = Headers([(name, value) for name, value in request.headers.items()])
+    found = refusal(Request(request.raw_path, headers), allow)
+    if found is None:
+        return None
+    return web.Response(status=found.status_code, body=found.body, content_type="text/plain")
+
+
+async def values_of(request: web.Request) -> dict[str, Any]:
+    """What a page of ours sends, as JSON. Raises Refusal, and HTTPForbidden for any other page."""
+    if request.headers.getall(MARK, []) != [WORD]:
+        raise web.HTTPForbidden(text=f"this is asked with the header {MARK}: {WORD}\n")
+    try:
+        values = json.loads(await request.text())
+    except (ValueError, RecursionError):
+        raise Refusal("what was sent is no JSON") from None
+    if not isinstance(values, dict):
+        raise Refusal("what was sent is no table of values")
+    return values
+
+
+def text_in(values: dict[str, Any], key: str, longest: int = 200) -> str:
+    """A text among the values. Raises Refusal."""
+    found = values.get(key)
+    if not isinstance(found, str) or len(found) > longest:
+        raise Refusal(f"{key} is to be a text of at most {longest} letters")
+    return found
+
+
+def numbers_in(values: dict[str, Any], key: str, most: int = 1000) -> list[int] | None:
+    """Whole numbers among the values; None if they are left out. Raises Refusal."""
+    found = values.get(key)
+    if found is None:
+        return None
+    if not isinstance(found, list) or len(found) > most or any(type(n) is not int for n in found):
+        raise Refusal(f"{key} is to be a list of whole numbers")
+    return found

@@ -1,0 +1,32 @@
+"""What one student's pages may send, however many they are."""
+
+from __future__ import annotations
+
+from app.viewer.web.incoming.kinds import LARGEST
+from app.viewer.web.incoming.rate_limit import RateLimit
+
+REQUESTS = (10.0, 60.0)
+"""Requests by HTTP, a second and at once: a page loads ten files, its gallery twenty pictures."""
+PAGES = (1.0, 8.0)
+"""Pages that connect, a second and at once."""
+MOST_PAGES = 4
+"""Pages of one student at a time."""
+FRAMES = (200.0, 400.0)
+"""Messages, a second and at once: a page that drags sends some 60."""
+BYTES = (256.0 * 1024, 1.5 * LARGEST)
+"""Bytes of messages, a second and at once: a file that is opened comes at once."""
+WORDS = (1.0, 5.0)
+"""Things that a student hands in, a second and at once."""
+STRANGERS = (5.0, 60.0)
+"""Codes that are tried from one address, a second and at once: a class comes through one router."""
+
+
+class Limits:
+    """Of one student, or of the teacher."""
+
+    def __init__(self) -> None:
+        self.requests = RateLimit(*REQUESTS)
+        self.pages = RateLimit(*PAGES)
+        self.frames = RateLimit(*FRAMES)
+        self.bytes = RateLimit(*BYTES)
+        self.words = RateLimit(*WORDS)

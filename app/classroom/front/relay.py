@@ -1,0 +1,134 @@
+"""Passes requests and messages on between a page and the laboratory that it is shown.
+
+Messages are not looked into, but for their kind while a flock is held. To the page they are
+deflated: of what viser sends only words are packed, not the numbers of agents.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import aiohttp
+from aiohttp import web
+
+from app.classroom.front.limits import Limits
+from app.classroom.student import Place
+from app.viewer.web.incoming.connection import PROTOCOL
+from app.viewer.web.incoming.kinds import CAMERA, LARGEST, Unusable, kind_of
+
+HEARTBEAT = 30.0
+"""Seconds between two looks whether a page that says nothing is there still."""
+PATIENCE = 10.0
+"""Seconds for a laboratory to answer."""
+MOST_ANSWER = 64 * 1024 * 1024
+"""Bytes of an answer that is passed on: films are some megabytes."""
+TOO_MUCH = "more than one page can mean to send"
+PASSED_ON = ("X-Flockscope", "Accept", "Range", "If-None-Match")
+"""Headers of a request that a laboratory is told."""
+BROUGHT_BACK = ("Content-Type", "Content-Disposition", "Content-Range", "Accept-Ranges", "ETag")
+"""Headers of its answer that the page is told."""
+Heard = Callable[[bytes], bool]
+"""Whether a message of the page's may be passed on."""
+
+
+def anything(_: bytes) -> bool:
+    """Of whoever may say everything."""
+    return True
+
+
+def camera_alone(data: bytes) -> bool:
+    """Of whoever is held."""
+    try:
+        return kind_of(data) == CAMERA
+    except Unusable:
+        return False
+
+
+class Relay:
+    """Passes on, for all pages of a class; on one event loop."""
+
+    def __init__(self) -> None:
+        self.session = aiohttp.ClientSession(
+            timeout=aiohttp.ClientTimeout(total=None, connect=PATIENCE, sock_connect=PATIENCE),
+            connector=aiohttp.TCPConnector(limit=0),
+            auto_decompress=False,
+            cookie_jar=aiohttp.DummyCookieJar(),
+        )
+
+    async def close(self) -> None:
+        """Pass nothing on any more."""
+        await self.session.close()
+
+    async def pass_on(self, request: web.Request, place: Place, path: str) -> web.Response:
+        """What a laboratory answers to a request of a page's for `path`, with its query."""
+        headers = {
+            name: value for name in PASSED_ON if (value := request.headers.get(name)) is not None
+        }
+        url = f"http://127.0.0.1:{place.port}{path}"
+        try:
+            async with self.session.get(url, headers=headers, allow_redirects=False) as answer:
+                body = await answer.content.read(MOST_ANSWER + 1)
+                while not answer.content.at_eof() and len(body) <= MOST_ANSWER:
+                    body += await answer.content.read(MOST_ANSWER + 1 - len(body))
+        except (aiohttp.ClientError, TimeoutError):
+            return web.Response(status=503, text="the flock is just beginning again\n")
+        if len(body) > MOST_ANSWER:
+            return web.Response(status=502, text="the answer is too large for a class\n")
+        brought = {name: answer.headers[name] for name in BROUGHT_BACK if name in answer.headers}
+        return web.Response(status=answer.status, body=body, headers=brought)
+
+    async def connect(
+        self, request: web.Request, place: Place, limits: Limits, heard: Heard = anything
+    ) -> web.WebSocketResponse:
+        """Connect a page with a laboratory, until one of both goes."""
+        page = web.WebSocketResponse(
+            protocols=(PROTOCOL,), max_msg_size=LARGEST, heartbeat=HEARTBEAT, timeout=1.0
+        )
+        try:
+            inner = await self.session.ws_connect(
+                f"http://127.0.0.1:{place.port}/",
+                protocols=(PROTOCOL,),
+                max_msg_size=0,
+                compress=0,
+                autoping=True,
+            )
+        except (aiohttp.ClientError, TimeoutError):
+            raise web.HTTPServiceUnavailable(text="the flock is just beginning again\n") from None
+        try:
+            await page.prepare(request)
+            ways = (
+                asyncio.create_task(outward(inner, page)),
+                asyncio.create_task(inward(page, inner, limits, heard)),
+            )
+            try:
+                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for one in ways:
+                    one.cancel()
+                await asyncio.gather(*ways, return_exceptions=True)
+        finally:
+            await inner.close()
+            if not page.closed:
+                await page.close(code=aiohttp.WSCloseCode.GOING_AWAY)
+        return page
+
+
+async def outward(inner: aiohttp.ClientWebSocketResponse, page: web.WebSocketResponse) -> None:
+    """From the laboratory to the page."""
+    async for message in inner:
+        if message.type is aiohttp.WSMsgType.BINARY:
+            await page.send_bytes(message.data)
+
+
+async def inward(page: web.WebSocketResponse, inner: Any, limits: Limits, heard: Heard) -> None:
+    """From the page to the laboratory, within limits."""
+    async for message in page:
+        if message.type is not aiohttp.WSMsgType.BINARY:
+            continue
+        if not (limits.frames.take() and limits.bytes.take(len(message.data))):
+            await page.close(code=aiohttp.WSCloseCode.POLICY_VIOLATION, message=TOO_MUCH.encode())
+            return
+        if heard(message.data):
+            await inner.send_bytes(message.data)

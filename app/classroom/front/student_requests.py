@@ -1,0 +1,69 @@
+"""What a student's page asks the class for, beside the laboratory that it shows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from aiohttp import web
+
+from app.classroom.classroom import Classroom
+from app.classroom.front.asked import values_of
+from app.classroom.front.events import stream
+from app.classroom.front.limits import Limits
+from app.classroom.student import Student
+
+
+class StudentRequests:
+    """Answers them; `answer` gives None for what is the laboratory's."""
+
+    def __init__(self, classroom: Classroom):
+        self.classroom = classroom
+
+    async def answer(
+        self, request: web.Request, student: Student, limits: Limits
+    ) -> web.StreamResponse | None:
+        """What a student is answered."""
+        if request.path == "/class/mine" and request.method == "GET":
+            return await stream(request, self.classroom, lambda: self.mine(student))
+        if request.method != "POST":
+            if request.path.startswith("/class"):
+                raise web.HTTPForbidden(text="this page is the teacher's\n")
+            return None
+        await values_of(request)
+        if not limits.words.take():
+            raise web.HTTPTooManyRequests(text="too much at once: wait a moment\n")
+        if request.path == "/class/hand-in":
+            return web.Response(text=await self.classroom.hand_in(student))
+        if request.path != "/class/leave":
+            raise web.HTTPForbidden(text="only the teacher may do that\n")
+        self.classroom.forget(student)
+        return web.Response(text="you have left the class\n")
+
+    def mine(self, student: Student) -> dict[str, Any]:
+        """What a student's page shows of the class."""
+        return {
+            "name": student.name,
+            "class": self.classroom.scene.title,
+            "role": student.role,
+            "frozen": student.frozen,
+            "moves": student.moves,
+            "word": self.classroom.word,
+            "question": self.question(student),
+            "over": self.classroom.is_over or student.number not in self.classroom.students,
+        }
+
+    def question(self, student: Student) -> dict[str, Any] | None:
+        """What the student is asked, and has answered so far."""
+        collection = self.classroom.asking.open
+        if collection is None:
+            return None
+        question, given = collection.question, collection.give(student.name)
+        one = question.declared
+        unit = "" if question.unit == "1" else f" {question.unit}"
+        return {
+            "title": question.title,
+            "parameter": "agents" if one is None else one.words,
+            "value": None if given.value is None else f"{given.value:g}{unit}",
+            "measured": question.result_words,
+            "handed": sum(point.student == student.name for point in collection.points),
+        }

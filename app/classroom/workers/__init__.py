@@ -1,0 +1,1 @@
+"""Processes that hold laboratories, and what the class asks of them."""

@@ -1,0 +1,104 @@
+"""A worker process from outside: begun, asked, and noticed when it ends."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import multiprocessing
+import pickle
+import socket
+from collections.abc import Callable
+from typing import Any
+
+from app.classroom.workers import worker
+from app.classroom.workers.worker import LENGTH, packed
+
+PATIENCE = 20.0
+"""Seconds that a worker has to answer."""
+
+
+class Gone(Exception):
+    """The process has ended, or does not answer."""
+
+
+def context() -> Any:
+    """How processes are begun: where it is possible as copies of one that has imported all."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    chosen = multiprocessing.get_context("forkserver")
+    chosen.set_forkserver_preload([worker.__name__])
+    return chosen
+
+
+class WorkerProcess:
+    """One worker; `ended` is called on the loop when its process is gone."""
+
+    def __init__(
+        self,
+        ended: Callable[[WorkerProcess], None],
+        kind: Callable[..., Any] = worker.Laboratories,
+        *given: Any,
+    ):
+        self.ended = ended
+        self.what = kind, *given
+        """What does the work in it."""
+        self.numbers = itertools.count()
+        self.waiting: dict[int, asyncio.Future[Any]] = {}
+        self.closing = False
+
+    async def begin(self) -> WorkerProcess:
+        """Begin the process."""
+        ours, theirs = socket.socketpair()
+        self.process = context().Process(
+            target=worker.serve, args=(theirs, *self.what), name="laboratories", daemon=True
+        )
+        await asyncio.to_thread(self.process.start)
+        theirs.close()
+        self.reader, self.writer = await asyncio.open_connection(sock=ours)
+        self.hearing = asyncio.create_task(self.hear())
+        return self
+
+    async def hear(self) -> None:
+        """Take answers, until the process ends."""
+        try:
+            while True:
+                size = LENGTH.unpack(await self.reader.readexactly(LENGTH.size))[0]
+                number, fine, answer = pickle.loads(await self.reader.readexactly(size))
+                future = self.waiting.pop(number, None)
+                if future is None or future.done():
+                    continue
+                if fine:
+                    future.set_result(answer)
+                else:
+                    future.set_exception(answer)
+        except (asyncio.IncompleteReadError, OSError):
+            pass
+        waiting, self.waiting = self.waiting, {}
+        for future in waiting.values():
+            if not future.done():
+                future.set_exception(Gone())
+        if not self.closing:
+            self.ended(self)
+
+    async def ask(self, name: str, *given: Any, patience: float = PATIENCE) -> Any:
+        """What the worker answers. Raises Gone, and whatever it refuses."""
+        number = next(self.numbers)
+        future = self.waiting[number] = asyncio.get_running_loop().create_future()
+        try:
+            self.writer.write(packed((number, name, given)))
+            async with asyncio.timeout(patience):
+                await self.writer.drain()
+                return await future
+        except (OSError, TimeoutError):
+            raise Gone from None
+        finally:
+            self.waiting.pop(number, None)
+
+    async def close(self) -> None:
+        """End the process."""
+        self.closing = True
+        self.writer.close()
+        await asyncio.to_thread(self.process.join, 2.0)
+        if self.process.is_alive():
+            self.process.kill()
+        await self.hearing

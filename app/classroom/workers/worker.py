@@ -1,0 +1,124 @@
+"""A process that holds laboratories: it does what it is told on a line, until that ends.
+
+What it is told and what it answers is pickled: both ends are of one program. Every laboratory is
+bound to the loopback, at a port that the system chooses.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import socket
+import struct
+from collections.abc import Callable
+from typing import Any, BinaryIO
+
+from app.classroom.workers.seen import Seen, seen
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.scene_requests import SCRIPTS
+from app.viewer.watching.watching import Watching
+from app.viewer.web.server import open_server
+from app.viewer.web.serving.front import Front
+from worlds.refusal import Refusal
+
+LENGTH = struct.Struct("!I")
+"""Stands before every message: its length, bytes."""
+HOST = "127.0.0.1"
+ORIGIN = "the class"
+"""Where the scenes come from that it is given."""
+
+
+def read(line: BinaryIO) -> Any:
+    """The next message. Raises EOFError where there is none."""
+    head = line.read(LENGTH.size)
+    if len(head) < LENGTH.size:
+        raise EOFError
+    data = line.read(*LENGTH.unpack(head))
+    return pickle.loads(data)
+
+
+def packed(message: Any) -> bytes:
+    """A message as it goes over the line."""
+    data = pickle.dumps(message, -1)
+    return LENGTH.pack(len(data)) + data
+
+
+class Laboratories:
+    """The laboratories of one process, by the number of whose they are."""
+
+    def __init__(self) -> None:
+        self.all: dict[int, Laboratory] = {}
+        self.told: dict[int, Any] = {}
+        """Of which state of each the scene was told last."""
+
+    def open(self, whose: int, scene: str) -> int:
+        """Open one on a scene, or have it begin with that if it is open; its port."""
+        opened = SavedScene.from_toml(scene, ORIGIN)
+        if whose in self.all:
+            self.all[whose].open(opened)
+        else:
+            server = open_server(HOST, 0, Front(SCRIPTS))
+            self.all[whose] = Laboratory(host=HOST, server=server, opened=opened, waits=True)
+        return self.all[whose].port
+
+    def watch(self, whose: int) -> int:
+        """Open the page of those who watch one; its port."""
+        self.watching = Watching(self.all[whose], "the teacher")
+        self.watching.server.on_client_connect(self.all[whose].welcome)
+        return self.watching.port
+
+    def close(self, whose: int) -> None:
+        """Close one."""
+        laboratory = self.all.pop(whose, None)
+        if laboratory is not None:
+            laboratory.close()
+
+    def scene(self, whose: int) -> str:
+        """What one runs now, TOML."""
+        return self.all[whose].now().to_toml()
+
+    def changed(self) -> dict[int, str]:
+        """The scenes of those that run something else than when this was asked last."""
+        found = {}
+        for whose, one in self.all.items():
+            state = one.simulation.state
+            now = state.run, state.spec, state.values, state.beside_values
+            if not state.busy and self.told.get(whose) != now:
+                self.told[whose] = now
+                found[whose] = one.now().to_toml()
+        return found
+
+    def seen(self) -> dict[int, Seen]:
+        """How all of them stand."""
+        return {whose: seen(one) for whose, one in self.all.items()}
+
+    def pause(self, whose: int) -> None:
+        """Let one stand."""
+        self.all[whose].simulation.pause()
+
+    def go(self, whose: int) -> None:
+        """Let one run."""
+        self.all[whose].simulation.go()
+
+
+def serve(line: socket.socket, kind: Callable[..., Any], *given: Any) -> None:
+    """The process: have one of a kind do what is told, in order, until nobody tells any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command, which ends the line
+    doing, told = kind(*given), line.makefile("rb")
+    while True:
+        try:
+            number, name, asked = read(told)
+        except (EOFError, OSError):
+            os._exit(0)  # at once, whatever is being compiled
+        try:
+            answer = number, True, getattr(doing, name)(*asked)
+        except Refusal as refusal:
+            answer = number, False, refusal
+        except Exception as error:
+            answer = number, False, RuntimeError(f"{type(error).__name__}: {error}")
+        try:
+            line.sendall(packed(answer))
+        except OSError:
+            os._exit(0)

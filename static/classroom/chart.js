@@ -1,0 +1,83 @@
+/* The results of a class, as they come in: every result, mean and interval for each value, the curve
+   of a sweep behind them. A result can be pressed. `data` is what the class says of its question. */
+window.flockscopeChart = (place, data, press) => {
+  const kind = "http://www.w3.org/2000/svg";
+  const wide = Math.max(300, place.clientWidth), tall = Math.max(240, Math.min(420, wide * 0.5));
+  const box = { left: 64, right: wide - 16, top: 16, bottom: tall - 48 };
+  const draw = (name, values, inside, words) => {
+    const made = document.createElementNS(kind, name);
+    for (const key in values) made.setAttribute(key, values[key]);
+    if (words !== undefined) made.textContent = words;
+    inside.append(made);
+    return made;
+  };
+  const svg = document.createElementNS(kind, "svg");
+  svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
+  svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", `${data.title}: ${data.told}`);
+  const curve = data.curve ? data.curve.groups.filter((one) => one[2] !== null) : [];
+  const there = data.points.filter((one) => one[3] !== null);
+  const xs = [...data.points.map((one) => one[2]), ...curve.map((one) => one[0]), ...data.values];
+  const ys = [...there.map((one) => one[3]), ...curve.flatMap(([, , mean, half]) => [mean - (half || 0), mean + (half || 0)])];
+  const least = Math.min(...xs), most = Math.max(...xs);
+  const log = least > 0 && most / least >= 50;
+  const bend = (x) => log ? Math.log10(x) : x;
+  const ends = (values, none) => {
+    let low = Math.min(...values), high = Math.max(...values);
+    if (!values.length) [low, high] = none;
+    const room = (high - low || Math.abs(high) || 1) * 0.06;
+    return [low - room, high + room];
+  };
+  const [left, right] = ends(xs.map(bend), [0, 1]);
+  let [low, high] = ends(ys, [0, 1]);
+  if (low < 0 && Math.min(...ys, 0) >= 0) low = 0;
+  const x = (value) => box.left + (bend(value) - left) / (right - left) * (box.right - box.left);
+  const y = (value) => box.bottom - (value - low) / (high - low) * (box.bottom - box.top);
+  const steps = (from, to) => {
+    const rough = (to - from) / 5, unit = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].find((one) => one * unit >= rough) * unit, made = [];
+    for (let at = Math.ceil(from / step) * step; at <= to + 1e-9 * step; at += step) made.push(Number(at.toPrecision(6)));
+    return made;
+  };
+  const marksX = log ? [...Array(13).keys()].flatMap((k) => [1, 2, 5].map((one) => one * 10 ** (k - 6)))
+    .filter((one) => Math.log10(one) > left && Math.log10(one) < right) : steps(left, right);
+  const lines = draw("g", { class: "fs-lines" }, svg);
+  for (const at of steps(low, high)) {
+    draw("line", { x1: box.left, x2: box.right, y1: y(at), y2: y(at) }, lines);
+    draw("text", { x: box.left - 8, y: y(at) + 4, "text-anchor": "end" }, lines, String(at));
+  }
+  for (const at of marksX) {
+    draw("line", { x1: x(at), x2: x(at), y1: box.top, y2: box.bottom }, lines);
+    draw("text", { x: x(at), y: box.bottom + 18, "text-anchor": "middle" }, lines, String(at));
+  }
+  const unit = (one) => one.unit === "1" || one.unit === one.title ? "" : `, ${one.unit}`;
+  draw("text", { x: (box.left + box.right) / 2, y: tall - 8, "text-anchor": "middle", class: "fs-axis" }, svg,
+    `${data.x.title} ${data.x.symbol}${unit(data.x)}`);
+  draw("text", { x: 0, y: 0, "text-anchor": "middle", class: "fs-axis",
+    transform: `translate(14 ${(box.top + box.bottom) / 2}) rotate(-90)` }, svg,
+    `${data.y.title}${data.y.title.startsWith("ticks") ? "" : unit(data.y)}`);
+  if (curve.length) {
+    const up = curve.map(([at, , mean, half]) => `${x(at)},${y(mean + (half || 0))}`);
+    const down = [...curve].reverse().map(([at, , mean, half]) => `${x(at)},${y(mean - (half || 0))}`);
+    draw("polygon", { points: [...up, ...down].join(" "), class: "fs-band" }, svg);
+    draw("polyline", { points: curve.map(([at, , mean]) => `${x(at)},${y(mean)}`).join(" "), class: "fs-curve" }, svg);
+  }
+  for (const [number, name, value, result, counts, differs] of data.points) {
+    const absent = result === null, at = absent ? box.bottom - 6 : y(result);
+    const style = `fs-point${differs ? " fs-differs" : ""}${counts ? "" : " fs-before"}${absent ? " fs-absent" : ""}`;
+    const dot = draw("circle", { cx: x(value), cy: at, r: 6, class: style, tabindex: 0, role: "button" }, svg);
+    const said = `${name}: ${data.x.symbol} = ${value}, ${absent ? "it did not happen" : result}${differs ? ` (${differs})` : ""}`;
+    draw("title", {}, dot, `${said}. Press to open the run.`);
+    dot.setAttribute("aria-label", said);
+    dot.addEventListener("click", () => press(number));
+    dot.addEventListener("keydown", (event) => { if (event.key === "Enter") press(number); });
+  }
+  for (const [at, runs, mean, half] of data.groups) {
+    if (mean === null || runs < 2) continue;
+    const group = draw("g", { class: "fs-mean" }, svg), middle = x(at) + 10;
+    if (half !== null) draw("line", { x1: middle, x2: middle, y1: y(mean - half), y2: y(mean + half) }, group);
+    draw("path", { d: `M${middle} ${y(mean) - 6}l6 6-6 6-6-6z` }, group);
+    draw("title", {}, group, `mean of ${runs}: ${mean}${half === null ? "" : ` ± ${half}`}`);
+  }
+  place.replaceChildren(svg);
+};

@@ -1,0 +1,151 @@
+/* The teacher's page: the whole class as it comes over one line, and buttons that are asked for by
+   POST. All that students have written is set as text. */
+{
+  const at = (id) => document.getElementById(id);
+  const make = (kind, style, text) => {
+    const made = document.createElement(kind);
+    if (style) made.className = style;
+    if (text !== undefined) made.textContent = text;
+    return made;
+  };
+  const button = (text, act, style) => {
+    const made = make("button", style, text);
+    made.type = "button";
+    made.addEventListener("click", act);
+    return made;
+  };
+  let known = null, quiet = 0;
+
+  const tell = (words) => {
+    at("said").textContent = words;
+    clearTimeout(quiet);
+    quiet = setTimeout(() => { at("said").textContent = ""; }, 4000);
+  };
+  const say = async (values) => {
+    try {
+      const answer = await fetch("/class/do", {
+        method: "POST", credentials: "same-origin", cache: "no-store", body: JSON.stringify(values),
+        headers: { "X-Flockscope": "class", "Content-Type": "application/json" } });
+      tell((await answer.text()).trim());
+      return answer.ok;
+    } catch { tell("The class does not answer."); return false; }
+  };
+  window.flockscopeClass = { at, make, button, tell, say, known: () => known, changed: [] };
+
+  const drawn = (canvas, seen) => {
+    const context = canvas.getContext("2d"), { width, height } = canvas;
+    context.clearRect(0, 0, width, height);
+    if (!seen || !seen.dots) return;
+    const bytes = Uint8Array.from(atob(seen.dots), (one) => one.charCodeAt(0));
+    const wide = Math.min(width - 8, (height - 8) * seen.shape), tall = wide / seen.shape;
+    const left = (width - wide) / 2, top = (height + tall) / 2;
+    const half = bytes.length > 900 ? 2 : 3;
+    for (let row = 0; row < bytes.length; row += 3) {
+      const angle = bytes[row + 2] / 256 * 2 * Math.PI;
+      const x = left + bytes[row] / 255 * wide, y = top - bytes[row + 1] / 255 * tall;
+      context.fillStyle = `hsl(${angle * 180 / Math.PI} 70% 48%)`;
+      context.beginPath();
+      context.moveTo(x + 2.2 * half * Math.cos(angle), y - 2.2 * half * Math.sin(angle));
+      context.lineTo(x + 1.4 * half * Math.cos(angle + 2.5), y - 1.4 * half * Math.sin(angle + 2.5));
+      context.lineTo(x + 1.4 * half * Math.cos(angle - 2.5), y - 1.4 * half * Math.sin(angle - 2.5));
+      context.fill();
+    }
+  };
+  const few = (value) => Math.abs(value) >= 100 ? value.toFixed(0) : value.toPrecision(3);
+  const stands = (one) => !one.seen ? "" : one.seen.error ? "stopped by an error" :
+    one.seen.compiling ? "compiling" : `tick ${one.seen.tick}${one.seen.running ? "" : ", paused"}`;
+  const cards = new Map();
+  const cardOf = (number) => {
+    const card = make("article", "fs-student"), canvas = make("canvas"), inner = make("div");
+    Object.assign(canvas, { width: 312, height: 208 });
+    const parts = { card, canvas, name: make("b"), model: make("span"), stands: make("span"),
+      numbers: make("span", "fs-numbers"), acts: make("div", "fs-acts"), open: make("a", "fs-button", "Open") };
+    parts.open.target = `flockscope-${number}`;
+    parts.open.href = `/at/${number}/`;
+    parts.role = button("", () => say({ do: "role", students: [number],
+      role: parts.is === "own" ? "watching" : "own" }));
+    parts.hold = button("", () => say({ do: "freeze", held: !parts.held, students: [number] }));
+    parts.remove = button("Remove", () => say({ do: "remove", students: [number] }));
+    parts.acts.append(parts.open, parts.role, parts.hold, parts.remove);
+    inner.append(parts.name, parts.model, parts.stands, parts.numbers, parts.acts);
+    card.append(canvas, inner);
+    return parts;
+  };
+  const show = (one) => {
+    if (!cards.has(one.number)) cards.set(one.number, cardOf(one.number));
+    const parts = cards.get(one.number), own = one.role === "own";
+    parts.is = one.role;
+    parts.held = one.frozen;
+    parts.card.classList.toggle("fs-away", !one.here);
+    parts.name.textContent = parts.name.title = one.name;
+    parts.model.textContent = own ? one.seen ? one.seen.model : "own flock" : "watching";
+    parts.stands.textContent = !one.here ? "not here" : !own ? "sees my flock" :
+      one.frozen ? `frozen, ${stands(one)}` : stands(one);
+    parts.numbers.textContent = own && one.seen ?
+      one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join(" · ") : "";
+    parts.role.textContent = own ? "Watch mine" : "Own flock";
+    parts.hold.textContent = one.frozen ? "Go on" : "Freeze";
+    parts.hold.hidden = parts.open.hidden = !own;
+    drawn(parts.canvas, own ? one.seen : known.mine);
+    return parts.card;
+  };
+  const shown = (text) => {
+    known = JSON.parse(text);
+    at("lost").hidden = true;
+    at("title").textContent = known.title;
+    const here = known.students.filter((one) => one.here).length;
+    at("count").textContent = `${here} here of ${known.students.length}, ${known.seats} seats`;
+    at("freeze").textContent = known.frozen ? "All go on" : "Freeze all";
+    at("freeze").setAttribute("aria-pressed", String(known.frozen));
+    at("watch").setAttribute("aria-pressed", String(known.first === "watching"));
+    at("own").setAttribute("aria-pressed", String(known.first === "own"));
+    const place = at("students");
+    const wanted = known.students.map(show);
+    for (const [number, parts] of cards) {
+      if (!known.students.some((one) => one.number === number)) { parts.card.remove(); cards.delete(number); }
+    }
+    wanted.forEach((card, row) => { if (place.children[row] !== card) place.insertBefore(card, place.children[row] || null); });
+    const none = place.querySelector(".fs-none");
+    if (!wanted.length && !none) place.append(make("p", "fs-none", "Nobody is here yet. Show them the code: key Q."));
+    if (wanted.length && none) none.remove();
+    for (const act of window.flockscopeClass.changed) act(known);
+  };
+  const sheet = (content) => {
+    const one = at("sheet");
+    one.replaceChildren(content);
+    if (!one.open) one.showModal();
+  };
+  const close = () => at("sheet").close();
+  Object.assign(window.flockscopeClass, { sheet, close });
+  const wall = () => {
+    if (known) sheet(window.flockscopeWall(known.links, async (values) => {
+      if (await say(values)) setTimeout(wall, 600);
+    }, close));
+  };
+  const listen = () => {
+    const line = new EventSource("/class/roster");
+    line.onmessage = (event) => shown(event.data);
+    line.onerror = () => {
+      at("lost").textContent = "The class does not answer; what is shown is from before. Trying again.";
+      at("lost").hidden = false;
+      if (line.readyState === EventSource.CLOSED) setTimeout(listen, 2000);
+    };
+  };
+  document.addEventListener("DOMContentLoaded", () => {
+    at("watch").addEventListener("click", () => say({ do: "role", role: "watching" }));
+    at("own").addEventListener("click", () => say({ do: "role", role: "own" }));
+    at("start").addEventListener("click", () => say({ do: "start" }));
+    at("freeze").addEventListener("click", () => say({ do: "freeze", held: !known.frozen }));
+    at("show-code").addEventListener("click", wall);
+    at("say").addEventListener("submit", async (event) => {
+      event.preventDefault();
+      if (await say({ do: "say", word: at("word").value })) at("word").select();
+    });
+    window.addEventListener("keydown", (event) => {
+      const field = event.target.closest("input, textarea, select");
+      if (event.key.toLowerCase() !== "q" || field || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (at("sheet").open) close(); else wall();
+    });
+    listen();
+  });
+}
