@@ -87,6 +87,10 @@ class Asking:
         if self.worker is worker:
             self.worker = None
 
+    def take_over(self, questions: list[Collection], scene: SavedScene) -> None:
+        """Go on with the questions of a class that is opened again; the latest stays shown."""
+        self.all, self.scene = list(questions), scene
+
     # What the teacher does.
 
     def choices(self, scene: SavedScene) -> dict[str, Any]:

@@ -41,6 +41,7 @@ class Classroom:
     def __init__(
         self, scene: SavedScene, seats: int = 40, workers: int = 2, results: Path = RESULTS
     ):
+        self.title = scene.title
         self.scene = scene
         """What flocks of one's own begin with."""
         self.seats = seats
@@ -128,15 +129,25 @@ class Classroom:
         if not same(code, self.code):
             raise Refusal("this is not the code of the class: look at the wall again")
         self.free_seats()
+        chosen = student_name(name)
+        kept = next((s for s in self.students.values() if s.name == chosen and not s.key), None)
+        if kept is not None:  # of a class that has been opened again
+            return kept, self.give_key(kept)
         if len(self.students) >= self.seats:
             raise Refusal(f"all {self.seats} seats of this class are taken")
-        cookie = new_key()
         number = max(self.students, default=0) + 1
-        chosen = unique_name(student_name(name), (one.name for one in self.students.values()))
-        student = Student(number, chosen, hashed(cookie), self.first_role, frozen=self.frozen)
-        self.students[number] = self.by_key[student.key] = student
+        chosen = unique_name(chosen, (one.name for one in self.students.values()))
+        student = Student(number, chosen, "", self.first_role, frozen=self.frozen)
+        self.students[number] = student
+        return student, self.give_key(student)
+
+    def give_key(self, student: Student) -> str:
+        """A cookie for a student who has none."""
+        cookie = new_key()
+        student.key = hashed(cookie)
+        self.by_key[student.key] = student
         self.tell()
-        return student, cookie
+        return cookie
 
     def free_seats(self) -> None:
         """Take back the seats of those who never came."""

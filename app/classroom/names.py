@@ -50,7 +50,7 @@ def student_name(text: object) -> str:
     if any(all(map(is_mark, name[k : k + MOST_MARKS + 1])) for k in range(len(name) - MOST_MARKS)):
         raise refused(text, f"at most {MOST_MARKS} marks are set on a letter")
     if unicodedata.normalize("NFKC", name)[0] in FORMULA:
-        raise refused(text, f"it begins with {name[0]}, as a formula of a spreadsheet does")
+        raise refused(text, "it begins as a formula of a spreadsheet does")
     return name
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import time
 import webbrowser
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,25 +15,35 @@ from app.cli.lab import is_file
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
 from app.cli.stopping import Stopping, leave
 from app.experiments.workers.processes import cores
+from app.results import RESULTS
 from app.viewer.web.addresses import LOOPBACK
 from app.viewer.web.origin import allowed
 from worlds.refusal import Refusal
+from worlds.writing import demand_writable
 
 if TYPE_CHECKING:
+    from app.classroom.classroom import Classroom
     from app.classroom.front.serving import ClassFront
-    from app.viewer.gallery.saved_scene import SavedScene
+    from app.classroom.keeping import Keeping
 
-FIRST = "order"
-"""The scene of a class that asks for none."""
 LOOK = 0.1
 """Seconds between two looks whether somebody asked it to stop."""
+FAREWELL = 1.0
+"""Seconds that pages have to hear that a class is over."""
 MOST_STUDENTS = 200
+FILE = ".zip"
+"""The ending of a class's file."""
 
 
 def classroom(
     scene: Annotated[
-        str, typer.Argument(help="A scene: NAME of a built-in one, or FILE.toml of a scene.")
-    ] = FIRST,
+        str | None,
+        typer.Argument(
+            help="A lesson or a scene by its NAME, FILE.toml of a scene, or FILE.zip of a class "
+            "that is opened again.",
+            show_default="order-against-noise",
+        ),
+    ] = None,
     students: Annotated[int, typer.Option(min=1, max=MOST_STUDENTS, help="Students at most.")] = 40,
     host: Host = "127.0.0.1",
     port: Port = 8080,
@@ -40,46 +52,69 @@ def classroom(
         Path | None, typer.Option(help="A certificate (PEM): the class is served by https.")
     ] = None,
     key: Annotated[Path | None, typer.Option(help="Its private key (PEM).")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="File.zip in which the class is kept; by default in results/classes."),
+    ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, max=64, help="Processes for students' flocks.")
+        int | None,
+        typer.Option(
+            min=1, max=64, help="Processes for students' flocks.", show_default="one a core"
+        ),
     ] = None,
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open a class: students enter by a code on the wall, and have flocks of their own."""
-    from app.classroom.classroom import Classroom
     from app.classroom.front.serving import ClassFront
+    from app.classroom.keeping import Keeping
 
     if (certificate is None) != (key is None):
-        given, missing = (
-            ("--key", "--certificate") if certificate is None else ("--certificate", "--key")
-        )
-        raise Refusal(f"{given} needs {missing} beside it")
+        given = "--certificate" if key is None else "--key"
+        raise Refusal(f"{given} is given alone: a certificate needs its key (PEM), and the reverse")
     pair = None if certificate is None or key is None else (certificate, key)
     names = tuple(allowed(name) for name in allow_host or ())
-    opened = opened_scene(scene)
-    classroom = Classroom(opened, students, workers or max(2, cores()))
-    front = ClassFront(classroom, host, port, names, pair)
+    made = opened(scene, students, workers or max(2, cores()))
+    path = out or (Path(scene) if scene and scene.endswith(FILE) else usual_place())
+    if path.suffix != FILE:
+        raise Refusal(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
+    if out is not None and str(out) != scene:
+        demand_writable("class", path, False)
+    keeping = Keeping(made, path)
+    front = ClassFront(made, host, port, names, pair)
     with Stopping() as stopping:
-        asyncio.run(serve(front, host, stopping, open_browser))
+        asyncio.run(serve(front, keeping, host, stopping, open_browser))
     leave()
 
 
-def opened_scene(name: str) -> SavedScene:
-    """The scene of a class. Raises Refusal."""
-    from app.viewer.gallery.collection import find_scene
+def opened(name: str | None, seats: int, workers: int) -> Classroom:
+    """The class of a lesson, a scene or a file. Raises Refusal."""
+    from app.classroom.classroom import Classroom
+    from app.classroom.keeping import restored
+    from app.classroom.lessons.lessons import FIRST, find_lesson
     from app.viewer.gallery.opened import opened_file
     from app.viewer.gallery.saved_scene import SavedScene
 
-    if not is_file(name):
-        return find_scene(name)
-    opened = opened_file(name)
-    if not isinstance(opened, SavedScene):
+    name = name or FIRST
+    if name.endswith(FILE):
+        return restored(Path(name), workers, RESULTS)
+    scene = opened_file(name) if is_file(name) else find_lesson(name)
+    if not isinstance(scene, SavedScene):
         raise Refusal(f"{name} is no scene: a class begins with a scene or a spec (TOML)")
-    return opened
+    return Classroom(scene, seats, workers, RESULTS)
 
 
-async def serve(front: ClassFront, host: str, stopping: Stopping, open_browser: bool) -> None:
-    """Serve until Ctrl-C or SIGTERM, and say where."""
+def usual_place() -> Path:
+    """A file that is not there yet, named for the time."""
+    now = datetime.now().strftime("%Y-%m-%d-%H%M%S")
+    return RESULTS / "classes" / f"{now}{FILE}"
+
+
+async def serve(
+    front: ClassFront, keeping: Keeping, host: str, stopping: Stopping, open_browser: bool
+) -> None:
+    """Serve until the class is over, or Ctrl-C or SIGTERM, and say where; keep it meanwhile."""
+    from app.classroom.keeping import EVERY
+
     classroom = front.classroom
     await classroom.open()
     try:
@@ -87,12 +122,31 @@ async def serve(front: ClassFront, host: str, stopping: Stopping, open_browser: 
         announce(front, host)
         if open_browser:
             webbrowser.open(front.teachers_link)
+        due = time.monotonic() + EVERY
         while not stopping.asked and not classroom.is_over:
             await asyncio.sleep(LOOK)
+            if time.monotonic() >= due:
+                await keep(keeping)
+                due = time.monotonic() + EVERY
     finally:
         typer.echo("", err=True)
+        await keep(keeping)
+        if classroom.is_over:
+            keeping.forget_keys()
+            await asyncio.sleep(FAREWELL)
         await classroom.close()
         await front.close()
+    if keeping.kept is not None:
+        ended = "is in" if classroom.is_over else "goes on, with those who are in it, from"
+        typer.echo(f"the class {ended} {str(keeping.path)!r}: flockscope class {keeping.path}")
+
+
+async def keep(keeping: Keeping) -> None:
+    """Keep the class; what cannot be written is said, and tried again later."""
+    try:
+        await keeping.keep()
+    except Refusal as refusal:
+        typer.echo(f"flockscope: the class is not kept: {refusal}", err=True)
 
 
 def announce(front: ClassFront, host: str) -> None:
@@ -101,6 +155,6 @@ def announce(front: ClassFront, host: str) -> None:
     typer.echo(f"students enter at {links[0]}")
     for link in links[1:]:
         typer.echo(f"               or {link}")
-    typer.echo(f"the teacher's page, for you alone: {front.teachers_link} (Ctrl-C ends the class)")
+    typer.echo(f"the teacher's page, for you alone: {front.teachers_link} (Ctrl-C stops it)")
     if host in LOOPBACK:
         typer.echo(f"only this machine reaches {host}: --host 0.0.0.0 lets students in", err=True)

@@ -89,7 +89,7 @@
     drawn(parts.canvas, own ? one.seen : known.mine);
     return parts.card;
   };
-  const shown = (text) => {
+  const shown = (text, line) => {
     known = JSON.parse(text);
     at("lost").hidden = true;
     at("title").textContent = known.title;
@@ -109,6 +109,10 @@
     if (!wanted.length && !none) place.append(make("p", "fs-none", "Nobody is here yet. Show them the code: key Q."));
     if (wanted.length && none) none.remove();
     for (const act of window.flockscopeClass.changed) act(known);
+    if (!known.over) return;
+    line.close();
+    at("lost").textContent = "This class is over.";
+    at("lost").hidden = false;
   };
   const sheet = (content) => {
     const one = at("sheet");
@@ -124,7 +128,7 @@
   };
   const listen = () => {
     const line = new EventSource("/class/roster");
-    line.onmessage = (event) => shown(event.data);
+    line.onmessage = (event) => shown(event.data, line);
     line.onerror = () => {
       at("lost").textContent = "The class does not answer; what is shown is from before. Trying again.";
       at("lost").hidden = false;
@@ -145,6 +149,15 @@
       const field = event.target.closest("input, textarea, select");
       if (event.key.toLowerCase() !== "q" || field || event.ctrlKey || event.metaKey || event.altKey) return;
       if (at("sheet").open) close(); else wall();
+    });
+    at("end").addEventListener("click", () => {
+      const inner = make("div", "fs-asking"), link = make("a", "fs-button", "Save the class as a file");
+      Object.assign(link, { href: "/class/class.zip", download: "" });
+      inner.append(make("h2", "", "End of class"),
+        make("p", "", "One file has all flocks, results and plots; flockscope class FILE opens it again."), link,
+        button("End the class for all", async () => { if (await say({ do: "end" })) close(); }, "fs-main"),
+        button("Go on", close));
+      sheet(inner);
     });
     listen();
   });

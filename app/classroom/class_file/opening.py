@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, get_args
-
-from pydantic import ValidationError
+from typing import Any
 
 from agents.spec import LARGEST_SEED, Spec
 from app.classroom.class_file.archive import Archive, content_of
@@ -16,20 +14,19 @@ from app.classroom.class_file.state import (
     MOST_QUESTIONS,
     MOST_STUDENTS,
     ClassState,
-    Limits,
-    Role,
-    Student,
+    SavedStudent,
 )
-from app.classroom.collect.collection import MOST_GIVEN, MOST_POINTS, Collection, Given
+from app.classroom.collect.collection import MOST_GIVEN, Collection, Given
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, question_from_toml, titled
 from app.classroom.collect.table import points_from_csv
 from app.classroom.names import same, student_name
+from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from worlds.reading import toml
-from worlds.refusal import Refusal, first_refusal, shortened, unknown
+from worlds.refusal import Refusal, shortened, unknown
 
-KEYS = ("format", "title", "limits", "students", "questions")
+KEYS = ("format", "title", "seats", "students", "questions")
 OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"), (
     "student", "value", "seed",
 )  # fmt: skip
@@ -55,7 +52,7 @@ def opened(name: str, data: bytes) -> ClassState:
         scene,
         students_of(said, pack),
         questions_of(said, scene, pack),
-        limits_of(said.get("limits", {})),
+        seats_of(said),
     )
 
 
@@ -67,19 +64,19 @@ def title_of(said: Mapping[str, Any]) -> str:
     return titled(title)
 
 
-def limits_of(values: Any) -> Limits:
-    """What students may have. Raises Refusal."""
-    try:
-        return Limits(**values)
-    except ValidationError as error:
-        raise first_refusal(error, "limits", "class.toml") from None
-    except TypeError:
-        raise Refusal(f"limits = {shortened(values)} is not a table (class.toml)") from None
+def seats_of(said: Mapping[str, Any]) -> int:
+    """How many students there may be. Raises Refusal."""
+    seats = said.get("seats")
+    if isinstance(seats, bool) or not isinstance(seats, int) or not 1 <= seats <= MOST_STUDENTS:
+        raise Refusal(
+            f"seats = {shortened(seats)} is not allowed: 1 to {MOST_STUDENTS} (class.toml)"
+        )
+    return seats
 
 
-def students_of(said: Mapping[str, Any], pack: Archive) -> dict[str, Student]:
+def students_of(said: Mapping[str, Any], pack: Archive) -> dict[str, SavedStudent]:
     """The students by name. Raises Refusal."""
-    made: dict[str, Student] = {}
+    made: dict[str, SavedStudent] = {}
     alike: set[str] = set()
     for row in tables(said, "students", MOST_STUDENTS, OF_STUDENT):
         name = checked_name(row.get("name"))
@@ -87,13 +84,13 @@ def students_of(said: Mapping[str, Any], pack: Archive) -> dict[str, Student]:
             raise Refusal(f"students: {name!r} is there twice (class.toml)")
         alike.add(same(name))
         role: Any = row.get("role")
-        if role not in get_args(Role):
-            raise unknown("role", role, get_args(Role), "class.toml")
+        if role not in list(Role):
+            raise unknown("role", role, list(Role), "class.toml")
         scene: SavedScene | None = None
         if "file" in row:
             entry = text_of(row["file"], r"students/[^/]+\.toml")
             scene = read_scene(f"{entry} of {pack.name}", pack.text(entry).encode())
-        made[name] = Student(role, scene)
+        made[name] = SavedStudent(Role(role), scene)
     return made
 
 
@@ -129,12 +126,15 @@ def given_of(row: Mapping[str, Any], question: Question) -> Given:
 def points_of(key: str, question: Question, pack: Archive) -> list[Point]:
     """The results of a question, each with its run. Raises Refusal."""
     entry = f"results/{key}.csv"
-    specs: list[str] = []
-    while f"results/{key}/{len(specs) + 1:04d}.toml" in pack.names and len(specs) <= MOST_POINTS:
-        specs.append(pack.text(f"results/{key}/{len(specs) + 1:04d}.toml"))
-    points = points_from_csv(pack.text(entry), question, specs, f"{entry} of {pack.name}")
+
+    def run(number: int) -> str:
+        return f"results/{key}/{number:04d}.toml"
+
+    points = points_from_csv(
+        pack.text(entry), question, lambda number: pack.text(run(number)), f"{entry} of {pack.name}"
+    )
     for number, point in enumerate(points, 1):
-        demand_same_run(point, question, f"results/{key}/{number:04d}.toml of {pack.name}")
+        demand_same_run(point, question, f"{run(number)} of {pack.name}")
     return points
 
 

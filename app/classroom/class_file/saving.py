@@ -59,13 +59,13 @@ def entries(state: ClassState) -> Iterator[tuple[str, str | bytes]]:
     said: dict[str, Any] = {
         "format": FORMAT,
         "title": state.title,
-        "limits": state.limits.model_dump(),
+        "seats": state.seats,
         "students": [],
         "questions": [],
     }
     own: list[tuple[str, str]] = []
     for number, (name, student) in enumerate(state.students.items(), 1):
-        row = {"name": name, "role": student.role}
+        row = {"name": name, "role": student.role.value}
         if student.scene is not None:
             row["file"] = f"students/{number:03d}-{plain_name(name)}.toml"
             own.append((row["file"], student.scene.to_toml()))

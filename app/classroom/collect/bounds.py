@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from agents.catalogue import MODELS
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from worlds.refusal import Refusal
-
-if TYPE_CHECKING:
-    from app.classroom.collect.question import Question
 
 MOST_TICKS = 20_000
 """Of a run."""
@@ -21,10 +16,12 @@ MOST_SEEN = 200_000
 """Agents times looks at what takes longer than a look at each agent."""
 
 
-def demand_cheap(question: Question, spec: Spec) -> None:
-    """Refuse a run that would take too long for one of a class. Raises Refusal."""
+def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
+    """Refuse a run of so many ticks that would take too long for one of a class. Raises Refusal.
+
+    `looks`: at how many of its ticks the observable is measured.
+    """
     agents = (spec.agents or MODELS[spec.model].agents) + (spec.informed or 0)
-    ticks = question.ticks
     if agents > MOST_AGENTS:
         raise Refusal(f"{agents:,} agents are too many to hand in: at most {MOST_AGENTS:,}")
     if agents * ticks > MOST_STEPS:
@@ -32,8 +29,7 @@ def demand_cheap(question: Question, spec: Spec) -> None:
             f"{agents:,} agents for {ticks:,} ticks take too long: agents times ticks may be "
             f"{MOST_STEPS:,} at most, here {MOST_STEPS // ticks:,} agents"
         )
-    one = OBSERVABLES[question.measure.observable]
-    looks = question.ticks if question.measure.until else question.measure.over or 1
+    one = OBSERVABLES[observable]
     if not one.quick and agents * looks > MOST_SEEN and one.over is None:
         raise Refusal(
             f"{one.name} of {agents:,} agents at each of {looks:,} ticks takes too long: agents "

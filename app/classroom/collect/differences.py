@@ -8,6 +8,7 @@ from typing import Any
 
 from agents.flock import Flock
 from agents.spec import OPTIONS
+from app.viewer.run.home import WORLDS
 from worlds.world import World
 
 APART = ("seed", "size", "dim", "world")
@@ -66,7 +67,7 @@ def of_worlds(ran: World, meant: World) -> list[str]:
         return ["own obstacles"]
     if replace(nameless(ran), size=meant.size, height=meant.height) == nameless(meant):
         return [f"another size: {shown(ran.size)}, not {shown(meant.size)}"]
-    return [f"another world: {on_one_line(ran.title or ran.name, 80)}"]
+    return [f"another world: {on_one_line(WORLDS.get(ran.name) or ran.title or ran.name, 80)}"]
 
 
 def on_one_line(text: str, most: int) -> str:

@@ -13,7 +13,6 @@ from datetime import UTC, datetime
 from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
 from agents.spec import Spec, versions
-from app.classroom.collect.bounds import demand_cheap
 from app.classroom.collect.differences import Ran, differences, on_one_line
 from app.classroom.collect.question import Question
 from app.experiments.runs.outcome import Outcome, Status, failure
@@ -124,7 +123,7 @@ def demand_answer(question: Question, spec: Spec) -> None:
         )
     if spec.model not in MODELS:
         raise Refusal(f"there is no model {spec.model!r} here")
-    demand_cheap(question, spec)
+    question.demand_cheap(spec)
 
 
 def run_of(question: Question, spec: Spec) -> Outcome:

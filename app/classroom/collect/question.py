@@ -70,11 +70,6 @@ class Asked(Strict):
         """The observable that is looked at. Raises Refusal."""
         return self.observe if self.condition is None else self.condition.name
 
-    @property
-    def looks(self) -> bool:
-        """Whether the observable is looked at over many ticks, not at the end only."""
-        return self.over is not None or bool(self.until)
-
 
 class Question(Strict):
     """What a class is asked; `question_of` makes one that is checked for a scene.
@@ -182,6 +177,12 @@ class Question(Strict):
             return spec.but(agents=number)
         return spec.but(parameters={**spec.parameters, self.parameter: number})
 
+    def demand_cheap(self, spec: Spec) -> None:
+        """Refuse a run that would take too long for one of a class. Raises Refusal."""
+        one = self.measure
+        looks = self.ticks if one.until else one.over or 1
+        demand_cheap(spec, self.ticks, one.observable, looks)
+
     def to_values(self) -> dict[str, Any]:
         """The question as JSON and TOML have it."""
         return self.model_dump(exclude_defaults=True)
@@ -243,7 +244,7 @@ def fitted(made: Question, scene: Spec) -> Question:
     demand_measured(made, scene)
     checked = made.model_copy(update={"title": title, "values": values})
     for value in values or [checked.value_of(scene)]:
-        demand_cheap(checked, checked.with_value(scene, value))
+        checked.demand_cheap(checked.with_value(scene, value))
     return checked
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from typing import Any, get_args
 
@@ -74,11 +74,11 @@ def to_csv(collection: Collection) -> str:
 
 
 def points_from_csv(
-    text: str, question: Question, specs: Sequence[str] | None, origin: str
+    text: str, question: Question, spec_of: Callable[[int], str], origin: str
 ) -> list[Point]:
-    """The points of a table that `to_csv` wrote; their specs stand elsewhere. Raises Refusal.
+    """The points of a table that `to_csv` wrote. Raises Refusal.
 
-    `specs` are those of the rows, in order; None: there are none.
+    `spec_of` has the specs, which stand elsewhere, by the number of their row from 1.
     """
     try:
         rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
@@ -93,8 +93,7 @@ def points_from_csv(
         at = f"{origin}, row {number}"
         if len(row) != len(rows[0]) or row[0] != str(number):
             raise Refusal(f"{at} is not as its columns, or not in order")
-        spec = "" if specs is None else specs[number - 1]
-        made.append(point_of(row, spec, at))
+        made.append(point_of(row, spec_of(number), at))
     return made
 
 

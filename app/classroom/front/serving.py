@@ -166,7 +166,7 @@ class ClassFront:
     def ask_name(self, request: web.Request, name: str = "", why: str = "") -> web.StreamResponse:
         """The page on which somebody gives a name, and why another one is needed."""
         page = own_page("join.html", (THEME,))
-        words = {"code": self.classroom.code, "title": self.classroom.scene.title}
+        words = {"code": self.classroom.code, "title": self.classroom.title}
         return self.own(
             request, page.filled(**words, name=name, why=why), page, 400 if why else 200
         )

@@ -43,7 +43,7 @@ class StudentRequests:
         """What a student's page shows of the class."""
         return {
             "name": student.name,
-            "class": self.classroom.scene.title,
+            "class": self.classroom.title,
             "role": student.role,
             "frozen": student.frozen,
             "moves": student.moves,

@@ -14,6 +14,7 @@ from app.classroom.classroom import TEACHER, Classroom
 from app.classroom.front.asked import numbers_in, text_in, values_of
 from app.classroom.front.events import stream
 from app.classroom.front.pages import own_page
+from app.classroom.keeping import state_of
 from app.classroom.student import Role, Student
 from app.viewer.web.serving.headers import POLICY
 from worlds.refusal import Refusal
@@ -52,6 +53,7 @@ class TeacherRequests:
             "stop-asking": self.stop_asking,
             "curve": self.make_curve,
             "open-point": self.open_point,
+            "end": self.end,
         }
 
     async def answer(self, request: web.Request) -> web.StreamResponse | None:
@@ -69,6 +71,9 @@ class TeacherRequests:
             return web.json_response(choices)
         if path == "/class/results.csv" and get:
             return file(self.classroom.asking.csv().encode(), "text/csv", "results.csv")
+        if path == "/class/class.zip" and get:
+            made = await self.classroom.asking.have("packed", state_of(self.classroom))
+            return file(made, "application/zip", "class.zip")
         if path in PICTURES and get:
             kind = path.rpartition(".")[2]
             picture = await self.classroom.asking.picture(kind)
@@ -101,7 +106,7 @@ class TeacherRequests:
         classroom = self.classroom
         mine = classroom.seen.get(TEACHER)
         return {
-            "title": classroom.scene.title,
+            "title": classroom.title,
             "code": classroom.code,
             "links": self.links(),
             "seats": classroom.seats,
@@ -179,6 +184,12 @@ class TeacherRequests:
     async def make_curve(self, _values: Values) -> str:
         """Have a sweep make the curve of the question."""
         return await self.classroom.asking.make_curve()
+
+    async def end(self, _values: Values) -> str:
+        """End the class for all."""
+        self.classroom.is_over = True
+        self.classroom.tell()
+        return "the class is over"
 
     async def open_point(self, values: Values) -> str:
         """Open the run of a result."""

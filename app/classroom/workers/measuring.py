@@ -5,11 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from agents.spec import Spec
+from app.classroom.class_file.saving import packed, save
+from app.classroom.class_file.state import ClassState
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.curve import Curve, CurveAsked, curve_of, find_curve
 from app.classroom.collect.hand_in import Point, hand_in, warm_up
 from app.classroom.collect.picture import picture
 from app.classroom.collect.question import Question
+from app.results import make_folder
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.sweeps.sweeps import Sweeps
 
@@ -33,6 +36,15 @@ class Measuring:
     def picture(self, collection: Collection, kind: str, curve: Curve | None) -> bytes:
         """The picture of a question. Raises Refusal."""
         return picture(collection, kind, curve)
+
+    def save(self, state: ClassState, path: Path) -> None:
+        """Write the file of a class. Raises Refusal."""
+        make_folder(path.parent)
+        save(state, path)
+
+    def packed(self, state: ClassState) -> bytes:
+        """The file of a class. Raises Refusal."""
+        return packed(state)
 
     def find_curve(self, question: Question, scene: Spec) -> Curve | None:
         """The curve of a sweep that is there."""

@@ -1,0 +1,102 @@
+"""What a result costs that a student hands in, and what the end of a class costs.
+
+    uv run python benchmarks/collect.py [--students 40]
+
+Vicsek agents: 300, 500 ticks, the polarisation over the last 100, against noise; and HWVEM: ticks
+until all agree. A result is made as by the process that the class has for it: the run, its
+measure, how it differs from the class's scene, its spec. Then the picture, the plot of the page,
+and the file of the whole class, saved and opened again. Milliseconds by the clock of one process
+that has compiled already.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from agents.spec import Spec
+from app.classroom.class_file.opening import load
+from app.classroom.class_file.saving import save
+from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.collect.choices import ready_for
+from app.classroom.collect.collection import Collection
+from app.classroom.collect.hand_in import Point, hand_in, run_of, warm_up
+from app.classroom.collect.picture import FORMATS, picture
+from app.classroom.collect.question import Question
+from app.classroom.collect.table import to_json
+from app.classroom.student import Role
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.home import at_home
+
+
+def timed[Made](work: Callable[[], Made]) -> tuple[Made, float]:
+    """What a call gives, and the milliseconds that it took."""
+    begun = time.perf_counter()
+    made = work()
+    return made, 1e3 * (time.perf_counter() - begun)
+
+
+def answered(question: Question, scene: Spec, students: int) -> Collection:
+    """A class's results, and what each of them cost, printed."""
+    found = Collection(question)
+    warm_up(question, scene)
+    whole, alone = [], []
+    for number in range(students):
+        name = f"Student {number}"
+        spec = found.begins(name, scene)
+        alone.append(timed(lambda spec=spec: run_of(question, spec))[1])
+        point: Point
+        point, took = timed(lambda spec=spec, name=name: hand_in(question, name, spec, scene))
+        whole.append(took)
+        found.add(point)
+    print(
+        f"{question.title}, {scene.model}, {scene.agents} agents: {median(whole):.1f} ms a result "
+        f"(longest {max(whole):.1f}), of which {median(alone):.1f} the run"
+    )
+    return found
+
+
+def main() -> None:
+    """Print what results, their picture and the file of the class cost."""
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--students", type=int, default=40, help="of the class")
+    students = arguments.parse_args().students
+    vem = at_home("vem", agents=300)
+    led = at_home("hwvem", agents=300)
+    order = next(one.question for one in ready_for(vem) if one.name == "order-against-noise")
+    agree = next(one.question for one in ready_for(led) if one.name == "who-leads")
+    found = answered(order, vem, students)
+    answered(agree, led, students)
+    said, took = timed(lambda: json.dumps(to_json(found)))
+    print(f"the plot of the page: {took:.1f} ms, {len(said):,} bytes")
+    picture(found, "png")
+    for kind in FORMATS:
+        drawn, took = timed(lambda kind=kind: picture(found, kind))
+        print(f"the picture as {kind}: {took:.0f} ms, {len(drawn):,} bytes")
+    scene = SavedScene("Order", vem)
+    names = list(found.given)
+    whole = ClassState(
+        "A class", scene, {name: SavedStudent(Role.OWN, scene) for name in names}, [found], students
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "class.zip"
+        _, saved = timed(lambda: save(whole, path))
+        again, opened = timed(lambda: load(path))
+        if again != whole:
+            raise SystemExit("the class that was opened is not the one that was saved")
+        print(
+            f"the class's file: saved in {saved:.0f} ms, opened in {opened:.0f} ms, "
+            f"{path.stat().st_size:,} bytes"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,17 @@
+"""What a result costs is printed."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_benchmark_prints_the_time_of_a_result():
+    command = [sys.executable, str(ROOT / "benchmarks" / "collect.py"), "--students", "3"]
+    said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    assert len(re.findall(r"\d ms a result", said)) == 2
+    assert re.search(r"the class's file: saved in \d+ ms, opened in \d+ ms", said)
