@@ -253,14 +253,16 @@ def test_a_process_that_dies_takes_its_flocks_alone_and_they_come_back(tmp_path)
             moves = [who.told("/class/mine")["moves"] for who in (one, two)]
             os.kill(worker_of(ours, first), signal.SIGKILL)
             assert until(
-                lambda: [who.told("/class/mine")["moves"] for who in (one, two)]
-                in ([moves[0] + 1, moves[1]], [moves[0], moves[1] + 1]),
+                lambda: (
+                    [who.told("/class/mine")["moves"] for who in (one, two)]
+                    in ([moves[0] + 1, moves[1]], [moves[0], moves[1] + 1])
+                ),
                 BUSY,
             )
             gone = [who.told("/class/mine")["moves"] for who in (one, two)] != moves
             assert gone
-            lost, kept = (one, second) if one.told("/class/mine")["moves"] > moves[0] else (
-                two, first
+            lost, kept = (
+                (one, second) if one.told("/class/mine")["moves"] > moves[0] else (two, first)
             )
             assert kept.recv(timeout=BUSY)
             with lost.connect() as anew:
