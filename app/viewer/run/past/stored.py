@@ -69,6 +69,12 @@ class Stored:
         return lively_speed(self.spec) * max(1.0, float(apart))
 
     @property
+    def most(self) -> int:
+        """Agents that it has at most."""
+        frames = self.recording.frames
+        return int((frames.ends - frames.starts).max())
+
+    @property
     def first(self) -> Snapshot:
         """The flock as it begins. Raises Refusal."""
         frames = self.recording.frames
@@ -98,6 +104,11 @@ class InHand:
     def spec(self) -> Spec:
         """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
         return anew(self.run, self.now.world)
+
+    @property
+    def most(self) -> int:
+        """Agents that it has."""
+        return len(self.now.ids)
 
     @property
     def speed(self) -> float:
@@ -203,9 +214,7 @@ def demand_own_world(recording: Recording, name: str) -> None:
 
 def demand_playable(made: Stored, name: str) -> None:
     """Raise Refusal for a flock that the laboratory does not take."""
-    frames = made.recording.frames
-    most = int((frames.ends - frames.starts).max())
-    if most > MOST_AGENTS:
-        raise Refusal(f"{name} has {most} agents: the laboratory takes {MOST_AGENTS} at most")
+    if made.most > MOST_AGENTS:
+        raise Refusal(f"{name} has {made.most} agents: the laboratory takes {MOST_AGENTS} at most")
     made.flock(Flock, interpret=True)
     _ = made.spec
