@@ -1,11 +1,12 @@
-"""What a class costs: `python benchmarks/classroom.py [--students 10 20 40] [--watch] [--seconds S]`.
+"""What a class costs: `python benchmarks/classroom.py [--students 10 20 40] [--watch]`.
 
 Starts `flockscope class` with flocks of 300 agents (hwvem), and in a process of its own so many
 students that are programs, not browsers: they enter by the code, connect through the front, read
 every picture, and now and then pause their flock and let it go on. With `--watch` all of them watch
-the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a second of a student,
-what was sent, how soon a button was answered, how soon the teacher's page was, processor time and
-memory of the class without its students, and what a laboratory costs at which nobody looks.
+the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a second of a
+student, what was sent, how soon a button was answered, how soon the teacher's page was, processor
+time and memory of the class without its students, and what a laboratory costs at which nobody
+looks.
 """
 
 from __future__ import annotations
@@ -105,11 +106,10 @@ class Student:
                     (one["uuid"] for one in told(data) if one["type"] == "GuiButtonMessage"
                      and one["props"]["label"] in ("Pause", "Go")), "",
                 )  # fmt: skip
-            elif self.pressed and len(data) < 8 * self.least:
-                if any(one.get("uuid") == self.button for one in told(data)):
-                    self.answers.append(now - self.pressed)
-                    self.pressed = 0.0
-                    await self.say()
+            elif self.pressed and any(one.get("uuid") == self.button for one in told(data)):
+                self.answers.append(now - self.pressed)
+                self.pressed = 0.0
+                await self.say()
 
     async def say(self) -> None:
         """Press the button that starts and pauses."""
