@@ -41,7 +41,7 @@ LONGEST_WORD = 200
 
 PICTURES, MANY, OF_MANY = 15.0, 20, 10.0
 """Pictures a second of a student's flock, for so many students, and of more."""
-LEAST, MOST = 0.05, 0.15
+LEAST, MOST = 0.1, 0.15
 """Share of a core for one student's flock, and as much for drawing it."""
 
 
