@@ -96,7 +96,7 @@ def test_nothing_is_drawn_while_nobody_watches(page, laboratory):
         until(lambda: drawing() == 2)
     until(lambda: drawing() == 1)
     assert page.drawing is None
-    assert laboratory.elsewhere == Elsewhere()
+    until(lambda: laboratory.elsewhere == Elsewhere())
 
 
 def test_it_serves_the_page_and_nothing_that_opens_or_takes(page):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import Callable, Container
 from functools import partial
@@ -16,7 +17,7 @@ from app.viewer.panels.hotkeys import KEYS, add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.picture import Elsewhere
-from app.viewer.scene.drawing import Drawing
+from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.shown.look import RIDE, STEP_OFF
 from app.viewer.watching.marks import Choice, OwnScene
 from app.viewer.watching.plots import ALWAYS, Curves, wanted
@@ -25,7 +26,7 @@ from app.viewer.watching.words import standing, values
 from app.viewer.web.addresses import here
 from app.viewer.web.incoming.kinds import CAMERA, Kind
 from app.viewer.web.origin import Allowed
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import close_server, open_server, when_heard
 from app.viewer.web.serving.front import Front
 
 SCRIPTS = ("card.js",)
@@ -69,7 +70,7 @@ class Watching:
         allow: tuple[Allowed, ...] = (),
     ):
         self.laboratory, self.whose, self.host = laboratory, whose, host
-        self.server = open_server(host, port, Front(SCRIPTS, allow), HEARD)
+        self.server = open_server(host, port, Front(SCRIPTS, allow), hears=HEARD)
         self.scene = OwnScene(self.server)
         self.watchers: dict[int, Watcher] = {}
         """By browser."""
@@ -81,6 +82,10 @@ class Watching:
         self.told_due = self.plots_due = 0.0
         self.furnish()
         self.scene.on_chosen(self.chosen)
+        self.news = threading.Event()
+        """Set when there may be something new to draw."""
+        laboratory.simulation.news.tell(self.news)
+        when_heard(self.server, self.news.set)
         self.server.on_client_connect(self.welcome)
         self.server.on_client_disconnect(self.farewell)
 
@@ -102,6 +107,7 @@ class Watching:
         """Stop drawing and serving; the laboratory goes on."""
         self.closed = True
         self.laboratory.elsewhere = Elsewhere()
+        self.laboratory.simulation.news.forget(self.news)
         if self.drawing is not None:
             self.drawing.close()
         close_server(self.server)
@@ -139,9 +145,14 @@ class Watching:
                     self.browsers,
                     self.choose,
                     self.refresh,
-                    BANDWIDTH,
+                    self.news,
+                    lambda: self.laboratory.between.moves,
+                    Rates(bandwidth=BANDWIDTH),
                 )
+                self.tell_laboratory(Elsewhere(browsers=1))
                 self.drawing.start()
+            elif self.drawing is not None:
+                self.drawing.welcome()
 
     async def farewell(self, client: viser.ClientHandle) -> None:
         """A browser has gone; the last ends the drawing."""
@@ -152,6 +163,13 @@ class Watching:
             drawing, self.drawing = self.drawing, None
             await asyncio.to_thread(drawing.close)
             self.laboratory.elsewhere = Elsewhere()
+
+    def tell_laboratory(self, asked: Elsewhere) -> None:
+        """Say what those who watch want to know; where nobody is on the laboratory's own page it
+        is to do at once what it would do for somebody."""
+        self.laboratory.elsewhere = asked
+        if not self.laboratory.browsers():
+            self.laboratory.drawing.welcome()
 
     def chosen(self, client: viser.ClientHandle, row: int | None, beside: bool) -> None:
         """A click into one browser's picture, on an agent or on none."""
@@ -198,7 +216,8 @@ class Watching:
         watchers = self.now
         for one in watchers:
             self.attempt(one, partial(one.tell, frame, self.scene))
-        asked = lab.elsewhere = self.asked(watchers)
+        asked = self.asked(watchers)
+        self.tell_laboratory(asked)
         if missing(frame.others, asked.rows) or (
             frame.beside is not None and missing(frame.beside.others, asked.rows_beside)
         ):
@@ -213,6 +232,7 @@ class Watching:
         rows = list(dict.fromkeys((one.row, one.beside) for one in chosen if one is not None))
         rows = rows[:LOOKED_AT]
         return Elsewhere(
+            len(watchers),
             wanted(one.plots.names for one in watchers),
             frozenset(row for row, beside in rows if not beside),
             frozenset(row for row, beside in rows if beside),

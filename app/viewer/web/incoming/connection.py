@@ -12,6 +12,7 @@ from websockets.frames import CloseCode, Frame
 from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
+from app.viewer.web.incoming.heard import Heard
 from app.viewer.web.incoming.kinds import KINDS, Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
@@ -35,11 +36,12 @@ class Connection(ServerConnection):
         visitors: Visitors,
         log: Log,
         renders: Renders,
+        heard: Heard,
         hears: Mapping[str, Kind] = KINDS,
         **options: Any,
     ):
         super().__init__(*args, **options)
-        self.hears = hears
+        self.heard, self.hears = heard, hears
         self.visitors = visitors
         self.renders = renders
         self.log = log
@@ -94,6 +96,7 @@ class Connection(ServerConnection):
         while True:
             data = await super().recv(decode)
             if self.messages.pass_on(data):
+                self.heard.note(self.loop)
                 return data
             self.end_if_told()
 
