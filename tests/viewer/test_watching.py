@@ -160,7 +160,7 @@ def test_another_run_has_other_agents(page, laboratory, browsers):
     laboratory.simulation.reset()
     until(lambda: laboratory.simulation.frame.run > frame.run)
     until(lambda: own.choice is None and not page.scene.own)
-    assert laboratory.elsewhere.rows == frozenset()
+    until(lambda: laboratory.elsewhere.rows == frozenset())
 
 
 def test_a_key_turns_the_camera_of_one_browser(browsers):
