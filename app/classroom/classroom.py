@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from agents.catalogue import model as find_model
+from agents.home import find_world
 from app.classroom.asking import Asking
 from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
@@ -47,10 +48,12 @@ LEAST, MOST = 0.1, 0.15
 
 def allowance(scene: SavedScene, seats: int) -> Allowance:
     """What each student's flock may take: the scene of the class in any case."""
-    agents = scene.spec.agents or find_model(scene.spec.model).agents
+    model = find_model(scene.spec.model)
+    agents = scene.spec.agents or model.agents
     beside = 1 if scene.beside is None else 2
     return Allowance(
         agents=max(Allowance.agents, beside * agents),
+        obstacles=max(Allowance.obstacles, len(find_world(scene.spec, model).obstacles)),
         share=min(max(LEAST, cores() / seats), MOST),
         pictures=PICTURES,
     )

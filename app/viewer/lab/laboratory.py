@@ -413,7 +413,7 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
-        self.simulation.be_seen(self.browsers() > 0)
+        self.simulation.be_seen(self.browsers() + self.elsewhere.browsers > 0)
         self.notices.tell()
         self.world.refresh()
         look = self.view.look()

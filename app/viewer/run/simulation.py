@@ -25,6 +25,7 @@ from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.keeping import Keeping
+from app.viewer.run.news import News
 from app.viewer.run.past.playback import Playback
 from app.viewer.run.past.stored import Beginning
 from app.viewer.run.past.time_line import TimeLine
@@ -81,7 +82,7 @@ class Simulation:
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
         self.state = State(spec, beside, running=running, busy=True, speed=speed)
-        self.news = threading.Event()
+        self.news = News()
         """Set whenever a frame has been left; for who draws it."""
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
