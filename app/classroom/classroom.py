@@ -73,6 +73,8 @@ class Classroom:
         self.code = new_code()
         self.key = new_key()
         """What opens the teacher's page."""
+        self.first_key = new_key()
+        """What opens it once: a browser is begun with it, and everybody on the machine sees how."""
         self.teachers: set[str] = set()
         """Hashes of the teacher's cookies."""
         self.students: dict[int, Student] = {}
@@ -201,11 +203,17 @@ class Classroom:
 
     def admit_teacher(self, key: str) -> str:
         """A cookie for who has the teacher's key. Raises Refusal."""
-        if not same(key, self.key):
+        if not self.is_key(key):
             raise Refusal("this is not the teacher's key")
+        if not same(key, self.key):
+            self.first_key = ""
         cookie = new_key()
         self.teachers.add(hashed(cookie))
         return cookie
+
+    def is_key(self, key: str) -> bool:
+        """Whether it opens the teacher's page."""
+        return bool(key) and (same(key, self.key) | same(key, self.first_key))
 
     def is_teacher(self, cookie: str) -> bool:
         """Whether it is a cookie of the teacher's."""
@@ -333,6 +341,8 @@ class Classroom:
             if student.place is not None:
                 try:
                     await student.place.worker.ask("open", student.number, student.scene)
+                    if student.frozen:
+                        await student.place.worker.ask("pause", student.number)
                 except Gone:
                     student.place = None  # it is opened when their page asks for it
             if student.role is not Role.OWN:
