@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
@@ -101,9 +102,10 @@ class Declared:
         return f"[{self.low:g}, {self.high:g}]{unit}"
 
 
-def declared(model: type[Parameters]) -> list[Declared]:
+@cache
+def declared(model: type[Parameters]) -> tuple[Declared, ...]:
     """The declared parameters of a model, in order."""
-    return [describe(name, field) for name, field in model.model_fields.items()]
+    return tuple(describe(name, field) for name, field in model.model_fields.items())
 
 
 def describe(name: str, field: FieldInfo) -> Declared:

@@ -104,7 +104,7 @@ class Classroom:
         """A process has died: begin another; pages connect to new laboratories by themselves."""
         for student in self.students.values():
             if student.place is not None and student.place.worker is worker:
-                student.place = None
+                student.place = student.worker = None
                 self.move(student)
         if not self.is_over:
             self.task(self.begin_again(worker))
@@ -208,8 +208,8 @@ class Classroom:
 
     async def open_own(self, student: Student) -> Place:
         """Open a student's own laboratory, on what they ran last or on the class's scene."""
-        worker = min(self.workers, key=self.crowd)
-        scene = student.scene or self.first_scene(student)
+        worker = student.worker = min(self.workers, key=self.crowd)
+        scene = student.scene or self.first_scene(student, self.scene)
         try:
             port = await worker.ask("open", student.number, scene)
             if student.frozen:
@@ -220,22 +220,18 @@ class Classroom:
 
     def crowd(self, worker: WorkerProcess) -> int:
         """Laboratories that a worker has or is about to have."""
-        return sum(
-            (one.place is not None and one.place.worker is worker) or one.opening.locked()
-            for one in self.students.values()
-        )
+        return sum(one.worker is worker for one in self.students.values())
 
-    def first_scene(self, student: Student) -> str:
-        """What a student begins with, TOML: the class's scene with a seed of their own.
+    def first_scene(self, student: Student, scene: SavedScene) -> str:
+        """What a student begins with, TOML: a scene with a seed of their own.
 
-        While a question is asked it has their value.
+        While a question is asked about it, it has their value.
         """
-        asked = self.asking.begins(student.name, self.scene)
-        if asked is not None:
-            return asked.to_toml()
-        spec = self.scene.spec
-        seed = (spec.seed or 0) + student.number
-        return replace(self.scene, spec=spec.but(seed=seed)).to_toml()
+        asked = self.asking.begins(student.name, scene)
+        if asked is None:
+            seed = (scene.spec.seed or 0) + student.number
+            asked = replace(scene, spec=scene.spec.but(seed=seed))
+        return asked.to_toml()
 
     def connect(self, student: Student) -> None:
         """A page of a student's has connected."""
@@ -290,27 +286,28 @@ class Classroom:
         if numbers is None:
             self.scene = scene
             self.asking.end()
-        await self.begin_anew(self.chosen(numbers))
+        await self.begin_anew(self.chosen(numbers), scene)
 
     async def ask(self, values: object) -> str:
         """Ask a question: all begin anew, each with a value of their own. Raises Refusal."""
         question = await self.asking.ask(values, self.scene)
         self.first_role = Role.OWN
-        await self.begin_anew(self.chosen(None))
+        await self.begin_anew(self.chosen(None), self.scene)
         return f"asked: {question.title}"
 
-    async def begin_anew(self, students: Iterable[Student]) -> None:
-        """Have students begin with what the class begins with, in flocks of their own."""
+    async def begin_anew(self, students: Iterable[Student], scene: SavedScene) -> None:
+        """Have students begin with a scene, in flocks of their own."""
         for student in students:
-            student.scene = ""
-            student.role = Role.OWN
+            student.scene = self.first_scene(student, scene)
             if student.place is not None:
                 try:
-                    first = self.first_scene(student)
-                    await student.place.worker.ask("open", student.number, first)
+                    await student.place.worker.ask("open", student.number, student.scene)
                 except Gone:
-                    student.place = None
-            self.move(student)
+                    student.place = None  # it is opened when their page asks for it
+            if student.role is not Role.OWN:
+                student.role = Role.OWN
+                self.move(student)
+        self.tell()
 
     async def hand_in(self, student: Student) -> str:
         """Take a student's run as an answer; the result in a sentence. Raises Refusal."""
@@ -371,24 +368,27 @@ class Classroom:
         """Now and then: see how all laboratories stand, keep their scenes, close those left."""
         while True:
             await asyncio.sleep(LOOK)
-            for worker in [*self.workers, self.own]:
-                if worker is None:
-                    continue
-                try:
-                    self.seen.update(await worker.ask("seen"))
-                    for number, scene in (await worker.ask("changed")).items():
-                        if number in self.students:
-                            self.students[number].scene = scene
-                except (Gone, RuntimeError):
-                    continue  # another is about to begin
+            await asyncio.gather(*(self.look_at(one) for one in (*self.workers, self.own) if one))
             for student in self.students.values():
                 if not student.is_here and time.monotonic() - student.left > WAITS:
                     self.leave_place(student)
             self.tell()
 
+    async def look_at(self, worker: WorkerProcess) -> None:
+        """See how the laboratories of a process stand, and keep their scenes."""
+        try:
+            self.seen.update(await worker.ask("seen"))
+            changed: dict[int, str] = await worker.ask("changed")
+        except (Gone, RuntimeError):
+            return  # another process is about to begin
+        for number, scene in changed.items():
+            student = self.students.get(number)
+            if student is not None and student.worker is worker:
+                student.scene = scene
+
     def leave_place(self, student: Student) -> None:
         """Close a student's laboratory; what it ran is kept as a scene."""
-        place, student.place = student.place, None
+        place, student.place, student.worker = student.place, None, None
         self.seen.pop(student.number, None)
         if place is not None:
             self.task(self.close_one(place.worker, student.number))

@@ -43,6 +43,8 @@ class Student:
     """What the question has given them to try."""
     place: Place | None = None
     """Where their own flock is, while it is anywhere."""
+    worker: WorkerProcess | None = None
+    """The process that has it, or is about to."""
     lines: int = 0
     """Pages that are connected."""
     left: float = field(default_factory=time.monotonic)

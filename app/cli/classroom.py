@@ -65,20 +65,20 @@ def classroom(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open a class: students enter by a code on the wall, and have flocks of their own."""
-    from app.classroom.front.serving import ClassFront
-    from app.classroom.keeping import Keeping
-
     if (certificate is None) != (key is None):
         given = "--certificate" if key is None else "--key"
         raise Refusal(f"{given} is given alone: a certificate needs its key (PEM), and the reverse")
-    pair = None if certificate is None or key is None else (certificate, key)
-    names = tuple(allowed(name) for name in allow_host or ())
-    made = opened(scene, students, workers or max(2, cores()))
     path = out or (Path(scene) if scene and scene.endswith(FILE) else usual_place())
     if path.suffix != FILE:
         raise Refusal(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
     if out is not None and str(out) != scene:
         demand_writable("class", path, False)
+    pair = None if certificate is None or key is None else (certificate, key)
+    names = tuple(allowed(name) for name in allow_host or ())
+    from app.classroom.front.serving import ClassFront
+    from app.classroom.keeping import Keeping
+
+    made = opened(scene, students, workers or max(2, cores()))
     keeping = Keeping(made, path)
     front = ClassFront(made, host, port, names, pair)
     with Stopping() as stopping:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import msgspec
 import pytest
 from websockets.exceptions import InvalidMessage
 
-from app.viewer.web.incoming import visitors
 from app.viewer.web.incoming.kinds import KINDS, LARGEST
 from app.viewer.web.incoming.messages import ALL, DROPPED, TOO_MUCH
-from app.viewer.web.incoming.visitors import MOST_OF_ONE, PAGES, PATIENCE, PRICE, Visitors
+from app.viewer.web.incoming.visitors import BEHIND_A_FRONT, PATIENCE, USUAL, Visitors
+from app.viewer.web.server import entrances
 from tests.attacks.raw import PROTOCOL, Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
@@ -165,15 +167,15 @@ def test_an_address_that_is_cut_off_again_and_again_has_a_page_every_two_seconds
         connections += 1
         known.cut("10.0.0.7")
     count(connections=connections, seconds=60)
-    rate, burst = PAGES
-    assert connections <= (burst + 65.0 * rate) / (1.0 + PRICE) + 1.0
+    rate, burst = USUAL.pages
+    assert connections <= (burst + 65.0 * rate) / (1.0 + USUAL.price) + 1.0
     assert known.page("10.0.0.8") == 0.0
 
 
 def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(count):
     known = Visitors(clock=lambda: 0.0)
     waits = [known.page("10.0.0.7") for _ in range(200)]
-    rate, burst = PAGES
+    rate, burst = USUAL.pages
     taken = [wait for wait in waits if wait is not None]
     assert len(taken) == burst + rate * PATIENCE
     assert waits[: len(taken)] == taken
@@ -181,8 +183,17 @@ def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(c
     count(connections=len(waits), refused=len(waits) - len(taken))
 
 
+def test_a_class_behind_one_front_is_not_held_back(count):
+    known = Visitors(clock=lambda: 0.0, limits=BEHIND_A_FRONT)
+    waits = [(known.enter("127.0.0.1"), known.page("127.0.0.1")) for _ in range(120)]
+    known.cut("127.0.0.1")
+    assert {*waits, (known.enter("127.0.0.1"), known.page("127.0.0.1"))} == {(0.0, 0.0)}
+    count(connections=len(waits) + 1)
+
+
 def test_pages_that_leave_while_they_wait_leave_no_line(server, monkeypatch, capfd):
-    monkeypatch.setattr(visitors, "PAGES", (5.0, 1.0))
+    limits = replace(USUAL, pages=(5.0, 1.0))
+    monkeypatch.setattr(entrances[server].visitors, "limits", limits)
     asks = (
         f"GET / HTTP/1.1\r\nHost: localhost:{server.get_port()}\r\nUpgrade: websocket\r\n"
         "Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
@@ -198,8 +209,9 @@ def test_pages_that_leave_while_they_wait_leave_no_line(server, monkeypatch, cap
 
 
 def test_no_address_has_more_than_so_many_connections_and_others_get_in(server, count, monkeypatch):
-    monkeypatch.setattr(visitors, "REQUESTS", (1e9, 1e9))
-    held = [alone(server.get_port()) for _ in range(MOST_OF_ONE + 20)]
+    limits = replace(USUAL, requests=(1e9, 1e9))
+    monkeypatch.setattr(entrances[server].visitors, "limits", limits)
+    held = [alone(server.get_port()) for _ in range(USUAL.open_of_one + 20)]
     for line in held:
         line.sendall(b"GET / HTTP/1.1\r\n")
     try:

@@ -17,7 +17,7 @@ from app.live.control.arm import OperatorRequest
 from app.live.operating.loop_process import InOrder, NumberedRequest
 from app.live.operating.operator import Operator
 from app.viewer.web.incoming.door import UNDECIDED
-from app.viewer.web.incoming.visitors import MOST_OF_ONE
+from app.viewer.web.incoming.visitors import USUAL
 from app.viewer.web.server import stops
 from tests.attacks.raw import Raw, alone, quietly, said
 from tests.viewer.waiting import until
@@ -67,8 +67,8 @@ def test_it_comes_through_while_visers_thread_stands_still(server, stopped):
 
 
 def test_it_comes_through_while_every_place_is_taken(server, stopped, count):
-    silent = [alone(server.get_port()) for _ in range(UNDECIDED + MOST_OF_ONE)]
-    begun = [alone(server.get_port()) for _ in range(MOST_OF_ONE)]
+    silent = [alone(server.get_port()) for _ in range(UNDECIDED + USUAL.open_of_one)]
+    begun = [alone(server.get_port()) for _ in range(USUAL.open_of_one)]
     for line in begun:
         line.sendall(b"GET / HTTP/1.1\r\n")
     try:

@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 
-from tests.browser.window import COMPILED, is_compiled
+from tests.browser.window import COMPILED, is_compiled, on_page
 from tests.viewer.waiting import until
 
 
@@ -27,22 +27,6 @@ def sides(window) -> list[float]:
     vivid = picture.max(axis=2) - picture.min(axis=2) > 60
     middle = vivid.shape[1] // 2
     return [float(np.mean(half)) for half in (vivid[:, :middle], vivid[:, middle:])]
-
-
-def on_page(window, laboratory, side: int, row: int) -> tuple[float, float]:
-    """Where on the page an agent is, seen from above."""
-    box = window.page.evaluate(
-        """() => { const boxes = [...document.querySelectorAll('canvas')].map(
-            canvas => canvas.getBoundingClientRect());
-        const box = boxes.reduce((a, b) => b.width * b.height > a.width * a.height ? b : a);
-        return [box.left, box.top, box.width, box.height]; }"""
-    )
-    clients = laboratory.server.get_clients().values()
-    camera = next(one.camera for one in clients if abs(one.camera.image_width - box[2]) < 3)
-    shown, aside = laboratory.scene._sights[side]
-    away = shown.at[row] + aside - camera.look_at
-    pixels = 0.5 * box[3] / (np.tan(0.5 * camera.fov) * camera.position[2])
-    return box[0] + 0.5 * box[2] + pixels * away[0], box[1] + 0.5 * box[3] - pixels * away[1]
 
 
 def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, laboratory, tmp_path):

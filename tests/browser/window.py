@@ -10,6 +10,7 @@ from PIL import Image
 
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.simulation import Simulation
+from app.viewer.watching.watching import Watching
 from tests.viewer.waiting import until
 
 COMPILED = 180.0
@@ -24,7 +25,7 @@ def is_compiled(simulation: Simulation) -> bool:
 class Window:
     """One page; waits until the laboratory is drawn in it."""
 
-    def __init__(self, page: Any, laboratory: Laboratory):
+    def __init__(self, page: Any, laboratory: Laboratory | Watching):
         self.page = page
         page.goto(laboratory.address)
         page.locator(".fs-card").first.wait_for(timeout=90_000)
@@ -76,3 +77,19 @@ class Window:
         picture = self.pixels()
         vivid = np.mean(picture.max(axis=2) - picture.min(axis=2) > 90)
         return bool(0.003 < vivid < 0.4)
+
+
+def on_page(window: Window, page: Any, side: int, row: int) -> tuple[float, float]:
+    """Where in a window an agent of a laboratory or a watching page is, seen from above."""
+    box = window.page.evaluate(
+        """() => { const boxes = [...document.querySelectorAll('canvas')].map(
+            canvas => canvas.getBoundingClientRect());
+        const box = boxes.reduce((a, b) => b.width * b.height > a.width * a.height ? b : a);
+        return [box.left, box.top, box.width, box.height]; }"""
+    )
+    clients = page.server.get_clients().values()
+    camera = next(one.camera for one in clients if abs(one.camera.image_width - box[2]) < 3)
+    shown, aside = page.scene._sights[side]
+    away = shown.at[row] + aside - camera.look_at
+    pixels = 0.5 * box[3] / (np.tan(0.5 * camera.fov) * camera.position[2])
+    return box[0] + 0.5 * box[2] + pixels * away[0], box[1] + 0.5 * box[3] - pixels * away[1]

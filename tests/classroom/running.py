@@ -117,6 +117,8 @@ class Person:
             additional_headers={"Cookie": self.cookie, **headers},
             max_size=None,
             open_timeout=BUSY,
+            close_timeout=0.2,
+            ping_interval=None,
         )
         line.send(msgspec.msgpack.encode(CAMERA))
         return line

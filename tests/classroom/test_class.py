@@ -65,10 +65,8 @@ def test_a_name_is_shown_as_text(ours):
     assert wild.told("/class/mine")["name"] == "<img src=x>"
     refused = ours.stranger().form("/join", code=ours.code, name="\u202eevil<script>")
     assert refused.status == 400
-    assert "<script>" not in refused.text.partition("</style>")[2].replace(
-        refused.text.partition("</style>")[2].partition("<script>")[0], ""
-    ).replace("<script>" + refused.text.partition("<script>")[2].partition("</script>")[0], "")
-    assert "&lt;script&gt;" in refused.text
+    assert "evil<script>" not in refused.text
+    assert "evil&lt;script&gt;" in refused.text
 
 
 def test_who_watches_sees_the_teachers_run_and_is_moved_to_a_flock_of_their_own(ours, teacher):
@@ -139,7 +137,7 @@ def test_all_begin_with_what_the_teacher_runs(ours, teacher):
     number = number_of(teacher, "Fay")
     assert until(lambda: teacher.do("start", students=[number]).text.startswith("begun"), BUSY)
     with fay.connect():
-        assert until(lambda: seen(teacher, "Fay")["model"].startswith("Zonal"), BUSY)
+        assert until(lambda: seen(teacher, "Fay")["model"].startswith("Couzin"), BUSY)
 
 
 def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
@@ -170,13 +168,8 @@ def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
     assert rows[0]["student"] == "Gus"
     from agents import Flock
 
-    again = Flock(
-        "vem",
-        agents=30,
-        size=5.0,
-        seed=int(rows[0]["seed"]),
-        parameters={"eta": float(rows[0]["eta [rad]"])},
-    )
+    values = {"seed": int(rows[0]["seed"]), "eta": float(rows[0]["eta [rad]"])}
+    again = Flock("vem", agents=30, size=5.0, **values)
     order = []
     for _ in range(50):
         again.run(1)

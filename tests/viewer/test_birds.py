@@ -12,6 +12,7 @@ from app.viewer.run.picture import Camera
 from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
+from app.viewer.scene.draw.coarse import OF_LENGTH
 from app.viewer.scene.draw.picture import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards
@@ -136,7 +137,9 @@ def test_wings_are_at_the_shoulders_of_their_bodies():
     bodies, both = scene.there("/flock/birds/bodies"), scene.there("/flock/birds/wings")
     size = SCALE * made.length
     over = both.batched_positions - bodies.batched_positions
-    assert np.linalg.norm(over, axis=1) == pytest.approx(SHOULDER * size, rel=1e-3)
+    assert np.linalg.norm(over, axis=1) == pytest.approx(
+        SHOULDER * size, abs=2.0 * OF_LENGTH * made.length
+    )
     assert both.batched_scales[:, 0] == pytest.approx(size)
     assert np.hypot(*both.batched_scales.T[1:]) == pytest.approx(size)
     sent = [bodies.batched_positions, bodies.batched_wxyzs, bodies.batched_colors]

@@ -127,6 +127,12 @@ class Browser:
             image_width=800,
             image_height=600,
         )
+        self.tell()
+
+    def tell(self, by: float = 0.0) -> None:
+        """Say where its camera is, which a person has moved so far: viser makes its state anew."""
+        self.camera.position = self.camera.position + by
+        self.camera._state = object()
 
     def atomic(self):
         return self
@@ -216,7 +222,7 @@ def test_what_rises_is_seen_from_aside_by_who_has_not_moved_the_camera():
     above = pose(still)
     assert above == pose(moved)
     viewpoints._stands[2].arrived = True
-    moved.camera.position = moved.camera.position + 1.0
+    moved.tell(1.0)
     elsewhere = pose(moved)
     show("rising in time")
     x, y, z = still.camera.position - still.camera.look_at
@@ -238,14 +244,34 @@ def test_a_browser_that_was_slow_to_begin_is_shown_the_whole_and_a_person_has_th
     viewpoints._stands[1].since -= 60.0
     start = viewpoints._server.initial_camera
     slow.camera.position, slow.camera.look_at = start.position.copy(), start.look_at.copy()
+    slow.tell()
     viewpoints._fit(slow, slow.camera)
     assert pose(slow) == pytest.approx(whole)
+    slow.tell()
     viewpoints._fit(slow, slow.camera)
-    slow.camera.position = slow.camera.position + 1.0
+    slow.tell(1.0)
     moved = pose(slow)
     viewpoints._fit(slow, slow.camera)
     assert pose(slow) == moved
     assert 1 not in viewpoints._stands
+
+
+def test_what_a_browser_was_told_of_its_camera_is_not_what_it_says_of_it(two):
+    (phone, _), viewpoints, _ = two
+    viewpoints._fit(phone, phone.camera)  # as viser calls it once the browser is welcome
+    phone.camera.position, phone.camera.look_at = np.array([3.0, 3.0, 3.0]), np.zeros(3)
+    phone.tell()
+    viewpoints._fit(phone, phone.camera)  # where it was before it was put anywhere
+    assert 1 in viewpoints._stands
+    phone.camera.image_width, phone.camera.image_height = 390, 678
+    viewpoints.place(phone, "perspective")
+    phone.tell()
+    viewpoints._fit(phone, phone.camera)
+    tall = pose(phone)
+    phone.camera.image_height = 288
+    phone.tell()
+    viewpoints._fit(phone, phone.camera)
+    assert pose(phone) != tall
 
 
 def test_a_flock_that_flies_out_of_an_open_world_stays_in_view_of_who_has_not_moved_the_camera():
@@ -263,7 +289,7 @@ def test_a_flock_that_flies_out_of_an_open_world_stays_in_view_of_who_has_not_mo
     show(0.0)
     near = pose(still)
     viewpoints._stands[2].arrived = True
-    moved.camera.position = moved.camera.position + 1.0
+    moved.tell(1.0)
     elsewhere = pose(moved)
     show(5.0)
     assert pose(still) == near, "it is inside yet"

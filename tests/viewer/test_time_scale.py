@@ -103,7 +103,7 @@ class Browser:
     client_id = 7
 
     def __init__(self) -> None:
-        self.camera = SimpleNamespace(image_width=1440, image_height=900)
+        self.camera = SimpleNamespace(image_width=1440, image_height=900, _state=None)
 
     def atomic(self) -> nullcontext[None]:
         return nullcontext()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from agents.catalogue import MODELS
@@ -14,7 +14,7 @@ from app.beside import STATIC
 from app.viewer.gallery.address import PACKED, unpacked
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.home import at_home, home, titled
-from worlds.layout import layout_names, read_layout
+from worlds.layout import layout_names, shared_layout
 from worlds.refusal import Refusal, unknown
 
 FOLDER = Path(__file__).parent / "scenes"
@@ -86,13 +86,19 @@ def in_world(world: str) -> SavedScene:
 
 def cards() -> tuple[Card, ...]:
     """All that can be opened, in the order in which it is shown."""
+    return cards_with(tuple(MODELS.values()))
+
+
+@lru_cache(maxsize=1)
+def cards_with(known: tuple[Model, ...]) -> tuple[Card, ...]:
+    """The same with these models, all that there are."""
     scenes = [
         Card(name, GROUPS[0], built_in(name).title, built_in(name).watch, pictured(name))
         for name in scene_names()
     ]
     models = [
-        Card(MODEL + name, group(model), model.title, model.summary, pictured(f"model-{name}"))
-        for name, model in MODELS.items()
+        Card(MODEL + one.name, group(one), one.title, one.summary, pictured(f"model-{one.name}"))
+        for one in known
     ]
     worlds = [
         Card(WORLD + name, WORLDS, titled(name), about(name), pictured(f"world-{name}"))
@@ -121,7 +127,7 @@ FAMILIES = {"vicsek": "Alignment", "mission": "Navigators", "aircraft": "Drones 
 def about(world: str) -> str:
     """What a world is, from its own words."""
     try:
-        layout = read_layout(world)
+        layout = shared_layout(world)
     except Refusal:
         return ""
     own = home(world)
@@ -133,4 +139,10 @@ def about(world: str) -> str:
 
 def pictured(name: str) -> str:
     """The name of the picture of something, empty if it has none."""
-    return f"{name}.webp" if (PICTURES / f"{name}.webp").is_file() else ""
+    return f"{name}.webp" if f"{name}.webp" in pictures() else ""
+
+
+@cache
+def pictures() -> dict[str, bytes]:
+    """The pictures of the gallery by their names, read once."""
+    return {path.name: path.read_bytes() for path in sorted(PICTURES.glob("*.webp"))}

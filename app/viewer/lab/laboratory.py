@@ -34,21 +34,23 @@ from app.viewer.lab.panels.time_line import TimeLinePanel
 from app.viewer.lab.panels.view import FlockView
 from app.viewer.lab.panels.world.world import WorldPanel
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
-from app.viewer.lab.sweeps.requests import SweepRequests
+from app.viewer.lab.sweeps.requests import SweepRequests, refuse_sweeps
 from app.viewer.lab.sweeps.sweeps import Sweeps
 from app.viewer.lab.taking import Taking
 from app.viewer.measuring.readings import Readings
 from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.making import Making
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
+from app.viewer.run.allowance import Allowance
 from app.viewer.run.home import at_home, lively_speed, usual_of
 from app.viewer.run.past.stored import LARGEST, Stored
 from app.viewer.run.picture import Elsewhere, Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
 from app.viewer.run.steering import leader, usable_pose
-from app.viewer.scene.drawing import Drawing
+from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.between import Between
 from app.viewer.scene.shown.frame import Frame
@@ -56,7 +58,7 @@ from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
 from app.viewer.web.origin import Allowed
-from app.viewer.web.server import close_server, front_of, open_server
+from app.viewer.web.server import close_server, front_of, open_server, when_heard
 from app.viewer.web.serving.front import Front
 from app.viewer.web.uploads import accept_uploads
 from app.viewer.web.values import show
@@ -65,13 +67,27 @@ FROM_THE_START = ", from tick 0"
 """Said of a scene that is made of a state or a recording: it has their run, not their tick."""
 
 
+def rates_of(allowance: Allowance | None) -> Rates:
+    """How often there is something new on the page, by what it may take."""
+    if allowance is None:
+        return Rates()
+    return Rates(
+        fastest=1.0 / allowance.pictures,
+        panels=allowance.panels,
+        unseen=allowance.unseen,
+        bandwidth=allowance.bandwidth,
+        share=allowance.share,
+    )
+
+
 class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
 
     `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
     open already, on this host. `opened`: a scene, a saved state or a recording that it opens on,
     instead of a `spec`. `waits`: whether the flock stands until the first browser is there.
-    `results`: the folder of its sweeps. Raises Refusal if the port is busy.
+    `results`: the folder of its sweeps. `allowance`: what it may take and do; None: everything.
+    Raises Refusal if the port is busy.
     """
 
     def __init__(
@@ -88,10 +104,12 @@ class Laboratory:
         opened: SavedScene | Stored | None = None,
         waits: bool = False,
         results: Path = RESULTS,
+        allowance: Allowance | None = None,
     ):
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
-        accept_uploads(self.server, LARGEST)
         self.host = host
+        self.allowance = allowance
+        self.making = Making(allowance)
         scene = opened if isinstance(opened, SavedScene) else None
         self.shown_scene = scene
         if opened is not None:
@@ -105,9 +123,11 @@ class Laboratory:
             running and not waits,
             build=partial(Flock, threads=threads),
             stored=opened if isinstance(opened, Stored) else None,
+            allowance=allowance,
         )
         self.notices = Notices(self.server, self.simulation.notices)
-        self.scene = Scene(self.server)
+        with self.server.atomic():
+            self.scene = Scene(self.server)
         self.selected: int | None = None
         self.selected_beside = False
         self.wanted = Wanted()
@@ -120,15 +140,32 @@ class Laboratory:
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
         self.waits = running and waits
-        self.sweeps = Sweeps(results, lambda: self.browsers() > 0)
+        self.sweeps: Sweeps | None = None
+        self.sweep: SweepPanel | None = None
+        if allowance is None or allowance.sweeps:
+            self.sweeps = Sweeps(results, lambda: self.browsers() > 0)
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
-        SweepRequests(self.requests, self.sweeps, self.sweep)
+        if self.sweeps is not None and self.sweep is not None:
+            SweepRequests(self.requests, self.sweeps, self.sweep)
+        else:
+            refuse_sweeps(self.requests)
+        self.take_uploads()
         if scene is not None:
             self.look_at(scene)
         self.listen()
-        self.drawing = Drawing(self.scene, self.latest, self.browsers, self.want, self.refresh)
-        self.taking = Taking(self)
+        self.drawing = Drawing(
+            self.scene,
+            self.latest,
+            self.browsers,
+            self.want,
+            self.refresh,
+            self.simulation.news,
+            lambda: self.between.moves,
+            rates_of(allowance),
+        )
+        when_heard(self.server, self.simulation.news.set)
+        self.taking = Taking(self, self.making)
         self.drawing.start()
 
     @property
@@ -143,7 +180,7 @@ class Laboratory:
 
     def close(self) -> None:
         """Stop drawing, running and serving; a sweep that runs goes on."""
-        going = self.sweeps.close()
+        going = "" if self.sweeps is None else self.sweeps.close()
         if going:
             line = f"the sweep {going} goes on; `flockscope sweep stop {going}` ends it"
             print(line, file=sys.stderr)
@@ -167,12 +204,13 @@ class Laboratory:
             self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
             self.view = FlockView(gui, usual_of(state.spec), self.point)
-        with tabs.add_tab("Sweep"):
-            tell = self.simulation.notices.put
-            self.sweep = SweepPanel(gui, marks, self.sweeps, self.simulation, tell)
+        tell = self.simulation.notices.put
+        if self.sweeps is not None:
+            with tabs.add_tab("Sweep"):
+                self.sweep = SweepPanel(gui, marks, self.sweeps, self.simulation, tell)
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
-            self.saving = SceneFiles(gui, self.now, self.open, self.simulation.notices.put)
+            self.saving = SceneFiles(gui, self.now, self.open, tell, self.allowance)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
             self.time_line = TimeLinePanel(gui, self.simulation)
@@ -181,13 +219,21 @@ class Laboratory:
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
             self.monitors = Monitors(gui, BLOCKS, "tick")
-            self.plots = Plots(self.server)
+            self.plots = Plots(self.server, self.making)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
             self.numbers = NumbersTable(self.server, self.more, self.plots.sender)
         dock(gui, left)
         self.guide = Guide(Tries(self.simulation, self.parameters, self.setup))
         self.inspector = Inspector(gui, lambda: self.select(None))
+
+    def take_uploads(self) -> None:
+        """Take files through the buttons for them, as large as is allowed."""
+        if self.allowance is None:
+            accept_uploads(self.server, LARGEST)
+        else:
+            most = min(LARGEST, self.allowance.upload)
+            accept_uploads(self.server, most, bound="a class takes {} at most")
 
     def listen(self) -> None:
         """Connect clicks, drags and keys, and the first browser."""
@@ -223,13 +269,20 @@ class Laboratory:
     # What browsers ask for.
 
     async def welcome(self, _client: viser.ClientHandle) -> None:
-        """The flock that waited for somebody to watch begins."""
+        """Somebody watches: a flock that waited for that begins."""
+        self.drawing.welcome()
         if self.waits:
             self.waits = False
             self.simulation.go()
 
     def open(self, opened: SavedScene | Stored) -> None:
-        """Set up a scene, a state or a recording in all browsers, and let it run."""
+        """Set up a scene, a state or a recording in all browsers, and let it run.
+
+        Raises Refusal for what an allowance does not allow.
+        """
+        if self.allowance is not None:
+            stored = opened if isinstance(opened, Stored) else None
+            self.allowance.demand(opened.spec, getattr(opened, "beside", None), stored)
         self.waits = False
         self.select(None)
         self.run.pace(opened.speed or lively_speed(opened.spec))
@@ -257,6 +310,8 @@ class Laboratory:
     def now(self, title: str = "") -> SavedScene:
         """The run, with the parameters as they are now, and the view, as a scene."""
         state, before = self.simulation.state, self.told_scene()
+        if before is not None and self.pointing is not None and state.run <= self.pointing[0]:
+            return replace(before, title=title or before.title)  # it is about to be set up
         spec, beside = state.again()
         scene = SavedScene(
             title or MODELS[spec.model].title + (FROM_THE_START if state.stored else ""),
@@ -358,6 +413,7 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
+        self.simulation.be_seen(self.browsers() > 0)
         self.notices.tell()
         self.world.refresh()
         look = self.view.look()
@@ -384,7 +440,8 @@ class Laboratory:
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.parameters.refresh(state)
-        self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
+        if self.sweep is not None:
+            self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
         if self.drawing.drawn is None or readings is None:
             return
         frame, look = self.drawing.drawn

@@ -6,6 +6,7 @@ import json
 import threading
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import lru_cache
 from http import HTTPStatus
 from typing import Protocol
 from urllib.parse import parse_qs, quote
@@ -13,7 +14,7 @@ from urllib.parse import parse_qs, quote
 from websockets.http11 import Request, Response
 
 from app.viewer.gallery.address import packed
-from app.viewer.gallery.collection import PICTURES, cards, find_scene
+from app.viewer.gallery.collection import Card, cards, find_scene, pictures
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.words import command_line, python
 from app.viewer.web.serving.front import Answering, Front, content, words
@@ -42,19 +43,25 @@ def pictured(picture: bytes) -> Answering:
     return lambda _: content(picture, "image/webp")
 
 
+@lru_cache(maxsize=1)
+def listed(shown: tuple[Card, ...]) -> bytes:
+    """Cards as JSON."""
+    return json.dumps([asdict(card) for card in shown]).encode()
+
+
 class SceneRequests:
     """Answers them; opening replaces the run in all browsers, which the page asks about first."""
 
     def __init__(self, front: Front, laboratory: Opened):
         self.laboratory = laboratory
         self.opening = threading.Lock()
-        shown = json.dumps([asdict(card) for card in cards()]).encode()
+        shown = listed(cards())
         front.route(GALLERY, lambda _: content(shown, JSON))
         self.front = front
         self.opens(OPEN, lambda asked: find_scene(asked.get("scene", [""])[0]))
         front.route(TAKE, self.take)
-        for path in sorted(PICTURES.glob("*.webp")):
-            front.route(f"/gallery/{path.name}", pictured(path.read_bytes()))
+        for name, picture in pictures().items():
+            front.route(f"/gallery/{name}", pictured(picture))
 
     def opens(self, path: str, find: Finding) -> None:
         """Have requests of a path open the scene that is found for what they ask."""

@@ -22,6 +22,7 @@ from websockets.http11 import Request, Response
 
 from agents.catalogue import MODELS
 from app.viewer.lab.filming import PAGE, Filming
+from app.viewer.panels.making import Making
 from app.viewer.pictures.film import CODECS, demand_film
 from app.viewer.pictures.seen import SeenSheet, as_png
 from app.viewer.pictures.sheet import Sheet
@@ -77,8 +78,9 @@ class Visit:
 class Taking:
     """Answers what pages ask for."""
 
-    def __init__(self, laboratory: Shown):
+    def __init__(self, laboratory: Shown, allowed: Making | None = None):
         self.laboratory = laboratory
+        self.allowed = allowed or Making()
         self.visits: dict[str, Visit] = {}
         server = laboratory.server
         front_of(server).route(PATH, self.answer)
@@ -132,12 +134,15 @@ class Taking:
         kind = f".{asked.get('kind', '')}"
         if kind not in kinds:
             raise Refusal(f"kind = {kind[1:20]!r} is not one of {', '.join(k[1:] for k in kinds)}")
+        if what == "film":
+            self.allowed.demand_film()
         size = pixels(asked.get("size", ""), MOST_DOTS if what == "picture" else MOST_OF_FILM)
         if visit.is_busy or visit.filming is not None:
             raise Refusal("one thing at a time: it is being made")
         busy = sum(one.is_busy or one.filming is not None for one in list(self.visits.values()))
         if busy >= AT_ONCE or not visit.asks.take():
             raise Refusal("others are being made: try again in a few seconds")
+        self.allowed.demand_file()
         eyes = Eyes(self.laboratory, visit)
         shot = eyes.shot()
         if kind in VECTORS:
@@ -172,12 +177,13 @@ class Taking:
     def take(self, visit: Visit, eyes: Eyes, shot: Shot, kind: str, size: tuple[int, int]) -> None:
         """Make a picture and send it."""
         try:
-            if kind in VECTORS:
-                made = Sheet(shot, size).as_bytes(kind)
-            else:
-                eye = Eye.of(visit.client.camera)
-                sheet = SeenSheet(shot, size, eyes.aspect(), eye)
-                made = as_png(eyes.picture(sheet, shot))
+            with self.allowed.turn():
+                if kind in VECTORS:
+                    made = Sheet(shot, size).as_bytes(kind)
+                else:
+                    eye = Eye.of(visit.client.camera)
+                    sheet = SeenSheet(shot, size, eyes.aspect(), eye)
+                    made = as_png(eyes.picture(sheet, shot))
             visit.client.send_file_download(self.name(kind, shot), made, save_immediately=True)
         except Refusal as refusal:
             visit.said = str(refusal)

@@ -6,6 +6,7 @@ import html
 import math
 import re
 import time
+from collections.abc import Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
@@ -141,7 +142,7 @@ class ParametersPanel:
         model = MODELS[name]
         own = declared(model.parameters)
         both = frozenset(state.values) if beside is None else shared_by(name, beside)
-        others = [] if beside is None else declared(MODELS[beside].parameters)
+        others = () if beside is None else declared(MODELS[beside].parameters)
         values, beside_values = state.values, state.beside_values or {}
         self.controls, self.beside_controls = {}, {}
         with self.folder:
@@ -202,7 +203,7 @@ def add_control(gui: viser.GuiApi, one: Declared, value: Any) -> Any:
     return made
 
 
-def sides(model: Model, own: list[Declared]) -> tuple[list[Declared], list[Declared]]:
+def sides(model: Model, own: Iterable[Declared]) -> tuple[list[Declared], list[Declared]]:
     """The parameters of a model's rule, and those of its body."""
     wants = model.rule.parameters.model_fields
     return [one for one in own if one.name in wants], [one for one in own if one.name not in wants]
@@ -214,8 +215,17 @@ def worded(one: Declared) -> tuple[str, str]:
     if one.kind != "number":
         return one.words, hint
     hint += f" Double click: back to {in_short(one.default)}."
-    unit = "" if one.unit == "1" else f", {re.sub(r'\^(\d)', raised, one.unit)}"
+    unit = "" if one.unit == "1" else f", {raised_powers(one.unit)}"
     return f"{one.words} {plain(one.symbol)}{unit}", hint
+
+
+def raised_powers(unit: str) -> str:
+    """A unit with its exponents in small figures.
+
+    >>> raised_powers("m/s^2")
+    'm/s²'
+    """
+    return re.sub(r"\^(\d)", raised, unit)
 
 
 def raised(found: re.Match[str]) -> str:

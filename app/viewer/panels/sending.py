@@ -8,13 +8,17 @@ from collections.abc import Callable
 
 import viser
 
+from app.viewer.panels.making import Making
+from worlds.refusal import Refusal
+
 FAILED = "This file could not be made"
 
 
 class Sender:
     """Makes files aside, one after the other, and one at a time for each browser."""
 
-    def __init__(self) -> None:
+    def __init__(self, allowed: Making | None = None) -> None:
+        self.allowed = allowed or Making()
         self.asked: set[int] = set()
         """Browsers that wait for a file."""
         self.making = asyncio.Lock()
@@ -23,10 +27,20 @@ class Sender:
         """Send a browser a file of some name; nothing if it waits for one."""
         if client.client_id in self.asked:
             return
+        try:
+            self.allowed.demand_file()
+        except Refusal as refusal:
+            client.add_notification("flockscope", str(refusal), color="red")
+            return
         self.asked.add(client.client_id)
+
+        def made() -> bytes:
+            with self.allowed.turn():
+                return make()
+
         try:
             async with self.making:
-                content = await asyncio.to_thread(make)
+                content = await asyncio.to_thread(made)
         except Exception as error:
             traceback.print_exception(error)
             client.add_notification("flockscope", f"{FAILED}: {name}", color="red")

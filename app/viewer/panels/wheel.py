@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from app.viewer.scene.draw import palette
@@ -13,6 +15,7 @@ UPWARDS = 16
 """The same from a dive straight down to a climb straight up."""
 
 
+@cache
 def wheel(dim: int) -> str:
     """HTML of the wheel; in space with a bar that says how climbing and diving look."""
     words = "".join(f"<span>{words}</span>" for words in DIRECTIONS)

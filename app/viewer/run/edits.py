@@ -17,6 +17,7 @@ from app.viewer.editing.editor import Editor, Gone
 from app.viewer.editing.free_places import set_free
 from app.viewer.editing.layout_file import layout_of
 from app.viewer.run.beside import companion
+from app.viewer.run.keeping import Keeping
 from app.viewer.run.run import Run
 from app.viewer.run.state import State
 from worlds.obstacles import Disc
@@ -32,6 +33,7 @@ class Host(Protocol):
     run: Run | None
     state: State
     stale: bool
+    keeping: Keeping
 
     def tell(self, command: Callable[[], Any], key: str = "") -> Future: ...
 
@@ -111,7 +113,9 @@ class Edits:
     def edit_now(self, change: Change) -> None:
         run, before = self.host.sound_run(), self.editor
         assert before is not None
+        self.host.keeping.demand_turn()
         after = change(before)
+        self.host.keeping.demand_world(after.world, before.world)
         if after.world is not run.flock.world:
             self.host.change(lambda run: inhabit(run, after))
         self.editor = after

@@ -9,7 +9,7 @@ from agents import home as agents_home
 from agents.catalogue import model as find_model
 from agents.spec import DEFAULT, Spec
 from app.viewer.scene.shown.usual import Usual, usual
-from worlds.layout import layout_names, own_dim, read_layout
+from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
 
 MOST_AGENTS = 200_000
@@ -40,7 +40,7 @@ def home(world: str | World) -> Home:
     """What a world decides by itself. Raises Refusal for a file that cannot be read."""
     if isinstance(world, World):
         return Home(world.dim, True)
-    layout = read_layout(world)
+    layout = shared_layout(world)
     return Home(own_dim(layout, world), "size" in layout)
 
 
@@ -94,4 +94,4 @@ def titled(world: str | World) -> str:
     """What a person may call a world."""
     if isinstance(world, World):
         return world.title or world.name
-    return WORLDS.get(world) or str(read_layout(world).get("title", "")) or world
+    return WORLDS.get(world) or str(shared_layout(world).get("title", "")) or world

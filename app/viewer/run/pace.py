@@ -14,9 +14,13 @@ WINDOW = 1.5
 class Pace:
     """Shares time out into ticks: `speed` ticks/s, infinity for as fast as it goes."""
 
-    def __init__(self, speed: float):
+    def __init__(self, speed: float, answer: float = ANSWER):
+        """`answer` is the longest time to spend in one call of the flock, s."""
         self.speed = speed
-        self.cost = ANSWER
+        self.answer = answer
+        self.patience = 0.0
+        """For how long ticks that are due may wait for others, s: many at once cost less."""
+        self.cost = answer
         """Seconds per tick, as measured."""
         self.due = 0.0
         self.done = 0
@@ -30,11 +34,13 @@ class Pace:
 
     def wait(self, now: float) -> float:
         """Time until the next tick is due, s."""
-        return 0.0 if math.isinf(self.speed) else max(0.0, self.due - now)
+        if math.isinf(self.speed):
+            return 0.0
+        return max(0.0, self.due + self.patience - now)
 
     def ticks_due(self, now: float) -> int:
         """Ticks to run now; a run that cannot keep up does not try to catch up."""
-        most = max(1, int(ANSWER / self.cost))
+        most = max(1, int(self.answer / self.cost))
         if math.isinf(self.speed):
             return most
         if self.due == 0.0:
@@ -43,13 +49,13 @@ class Pace:
             return 0
         ticks = min(most, 1 + int((now - self.due) * self.speed))
         self.due += ticks / self.speed
-        if self.due < now - 0.25:
+        if self.due < now - 0.25 - self.patience:
             self.due = now
         return ticks
 
     def doubt(self) -> None:
         """Something has changed: run a single tick next, to see what one costs now."""
-        self.cost = ANSWER
+        self.cost = self.answer
 
     def took(self, ticks: int, seconds: float) -> None:
         """Note how long ticks took: a rise is believed at once, a fall by halves."""

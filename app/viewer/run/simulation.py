@@ -18,12 +18,13 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.measuring.readings import Readings
+from app.viewer.run.allowance import Allowance
 from app.viewer.run.beside import companion
 from app.viewer.run.building import Building
 from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
-from app.viewer.run.pace import Pace
+from app.viewer.run.keeping import Keeping
 from app.viewer.run.past.playback import Playback
 from app.viewer.run.past.stored import Stored
 from app.viewer.run.past.time_line import TimeLine
@@ -36,8 +37,6 @@ from app.viewer.run.zones import stopped
 from app.viewer.scene.shown.frame import Frame
 from worlds.refusal import Refusal
 
-FRAMES = 1 / 50
-"""Shortest time between two frames, s."""
 LOOK = 0.05
 """Time between two looks whether the run is compiled, s."""
 OBEDIENCE = 0.03
@@ -57,7 +56,8 @@ class Simulation:
     However much is told, little waits: what comes to the same is merged, and what is too much is
     refused. What a user must be told is left in `notices`; `edits` change the world, `time_line`
     goes back in time. While a run is not compiled a preview of it goes on, if it is quick enough,
-    and takes the same commands. A recording is played by the same commands.
+    and takes the same commands. A recording is played by the same commands. With an `allowance` it
+    keeps to that.
     """
 
     def __init__(
@@ -70,7 +70,9 @@ class Simulation:
         build_beside: Callable[[Flock, Spec], Flock] = companion,
         compiling: Callable[[Sequence[Flock]], Compiling] = Compiling,
         stored: Stored | None = None,
+        allowance: Allowance | None = None,
     ):
+        self.keeping = Keeping(allowance)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
         self.edits = Edits(self)
@@ -79,6 +81,8 @@ class Simulation:
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
         self.state = State(spec, beside, running=running, busy=True, speed=speed)
+        self.news = threading.Event()
+        """Set whenever a frame has been left; for who draws it."""
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
         self.building = Building(build, build_beside)
@@ -90,7 +94,7 @@ class Simulation:
         """The run on screen; a preview until its own is compiled."""
         self.wanted = Wanted()
         self.watched: frozenset[str] = frozenset()
-        self.pace = Pace(speed)
+        self.pace = self.keeping.pace(speed)
         self.next: Next | None = spec, beside, stored
         """What is to be set up."""
         self.stale = False
@@ -192,6 +196,12 @@ class Simulation:
         chosen = frozenset(names)
         return self.tell(lambda: self.watch_now(chosen), "watch")
 
+    def be_seen(self, seen: bool) -> None:
+        """Say whether anybody looks: what has an allowance takes less if nobody does."""
+        if seen != self.keeping.seen:
+            self.keeping.seen = seen
+            self.tell(self.be_seen_now, "seen")
+
     def look_again(self) -> Future:
         """Take another frame, though nothing has moved."""
         return self.tell(self.look_again_now, "look again")
@@ -211,15 +221,16 @@ class Simulation:
         while not self.closing:
             self.obey()
             try:
-                if self.next is not None:
+                if self.next is not None and not self.keeping.wait:
                     self.set_up()
                 self.look_for_kernels()
                 self.time_line.settle()
                 self.leave()
-                if self.state.running:
+                if self.state.running and not self.keeping.wait:
                     self.run_due()
             except Exception as error:
                 self.fail(error)
+            self.keeping.note()
 
     def obey(self) -> None:
         """Carry out what was told; wait for it if there is nothing else to do.
@@ -235,11 +246,15 @@ class Simulation:
 
     def idle_time(self) -> float | None:
         """How long to wait for commands, s; None for ever."""
-        if self.next is not None or self.stale:
+        if self.stale:
             return 0.0
+        if self.next is not None:
+            return self.keeping.wait
         now = time.perf_counter()
         looks = None if self.state.compiling is None else LOOK
-        runs = self.pace.wait(now) if self.state.running and not self.stands else None
+        runs = None
+        if self.state.running and not self.stands:
+            runs = max(self.pace.wait(now), self.keeping.wait)
         due = [one for one in (looks, runs, self.time_line.unsettled(now)) if one is not None]
         return min(due, default=None)
 
@@ -281,7 +296,9 @@ class Simulation:
             return
         self.stale = False
         now = time.perf_counter()
-        self.next_frame = now + FRAMES
+        apart = self.keeping.between_frames
+        # A tick that is a little early is not left out for it, or every other one would be.
+        self.next_frame = max(self.next_frame, now - 0.5 * apart) + apart
         self.warn(self.run)
         known = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
@@ -298,6 +315,7 @@ class Simulation:
             self.time_line.note(self.run)
         rate = self.pace.rate(now) if self.state.running else 0.0
         self.state = replace(self.state, rate=rate, line=self.time_line.line(self.run))
+        self.news.set()
         if not self.state.running:
             self.ready.set()
 
@@ -307,6 +325,7 @@ class Simulation:
         (spec, beside, stored), self.next = self.next, None
         self.state = replace(self.state, busy=True)
         try:
+            self.keeping.demand(spec, beside, stored)
             flock = self.building.flock(spec, stored)
             refuse_too_dense(flock)
             run = self.new_run(flock, beside, stored)
@@ -347,7 +366,9 @@ class Simulation:
     def new_run(self, flock: Flock, beside: Spec | None, stored: Stored | None) -> Run:
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
-        return self.building.run(flock, beside, stored, number, self.wanted, self.watched)
+        run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
+        self.keeping.take(run)
+        return run
 
     def have_compiled(self, *runs: Run) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""
@@ -473,8 +494,13 @@ class Simulation:
     def change_pace(self, speed: float) -> None:
         if math.isnan(speed) or speed <= 0:
             raise Refusal(f"speed = {speed} ticks/s is not allowed: it must be above 0")
-        self.pace = Pace(speed)
+        self.pace = self.keeping.pace(speed)
         self.state = replace(self.state, speed=speed)
+
+    def be_seen_now(self) -> None:
+        self.keeping.look()
+        self.pace = self.keeping.pace(self.state.speed)
+        self.look_again_now()
 
     def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
         run = self.sound_run()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 import traceback
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
@@ -17,6 +19,10 @@ FASTEST, SLOWEST = 1 / 40, 1 / 4
 """Shortest and longest time between two frames drawn, s."""
 LOOK_AGAIN = 0.005
 """Shortest time between two looks for a new frame, s."""
+REST = 0.1
+"""Longest time between two looks with somebody there, s: what nobody tells is seen then."""
+UNSEEN = 1.0
+"""The same with nobody there, s."""
 BANDWIDTH = 16e6
 """What all browsers together may be sent, bytes/s."""
 AGENT_BYTES = 28
@@ -25,17 +31,19 @@ BIRD_BYTES = 74
 """What a bird takes: a body and wings of its own."""
 
 
-def period(agents: float, browsers: int, bandwidth: float = BANDWIDTH) -> float:
+def period(
+    agents: float, browsers: int, bandwidth: float = BANDWIDTH, fastest: float = FASTEST
+) -> float:
     """Time between two frames, s: longer for a large flock and for many browsers.
 
-    `bandwidth`: what all of these together may be sent, bytes/s.
+    `bandwidth` is what all of them together may be sent, bytes/s; `fastest` the shortest time, s.
 
     >>> round(1 / period(1000, 1)), round(1 / period(1000, 40))
     (40, 14)
     """
     if browsers == 0:
         return SLOWEST
-    return min(max(FASTEST, agents * AGENT_BYTES * browsers / bandwidth), SLOWEST)
+    return min(max(fastest, agents * AGENT_BYTES * browsers / bandwidth), max(SLOWEST, fastest))
 
 
 def load(frame: Frame, look: Look) -> float:
@@ -44,8 +52,27 @@ def load(frame: Frame, look: Look) -> float:
     return count * (BIRD_BYTES / AGENT_BYTES if as_birds(frame, look) else 1.0)
 
 
+@dataclass(frozen=True)
+class Rates:
+    """How often there is something new on a page, and what that may take."""
+
+    fastest: float = FASTEST
+    """Shortest time between two frames drawn, s."""
+    panels: float = PANELS
+    """Time between two refreshments of the panels, s."""
+    unseen: float = UNSEEN
+    """Time between two frames, and two refreshments, while nobody is there, s."""
+    bandwidth: float = BANDWIDTH
+    """What all browsers together may be sent, bytes/s."""
+    share: float = 1.0
+    """Of a core for the thread that draws."""
+
+
 class Drawing:
-    """Takes the newest frame when it is time for one; frames in between are never drawn."""
+    """Takes the newest frame when it is time for one; frames in between are never drawn.
+
+    With nobody there little is drawn, so that whoever comes finds what is, and no other run.
+    """
 
     def __init__(
         self,
@@ -54,16 +81,26 @@ class Drawing:
         browsers: Callable[[], int],
         before: Callable[[], None],
         panels: Callable[[], None],
-        bandwidth: float = BANDWIDTH,
+        news: threading.Event | None = None,
+        moves: Callable[[], float] = lambda: math.inf,
+        rates: Rates | None = None,
     ):
-        """`before` is called before every frame, `panels` four times a second."""
+        """`before` is called before every frame, `panels` four times a second.
+
+        `news` is set by others whenever there may be something new, `moves` says when the picture
+        will be another by itself, s of `time.monotonic`. Without `news` it looks again and again.
+        """
         self.scene = scene
         self.latest = latest
         self.browsers = browsers
         self.before = before
         self.panels = panels
-        self.bandwidth = bandwidth
+        self.news = news
+        self.moves = moves
+        self.rates = rates or Rates()
         self.drawn: tuple[Frame, Look] | None = None
+        self.come = threading.Event()
+        """Set when a browser has come."""
         self.closing = threading.Event()
         self.thread = threading.Thread(target=self.live, name="drawing", daemon=True)
 
@@ -71,37 +108,60 @@ class Drawing:
         """Begin to draw."""
         self.thread.start()
 
+    def welcome(self) -> None:
+        """A browser has come: it is shown what there is now."""
+        self.come.set()
+        if self.news is not None:
+            self.news.set()
+
     def close(self) -> None:
         """Stop drawing."""
         self.closing.set()
+        self.welcome()
         self.thread.join(2.0)
 
     def live(self) -> None:
         """Draw and refresh, until closed; what goes wrong is printed and tried again."""
         panels_due = due = 0.0
         while not self.closing.is_set():
-            began = time.monotonic()
+            began, worked = time.monotonic(), time.thread_time()
+            if self.news is not None:
+                self.news.clear()
+            if self.come.is_set():
+                self.come.clear()
+                panels_due = due = 0.0
             try:
                 self.before()
                 if self.draw():
                     due = max(due, began - 0.5 * self.period()) + self.period()
                 self.scene.look_through()
                 if began >= panels_due and self.drawn is not None:
-                    panels_due = began + PANELS
+                    panels_due = began + self.rates.panels
                     self.panels()
             except Exception as error:
                 traceback.print_exception(error)
                 self.closing.wait(1.0)
-            self.closing.wait(max(LOOK_AGAIN, due - time.monotonic()))
+            worked = time.thread_time() - worked
+            self.rest(max(due, began + worked / self.rates.share), panels_due)
+
+    def rest(self, due: float, panels_due: float) -> None:
+        """Wait until a frame may be drawn at `due` (s), and then for something to draw."""
+        now = time.monotonic()
+        if self.news is None:
+            self.closing.wait(max(LOOK_AGAIN, due - now))
+        elif self.drawn is not None and not self.browsers():
+            self.come.wait(self.rates.unseen)
+        elif not self.closing.wait(max(0.0, due - now)):
+            now = time.monotonic()
+            self.news.wait(min(max(LOOK_AGAIN, min(panels_due, self.moves()) - now), REST))
 
     def period(self) -> float:
         """Time between two frames now, s."""
-        if self.drawn is None:
-            return period(0, self.browsers(), self.bandwidth)
-        frame, look = self.drawn
-        flocks = [one for one in (frame, frame.beside) if one is not None]
-        agents = sum(load(one, look) for one in flocks)
-        return period(agents, self.browsers(), self.bandwidth)
+        agents = 0.0
+        if self.drawn is not None:
+            frame, look = self.drawn
+            agents = sum(load(one, look) for one in (frame, frame.beside) if one is not None)
+        return period(agents, self.browsers(), self.rates.bandwidth, self.rates.fastest)
 
     def draw(self) -> bool:
         """Draw the latest frame if it, or the look, is new; whether there was one."""

@@ -62,8 +62,7 @@ class Scene:
             changes += self._parts.draw_box(shown) + self._beside.draw_box(shown, other)
             is_open = self._parts.is_open or self._beside.is_open
             self._fog.draw(shown.stage, is_open, 1 if other is None else 2)
-        changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)
-        with self._server.atomic():
+            changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)
             for handle, name, value in changes:
                 setattr(handle, name, value)
         self._sights = sights(shown, other)

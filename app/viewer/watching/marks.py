@@ -23,7 +23,7 @@ from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import Look
 
-REDRAWN = 120.0
+REDRAWN = 80.0
 """How often a second the marks of all browsers together are made anew."""
 
 

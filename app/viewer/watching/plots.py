@@ -24,7 +24,7 @@ from app.viewer.web.values import show
 CHARTS = 2
 POINTS = 200
 """Points of a curve, about: every browser is sent its own."""
-MOST = 12
+MOST = 6
 """Observables that are measured for those who watch, beside those that always are."""
 ALWAYS = frozenset((*QUICK, *STEADY, *COUNTED))
 

@@ -9,8 +9,9 @@ from typing import Any
 from agents.catalogue import MODELS
 from agents.models.declare import Declared, declared
 from app.viewer.lab.panels.run import status
+from app.viewer.measuring.course import worded
 from app.viewer.panels.notation import plain
-from app.viewer.panels.parameters import in_short
+from app.viewer.panels.parameters import raised_powers
 from app.viewer.panels.style import block
 from app.viewer.run.state import State
 
@@ -47,9 +48,9 @@ def listed(title: str, own: Iterable[Declared], values: Mapping[str, Any]) -> st
 def row(one: Declared, value: Any) -> str:
     """A parameter in words, with its symbol, its value and its unit."""
     symbol = f" {plain(one.symbol)}" if one.kind == "number" else ""
-    unit = f" {one.unit}" if one.kind == "number" and one.unit != "1" else ""
-    told = html.escape(f"{in_short(value)}{unit}")
+    unit = f" {raised_powers(one.unit)}" if one.kind == "number" and one.unit != "1" else ""
+    told = html.escape(f"{worded(value)}{unit}")
     if value != one.default:
-        usual = html.escape(in_short(one.default))
+        usual = html.escape(worded(one.default))
         told = f'<b>{told}</b><div class="fs-quiet">usually {usual}</div>'
     return f"<tr><td>{html.escape(one.words + symbol)}</td><td>{told}</td></tr>"

@@ -30,9 +30,11 @@ from app.viewer.web.incoming.controls import guard
 from app.viewer.web.incoming.door import Door
 from app.viewer.web.incoming.failures import log_failures, logger
 from app.viewer.web.incoming.handed_over import hand_over
+from app.viewer.web.incoming.heard import Heard
 from app.viewer.web.incoming.kinds import KINDS, LARGEST, Kind
 from app.viewer.web.incoming.log import Log
-from app.viewer.web.incoming.visitors import Visitors
+from app.viewer.web.incoming.visitors import USUAL, Limits, Visitors
+from app.viewer.web.property_kinds import find_kinds_once
 from app.viewer.web.renders import Renders, accept_renders
 from app.viewer.web.serving.front import Front
 from worlds.refusal import Refusal
@@ -57,11 +59,12 @@ class Entrance:
     """How browsers come to one server."""
 
     front: Front
-    hears: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
+    kinds: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
     """Of which kinds of messages it hears at all."""
     visitors: Visitors = field(default_factory=Visitors)
     log: Log = field(default_factory=Log)
     renders: Renders = field(default_factory=Renders)
+    heard: Heard = field(default_factory=Heard)
     inner: Any = None
     """The server of websockets, which takes no connections itself."""
     door: Door | None = None
@@ -75,17 +78,21 @@ def open_server(
     host: str = "127.0.0.1",
     port: int = 8080,
     front: Front | None = None,
-    hears: Mapping[str, Kind] = KINDS,
+    kinds: Mapping[str, Kind] = KINDS,
+    limits: Limits = USUAL,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
-    `front` answers what comes by HTTP; by default one with viser's page alone. `hears`: of which
+    `front` answers what comes by HTTP; by default one with viser's page alone. `kinds`: of which
     kinds of messages it hears, and how often; all others are dropped before anybody decodes them.
+    `limits`: how many connections there may be, of all and of one address, and how soon more.
     Raises Refusal if the port is busy or the host is not this machine's.
     """
     hand_over()
+    find_kinds_once()
     keep_icons_open()
-    entrance, quiet = Entrance(front or Front(), hears), contextlib.redirect_stdout(io.StringIO())
+    entrance = Entrance(front or Front(), kinds, Visitors(limits=limits))
+    quiet = contextlib.redirect_stdout(io.StringIO())
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet:
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
@@ -109,6 +116,11 @@ def front_of(server: viser.ViserServer) -> Front:
 def renders_of(server: viser.ViserServer) -> Renders:
     """What asks a server's browsers for pictures."""
     return entrances[server].renders
+
+
+def when_heard(server: viser.ViserServer, tell: Callable[[], None]) -> None:
+    """Have something told of, on the server's loop, soon after browsers have sent messages."""
+    entrances[server].heard.tell = tell
 
 
 def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
@@ -149,12 +161,10 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
     It takes no connections from the socket: they are brought in by the door.
     """
     serve = websockets.asyncio.server.serve
-    front, visitors, log, renders = (
-        entrance.front,
-        entrance.visitors,
-        entrance.log,
-        entrance.renders,
-    )
+    front, log = entrance.front, entrance.log
+    own = {
+        name: getattr(entrance, name) for name in ("kinds", "visitors", "log", "renders", "heard")
+    }
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
         def answer(connection: Any, request: Request) -> Response | None:
@@ -168,9 +178,7 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
             "sock": sock,
             "start_serving": False,
             "max_size": LARGEST,
-            "create_connection": partial(
-                Connection, visitors=visitors, log=log, renders=renders, hears=entrance.hears
-            ),
+            "create_connection": partial(Connection, **own),
             "process_request": answer,
             "process_response": finish,
             "logger": logger(log),

@@ -17,9 +17,14 @@ STANDSTILL = 20.0
 
 
 def accept_uploads(
-    server: viser.ViserServer, largest: int, clock: Callable[[], float] = time.monotonic
+    server: viser.ViserServer,
+    largest: int,
+    clock: Callable[[], float] = time.monotonic,
+    bound: str = "at most {} are taken",
 ) -> None:
     """Let upload buttons take files of up to `largest` bytes; what is more is never kept.
+
+    `bound` says to whom sends more how many are taken.
 
     A file whose browser leaves, or that stands still, makes room for others.
     """
@@ -46,7 +51,8 @@ def accept_uploads(
             return
         if message.size_bytes > largest or own or len(under_way) >= AT_ONCE:
             end_progress(socket, message)
-            tell(server, client_id, message, largest)
+            too_large = bound.format(largest) if message.size_bytes > largest else ""
+            tell(server, client_id, message, too_large)
             return
         gui._handle_file_transfer_start(client_id, message)
         heard[message.transfer_uuid] = clock()
@@ -98,15 +104,15 @@ def tell(
     server: viser.ViserServer,
     client_id: int,
     message: messages.FileTransferStartUpload,
-    largest: int,
+    too_large: str,
 ) -> None:
     """Say in the browser that sent it why a file is not taken."""
     client = server.get_clients().get(client_id)
     if client is None:
         return
     why = (
-        f"it has {message.size_bytes} bytes, at most {largest} are taken"
-        if message.size_bytes > largest
+        f"it has {message.size_bytes} bytes, {too_large}"
+        if too_large
         else "another file is on its way"
     )
     client.add_notification(

@@ -9,7 +9,8 @@ import viser
 
 from app.viewer.gallery.opened import ENDINGS, opened
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
-from app.viewer.run.past.stored import LARGEST, Stored
+from app.viewer.run.allowance import Allowance
+from app.viewer.run.past.stored import LARGEST, PARQUET, Stored
 from worlds.refusal import Refusal
 
 
@@ -22,7 +23,9 @@ class SceneFiles:
         now: Callable[[str], SavedScene],
         open: Callable[[SavedScene | Stored], None],
         tell: Callable[[str], None],
+        allowance: Allowance | None = None,
     ):
+        self.allowance = allowance
         self.now, self.open, self.tell = now, open, tell
         gui.add_markdown(
             "**Scene**: the run with its view and plots. A scene, a spec, a saved state or a "
@@ -44,6 +47,8 @@ class SceneFiles:
         def _(event: viser.GuiEvent) -> None:
             file = event.target.value
             try:
+                if self.allowance is not None and file.content.startswith(PARQUET):
+                    self.allowance.demand_recordings(file.name)
                 self.open(opened(file.name, file.content))
             except Refusal as refusal:
                 self.tell(str(refusal))

@@ -16,6 +16,7 @@ from app.viewer.web.serving.front import words
 from worlds.refusal import Refusal
 
 OVER, RUN = "/sweep/over", "/sweep/run"
+NONE = "a class makes no sweeps: `flockscope lab` on your own machine does"
 LONGEST = 18
 """Figures of a seed."""
 
@@ -51,6 +52,12 @@ class SweepRequests:
         place = whole("cell", asked.get("cell", [""])[0])
         seed = whole("seed", asked["seed"][0]) if "seed" in asked else None
         return scene_of(folder, place, seed, self.sweeps.column)
+
+
+def refuse_sweeps(scenes: SceneRequests) -> None:
+    """Refuse what pages ask of sweeps where there are none."""
+    for path in (OVER, RUN):
+        scenes.front.route(path, lambda _: words(HTTPStatus.FORBIDDEN, NONE))
 
 
 def whole(name: str, text: str) -> int:

@@ -57,6 +57,8 @@ class Stand:
     """Corners (3,) of what it shows."""
     run: int
     """In which run it was put there."""
+    told: object
+    """What its browser had told of it until then; viser has it say what it was told itself."""
     leans: bool = False
     """Whether it stood straight above before something rose."""
     arrived: bool = False
@@ -68,6 +70,8 @@ class Stand:
 
     def is_left(self, camera: CameraHandle) -> bool:
         """Whether a person has moved the camera since."""
+        if camera._state is self.told:
+            return False
         there = self.has(camera)
         self.arrived |= there or time.monotonic() > self.since + ARRIVES
         return self.arrived and not there
@@ -137,7 +141,8 @@ class Viewpoints:
             high[2] = max(high[2], risen(self._sights[0].picture))
         aspect = _aspect(client)
         wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
-        stand = Stand(name, wanted, aspect, time.monotonic(), shows, run, leans)
+        told = client.camera._state
+        stand = Stand(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
         with self._lock:
             self._stands[client.client_id] = stand
         _set(client, wanted)

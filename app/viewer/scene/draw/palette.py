@@ -15,7 +15,7 @@ def srgb(css: str) -> np.ndarray:
 
 def css(colour: np.ndarray) -> str:
     """The inverse of `srgb`."""
-    red, green, blue = np.rint(255.0 * np.clip(colour, 0.0, 1.0)).astype(int)
+    red, green, blue = (round(255.0 * min(max(one, 0.0), 1.0)) for one in colour.tolist())
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 

@@ -8,6 +8,8 @@ what the curve can give and are clipped.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from app.viewer.scene.draw.oklch import decoded, encoded
@@ -50,6 +52,11 @@ def lit(srgb: np.ndarray, light: float = LIGHT) -> np.ndarray:
 
 def single(srgb: np.ndarray, light: float = 1.0) -> tuple[int, int, int]:
     """Bytes for the one colour (3,) of a whole node, which three.js decodes from sRGB itself."""
-    linear = np.clip(_before_aces(decoded(np.asarray(srgb, dtype=float))) / light, 0.0, 1.0)
+    return _single(tuple(np.asarray(srgb, dtype=float).tolist()), light)
+
+
+@lru_cache(maxsize=1024)
+def _single(srgb: tuple[float, ...], light: float) -> tuple[int, int, int]:
+    linear = np.clip(_before_aces(decoded(np.array(srgb))) / light, 0.0, 1.0)
     red, green, blue = (255.0 * encoded(linear) + 0.5).astype(int)
     return int(red), int(green), int(blue)

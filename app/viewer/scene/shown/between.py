@@ -3,6 +3,7 @@ the next, so that one sees where it goes."""
 
 from __future__ import annotations
 
+import math
 import threading
 from dataclasses import replace
 
@@ -28,6 +29,8 @@ class Between:
         self.since = 0.0
         self.step = -1
         self.shown: Frame | None = None
+        self.moves = math.inf
+        """When there will be another picture though there is no other frame, s."""
 
     def frame(self, newest: Frame | None, running: bool, speed: float, now: float) -> Frame | None:
         """The frame to draw `now` (s), of a run that goes at `speed`, ticks/s.
@@ -46,6 +49,7 @@ class Between:
             follows = self.after is not None and newest is not None and is_next(self.after, newest)
             self.before = self.after if follows and speed <= SLOW else None
             self.after, self.since, self.step = newest, now, -1
+        self.moves = math.inf
         if self.before is None or newest is None:
             return newest
         lasts = 1.0 / speed if running else STEP
@@ -54,6 +58,7 @@ class Between:
         if step >= steps:
             self.before = None
             return newest
+        self.moves = self.since + step * lasts / steps
         if step != self.step:
             self.step, self.shown = step, on_the_way(self.before, newest, step / steps)
         return self.shown

@@ -12,7 +12,8 @@ from websockets.frames import CloseCode, Frame
 from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
-from app.viewer.web.incoming.kinds import KINDS, Kind
+from app.viewer.web.incoming.heard import Heard
+from app.viewer.web.incoming.kinds import Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
@@ -35,11 +36,13 @@ class Connection(ServerConnection):
         visitors: Visitors,
         log: Log,
         renders: Renders,
-        hears: Mapping[str, Kind] = KINDS,
+        kinds: Mapping[str, Kind],
+        heard: Heard,
         **options: Any,
     ):
         super().__init__(*args, **options)
-        self.hears = hears
+        self.kinds = kinds
+        self.heard = heard
         self.visitors = visitors
         self.renders = renders
         self.log = log
@@ -49,7 +52,7 @@ class Connection(ServerConnection):
         self.address = address_of(transport.get_extra_info("peername"))
         shared = self.visitors.messages(self.address)
         self.messages = Messages(
-            shared, self.complain, expected=self.renders.expects, hears=self.hears
+            shared, self.complain, expected=self.renders.expects, kinds=self.kinds
         )
         super().connection_made(transport)
 
@@ -94,6 +97,7 @@ class Connection(ServerConnection):
         while True:
             data = await super().recv(decode)
             if self.messages.pass_on(data):
+                self.heard.note(self.loop)
                 return data
             self.end_if_told()
 

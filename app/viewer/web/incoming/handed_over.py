@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from viser.infra import _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
@@ -17,9 +19,11 @@ from viser.infra._async_message_buffer import AsyncMessageBuffer
 class HandedOver(asyncio.Event):
     """An event that is only ever set on its loop, whoever sets it."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop):
+    def __init__(self, loop: asyncio.AbstractEventLoop, later: Callable[[], Any] = bool):
+        """`later` says whether who sets it will set it again: so long nobody need be woken."""
         super().__init__()
         self.loop = loop
+        self.later = later
         self.handing = threading.Lock()
         """Held from the hand-over to the setting: of many only one is on its way."""
 
@@ -31,7 +35,7 @@ class HandedOver(asyncio.Event):
                 return
         except RuntimeError:  # a thread without a loop
             pass
-        if self.handing.acquire(blocking=False):
+        if not self.later() and self.handing.acquire(blocking=False):
             try:
                 self.loop.call_soon_threadsafe(self.arrive)
             except RuntimeError:  # the loop is closed, and nobody waits
@@ -48,7 +52,7 @@ class Buffer(AsyncMessageBuffer):
     """viser's buffer of messages, with events that are handed over."""
 
     def __post_init__(self) -> None:
-        self.message_event = HandedOver(self.event_loop)
+        self.message_event = HandedOver(self.event_loop, lambda: self.atomic_counter)
         self.flush_event = HandedOver(self.event_loop)
 
 

@@ -6,26 +6,50 @@ import ipaddress
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from app.viewer.web.incoming.rate_limit import RateLimit
 
-MOST = 256
-"""Open connections in all."""
-MOST_OF_ONE = 128
-"""Open connections of one address: a class behind one router has one."""
-REQUESTS = (50.0, 150.0)
-"""Connections of one address, a second and at once: a page loads about ten files."""
-PAGES = (5.0, 40.0)
-"""Pages of one address that connect, a second and at once."""
 PATIENCE = 5.0
 """Seconds that a connection may have to wait for its turn."""
-PRICE, DEEPEST = 10.0, 40.0
-"""What a connection that was cut off costs its address, in pages; it never owes more."""
-MESSAGES = (1000.0, 2000.0)
-"""Messages of one address, a second and at once, over all its connections."""
+DEEPEST = 40.0
+"""What an address owes at most, in pages."""
 REMEMBERED = 4096
 """Addresses that are remembered."""
+
+
+Rate = tuple[float, float]
+"""A second, and at once."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How many connections there may be, of all and of one address, and how soon more."""
+
+    open: int = 256
+    """Open connections in all."""
+    open_of_one: int = 128
+    """Open connections of one address: a class behind one router has one."""
+    requests: Rate = (50.0, 150.0)
+    """Connections of one address: a page loads about ten files."""
+    pages: Rate = (5.0, 40.0)
+    """Pages of one address that connect."""
+    messages: Rate = (1000.0, 2000.0)
+    """Messages of one address, over all its connections."""
+    price: float = 10.0
+    """What a connection that was cut off costs its address, in pages."""
+
+
+USUAL = Limits()
+BEHIND_A_FRONT = Limits(
+    open_of_one=USUAL.open,
+    requests=(500.0, 1500.0),
+    pages=(50.0, 200.0),
+    messages=(20_000.0, 40_000.0),
+    price=0.0,
+)
+"""Where all come through a front of our own, from one address: that bounds each of them itself."""
 
 
 def address_of(peer: Any) -> str:
@@ -50,11 +74,11 @@ def address_of(peer: Any) -> str:
 class Visitor:
     """One address."""
 
-    def __init__(self, clock: Callable[[], float]):
+    def __init__(self, clock: Callable[[], float], limits: Limits = USUAL):
         self.open = 0
-        self.requests = RateLimit(*REQUESTS, clock)
-        self.pages = RateLimit(*PAGES, clock)
-        self.messages = RateLimit(*MESSAGES, clock)
+        self.requests = RateLimit(*limits.requests, clock)
+        self.pages = RateLimit(*limits.pages, clock)
+        self.messages = RateLimit(*limits.messages, clock)
 
     @property
     def forgettable(self) -> bool:
@@ -67,8 +91,9 @@ class Visitor:
 class Visitors:
     """All addresses; any thread may use it."""
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic):
+    def __init__(self, clock: Callable[[], float] = time.monotonic, limits: Limits = USUAL):
         self.clock = clock
+        self.limits = limits
         self.lock = threading.Lock()
         self.known: dict[str, Visitor] = {}
         self.open = 0
@@ -77,13 +102,13 @@ class Visitors:
         """An address; those that have long been quiet are forgotten."""
         if address not in self.known and len(self.known) >= REMEMBERED:
             self.known = {one: kept for one, kept in self.known.items() if not kept.forgettable}
-        return self.known.setdefault(address, Visitor(self.clock))
+        return self.known.setdefault(address, Visitor(self.clock, self.limits))
 
     def enter(self, address: str) -> float | None:
         """Count a new connection; seconds until its turn, or None if it cannot be taken."""
         with self.lock:
             visitor = self.of(address)
-            if self.open >= MOST or visitor.open >= MOST_OF_ONE:
+            if self.open >= self.limits.open or visitor.open >= self.limits.open_of_one:
                 return None
             wait = visitor.requests.turn(PATIENCE)
             if wait is not None:
@@ -105,7 +130,7 @@ class Visitors:
     def cut(self, address: str) -> None:
         """A connection was cut off: its address has to wait for the next."""
         with self.lock:
-            self.of(address).pages.owe(PRICE, DEEPEST)
+            self.of(address).pages.owe(self.limits.price, DEEPEST)
 
     def messages(self, address: str) -> RateLimit:
         """The limit that all connections of an address have in common; for one thread."""

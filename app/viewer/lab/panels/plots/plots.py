@@ -13,6 +13,7 @@ from app.viewer.measuring.curves import choices, worded
 from app.viewer.measuring.earlier import EarlierRuns
 from app.viewer.measuring.measured import told
 from app.viewer.measuring.readings import Readings
+from app.viewer.panels.making import Making
 from app.viewer.panels.plot import Plot
 from app.viewer.panels.plotted import Plotted
 from app.viewer.panels.sending import Sender
@@ -30,7 +31,7 @@ class Plots:
     A model brings its usual ones; what is chosen stays until another model comes.
     """
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, allowed: Making | None = None):
         gui = server.gui
         self.model: Model | None = None
         self.asked: tuple[Model, tuple[str, ...]] | None = None
@@ -38,7 +39,7 @@ class Plots:
         self.offered: tuple[str, ...] = ()
         self.choices: dict[str, tuple[str, ...]] = choices(())
         self.runs = EarlierRuns()
-        self.sender = Sender()
+        self.sender = Sender(allowed)
         self.charts = [ChosenChart(server, number, self.sender) for number in range(1, CHARTS + 1)]
         self.window = gui.add_dropdown(
             "Plots of",

@@ -6,6 +6,7 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene.draw import tone
+from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import FEW_LEADERS, POINTS_BEYOND, Changes, Picture
 from app.viewer.scene.draw.shapes import dart
 from app.viewer.scene.marks.flock.birds import Birds
@@ -66,8 +67,8 @@ class Agents:
             return [(self._darts, "visible", False)]
         shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
         return [
-            (self._darts, "batched_positions", at.astype(np.float32)),
-            (self._darts, "batched_wxyzs", picture.wxyz[rows]),
+            (self._darts, "batched_positions", places(at, picture.length)),
+            (self._darts, "batched_wxyzs", turned(picture.wxyz[rows])),
             (self._darts, "batched_scales", picture.size[rows] * np.float32(picture.length)),
             (self._darts, "batched_colors", tone.lit(picture.colour[rows])),
             (self._darts, "cast_shadow", shadows),
@@ -76,7 +77,7 @@ class Agents:
 
     def _draw_points(self, picture: Picture) -> Changes:
         return [
-            (self._points, "points", picture.at.astype(np.float32)),
+            (self._points, "points", places(picture.at, picture.length)),
             (self._points, "colors", (255.0 * picture.colour + 0.5).astype(np.uint8)),
             (self._points, "point_size", POINT_SIZE[picture.stage.dim] * picture.length),
         ]

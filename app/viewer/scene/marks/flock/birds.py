@@ -7,6 +7,7 @@ from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw import tone
 from app.viewer.scene.draw.bird import SHOULDER, beaten, body, wings
+from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.marks.flock.flight import Flight
@@ -43,8 +44,8 @@ class Birds:
             (self._wings, at + over, size[:, None] * beaten(poses.beat[rows]), 1.0),
         ):
             changes += [
-                (node, "batched_positions", place.astype(np.float32)),
-                (node, "batched_wxyzs", wxyz),
+                (node, "batched_positions", places(place, picture.length)),
+                (node, "batched_wxyzs", turned(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
                 (node, "batched_colors", tone.lit(shade * colour)),
                 (node, "cast_shadow", shadows),

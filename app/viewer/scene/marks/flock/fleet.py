@@ -8,6 +8,7 @@ from viser import BatchedMeshHandle, SceneApi
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.attitude import attitude
 from app.viewer.scene.draw.car import HEIGHT, TREAD, WHEEL, cabin, hubs, hull, wheel
+from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import PALE, Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.shown.live import LOST, SIMULATED
@@ -41,7 +42,7 @@ class CarMeshes:
         if not len(at):
             return self.hide()
         bodies = np.column_stack([size, HEIGHT * size[:, 1]])
-        turned = facing(azimuth)
+        ahead, length = facing(azimuth), float(size[0, 0])
         hub, rolling = wheels(at, azimuth, steering, size)
         tyres = np.column_stack([WHEEL * size[:, 0], TREAD * size[:, 1], WHEEL * size[:, 0]])
         paleness = np.zeros((len(at), 1)) if pale is None else pale[:, None]
@@ -49,13 +50,13 @@ class CarMeshes:
         rubber = palette.TYRE + paleness.repeat(4, axis=0) * (palette.FLOOR - palette.TYRE)
         changes: Changes = []
         for node, place, wxyz, scale, paint in (
-            (self._hulls, at, turned, bodies, colour),
-            (self._cabins, at, turned, bodies, dark),
+            (self._hulls, at, ahead, bodies, colour),
+            (self._cabins, at, ahead, bodies, dark),
             (self._wheels, hub, rolling, np.repeat(tyres, 4, axis=0), rubber),
         ):
             changes += [
-                (node, "batched_positions", place.astype(np.float32)),
-                (node, "batched_wxyzs", wxyz),
+                (node, "batched_positions", places(place, length)),
+                (node, "batched_wxyzs", turned(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
                 (node, "batched_colors", tone.lit(paint)),
                 (node, "cast_shadow", shadows),

@@ -6,6 +6,7 @@ import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw import palette, tone
+from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import FEW_LEADERS, Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh, ball, ring, torus
 
@@ -33,8 +34,8 @@ class Halos:
 def _around(picture: Picture, rows: np.ndarray, halo: BatchedMeshHandle) -> Changes:
     radius = 0.85 * picture.length * picture.size[rows]
     return [
-        (halo, "batched_positions", picture.at[rows].astype(np.float32)),
-        (halo, "batched_wxyzs", picture.wxyz[rows]),
+        (halo, "batched_positions", places(picture.at[rows], picture.length)),
+        (halo, "batched_wxyzs", turned(picture.wxyz[rows])),
         (halo, "batched_scales", radius.astype(np.float32)),
     ]
 

@@ -1,0 +1,85 @@
+"""What one flock may take of a machine that many share, and how that is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from agents.catalogue import model as find_model
+from agents.spec import Spec
+from app.viewer.measuring.measured import spaced
+from app.viewer.run.past.stored import Stored
+from worlds.refusal import Refusal
+from worlds.world import World
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """What a student of a class may have. All is enforced where it is used, and told in words.
+
+    While nobody looks a flock goes on, but in few large steps, with few frames, and as fast as a
+    small share of a core allows.
+    """
+
+    agents: int = 2_000
+    """Agents of a run at most, with those of the flock beside it; and as many that are informed."""
+    share: float = 0.15
+    """Of a core for the flock's own thread; as much for the thread that draws it."""
+    unseen_share: float = 0.004
+    """Of a core for the flock while nobody looks."""
+    pictures: float = 15.0
+    """Pictures a second at most."""
+    panels: float = 0.5
+    """Seconds between two refreshments of the panels, and between two measurements."""
+    unseen: float = 5.0
+    """Seconds between two frames while nobody looks."""
+    bandwidth: float = 200_000.0
+    """Bytes a second that all browsers together may be sent of the flock, before they are packed:
+    of 300 agents 15 pictures a second."""
+    obstacles: int = 50
+    """Obstacles of a world at most."""
+    edits: float = 4.0
+    """Changes of a world a second."""
+    sweeps: bool = False
+    """Whether there may be sweeps."""
+    films: bool = False
+    """Whether there may be films."""
+    recordings: bool = False
+    """Whether saved states and recordings may be opened: a process of its own reads each."""
+    files: float = 0.1
+    """Pictures, and files of a plot, that are made a second."""
+    upload: int = 1_000_000
+    """Bytes of a file at most."""
+
+    def demand(self, spec: Spec, beside: Spec | None, stored: Stored | None) -> None:
+        """Raise Refusal for a run that is too much, before it is built."""
+        flocks, model = 1 if beside is None else 2, find_model(spec.model)
+        self.demand_agents(flocks * (model.agents if spec.agents is None else spec.agents))
+        self.demand_agents(flocks * (spec.informed or 0))
+        if stored is None:
+            return
+        self.demand_recordings(stored.name)
+        frames = stored.recording.frames
+        self.demand_agents(int((frames.ends - frames.starts).max()))
+
+    def demand_recordings(self, name: str) -> None:
+        """Raise Refusal for a state or a recording where none is opened."""
+        if not self.recordings:
+            raise Refusal(
+                f"a class opens no saved states and recordings, as {name}: `flockscope lab` on "
+                "your own machine does"
+            )
+
+    def demand_agents(self, count: int) -> None:
+        """Raise Refusal for too many agents."""
+        if count > self.agents:
+            raise Refusal(
+                f"a class allows {spaced(self.agents)} agents a student: {spaced(count)} asked for"
+            )
+
+    def demand_world(self, world: World) -> None:
+        """Raise Refusal for a world with too many obstacles."""
+        count = len(world.obstacles)
+        if count > self.obstacles:
+            raise Refusal(
+                f"a class allows {self.obstacles} obstacles a student: {spaced(count)} asked for"
+            )

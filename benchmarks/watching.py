@@ -1,0 +1,174 @@
+"""What it costs that many watch one run: `python benchmarks/watching.py [agents] [browsers]`.
+
+A laboratory and its watching page in a process of their own, and clients that read all they get
+(programs, not browsers), each of which inspects an agent of its own and plots the usual. Prints
+what a client gets, before anything is packed, and the processor time that it takes. What is for the
+panels is told of one client, which takes its messages apart.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import threading
+import time
+from multiprocessing.connection import Connection
+from typing import Any
+
+import msgspec
+import viser
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+SECONDS = 10.0
+SETTLE = 8.0
+"""Seconds for all to come, and for what they inspect to be compiled."""
+SPEED = 15.0
+"""Ticks per second."""
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [0.0, 0.0, 40.0],
+    "fov": 0.3,
+    "near": 0.1,
+    "far": 100.0,
+    "image_height": 900,
+    "image_width": 800,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+
+
+def serve(agents: int, pipe: Connection) -> None:
+    """The laboratory; answers every message of the pipe with processor time, s, and the tick."""
+    from app.viewer.lab.laboratory import Laboratory
+    from app.viewer.run.home import at_home
+    from app.viewer.watching.marks import Choice
+    from app.viewer.watching.watching import Watching
+
+    start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
+    laboratory = Laboratory(start, port=0, speed=SPEED)
+    watching = Watching(laboratory)
+    laboratory.simulation.ready.wait()
+    pipe.send(watching.port)
+    while (asked := pipe.recv()) is not None:
+        if asked == "inspect":
+            run = laboratory.simulation.state.run
+            for row, one in enumerate(watching.now):
+                one.choose(Choice(row, run=run))
+        frame = laboratory.simulation.frame
+        assert frame is not None
+        pipe.send((time.process_time(), frame.tick, len(frame.others)))
+    watching.close()
+    laboratory.close()
+
+
+class Reader:
+    """A client that counts what it gets; one that `looks` also counts what is for the panels."""
+
+    def __init__(self, port: int, agents: int, looks: bool):
+        self.picture = 12 * agents
+        self.looks = looks
+        self.pictures = self.bytes = self.panels = 0
+        self.socket = connect(
+            f"ws://localhost:{port}",
+            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
+            max_size=None,
+        )
+        self.socket.send(msgspec.msgpack.encode(CAMERA))
+        threading.Thread(target=self.read, daemon=True).start()
+
+    def read(self) -> None:
+        """Read until the server closes."""
+        try:
+            for data in self.socket:
+                assert isinstance(data, bytes)
+                self.bytes += len(data)
+                self.pictures += len(data) > self.picture
+                if self.looks:
+                    self.panels += for_panels(data)
+        except ConnectionClosed:
+            pass
+
+
+def for_panels(data: bytes) -> int:
+    """How many bytes of a window of viser's messages are for the panels."""
+    packed = int.from_bytes(data[8:16], "little")
+    inner = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed])
+    window = msgspec.msgpack.decode(inner)
+    found = sum(
+        len(msgspec.msgpack.encode(one)) for one in window["messages"] if one["type"][:3] == "Gui"
+    )
+    lengths = window["binaryBufferLengths"]
+    buffers = sum(
+        lengths[at] for one in window["messages"] if one["type"][:3] == "Gui" for at in places(one)
+    )
+    return round(found * packed / len(inner)) + buffers
+
+
+def places(message: Any) -> list[int]:
+    """The binary buffers that a message refers to."""
+    if isinstance(message, dict):
+        if "__binary_index" in message:
+            return [message["__binary_index"]]
+        return [at for one in message.values() for at in places(one)]
+    return [at for one in message for at in places(one)] if isinstance(message, list) else []
+
+
+def main(agents: int = 1000, browsers: int = 40) -> None:
+    """Measure and print."""
+    here, there = multiprocessing.Pipe()
+    server = multiprocessing.get_context("spawn").Process(target=serve, args=(agents, there))
+    server.start()
+    port = here.recv()
+    time.sleep(3.0)
+    idle = spent(here, 5.0)
+    readers = [Reader(port, agents, number == 0) for number in range(browsers)]
+    time.sleep(SETTLE)
+    watched, *counts = measured(here, readers)
+    asked(here, "inspect")
+    time.sleep(SETTLE)
+    inspected, *more = measured(here, readers)
+    looked_at = asked(here)[2]
+    print(f"{agents} agents at {SPEED:g} ticks/s, {browsers} clients")
+    print(f"  nobody watches         {idle:6.3f} cores, the run and the laboratory's page")
+    for title, cores, (pictures, all_of_it, panels) in (
+        ("all watch", watched, counts),
+        (f"inspect {looked_at}", inspected, more),
+    ):
+        print(f"  {title:22} {cores:6.3f} cores")
+        print(f"    pictures/s a client  {pictures:6.1f}")
+        print(f"    sent a client        {all_of_it:6.2f} Mbit/s")
+        print(f"      for the panels     {panels:6.3f} Mbit/s")
+    here.send(None)
+    server.join(10)
+
+
+def measured(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
+    """Cores; and of a client pictures/s, Mbit/s, and those of them for the panels."""
+    before = [(one.pictures, one.bytes) for one in readers]
+    panels = readers[0].panels
+    cores = spent(pipe, SECONDS)
+    pictures = sum(one.pictures - was for one, (was, _) in zip(readers, before, strict=True))
+    sent = sum(one.bytes - was for one, (_, was) in zip(readers, before, strict=True))
+    each = len(readers) * SECONDS
+    return cores, pictures / each, 8e-6 * sent / each, 8e-6 * (readers[0].panels - panels) / SECONDS
+
+
+def spent(pipe: Connection, seconds: float) -> float:
+    """The cores that the server takes."""
+    before = asked(pipe)[0]
+    time.sleep(seconds)
+    return (asked(pipe)[0] - before) / seconds
+
+
+def asked(pipe: Connection, what: str = "") -> tuple[float, int, int]:
+    """Processor time of the server, s, the tick, and how many agents are looked at."""
+    pipe.send(what)
+    answer: tuple[float, int, int] = pipe.recv()
+    return answer
+
+
+if __name__ == "__main__":
+    main(*(int(text) for text in sys.argv[1:3]))
