@@ -13,7 +13,6 @@ from agents.observables.catalogue import OBSERVABLES
 from app.classroom.lessons.lessons import lesson_names
 from app.cli import lab as lab_module
 from app.cli import main as main_module
-from app.cli.choices import KINDS
 from cli.calling import PROGRAM, call
 from worlds.layout import layout_names
 
