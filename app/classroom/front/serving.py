@@ -11,7 +11,8 @@ from pathlib import Path
 
 from aiohttp import web
 
-from app.classroom.classroom import TEACHER, Classroom
+from app.classroom.classroom import Classroom
+from app.classroom.flocks import TEACHER
 from app.classroom.front.asked import LARGEST, form_of, refused
 from app.classroom.front.connections import Connections
 from app.classroom.front.limits import JOINS, MOST_AT_ONCE, MOST_PAGES, STRANGERS, Limits
@@ -300,7 +301,7 @@ class ClassFront:
             path = "/" + "/".join(parts[3:])
             visited = await self.classroom.place_of(student)
             return await self.show(request, visited, path, limits, VISIT)
-        place = self.classroom.teacher_place
+        place = self.classroom.flocks.teacher
         if place is None:
             raise web.HTTPServiceUnavailable(text="your flock is just beginning\n")
         return await self.show(request, place, request.path, limits, TEACHES)

@@ -10,7 +10,8 @@ from typing import Any
 import segno
 from aiohttp import web
 
-from app.classroom.classroom import TEACHER, Classroom
+from app.classroom.classroom import Classroom
+from app.classroom.flocks import TEACHER
 from app.classroom.front.asked import numbers_in, text_in, values_of
 from app.classroom.front.events import stream
 from app.classroom.front.pages import own_page
@@ -104,7 +105,7 @@ class TeacherRequests:
     def roster(self) -> dict[str, Any]:
         """The whole class, for the teacher's page."""
         classroom = self.classroom
-        mine = classroom.seen.get(TEACHER)
+        mine = classroom.flocks.seen.get(TEACHER)
         return {
             "title": classroom.title,
             "code": classroom.code,
@@ -121,7 +122,7 @@ class TeacherRequests:
 
     def student(self, one: Student) -> dict[str, Any]:
         """A student, for the teacher's page."""
-        seen = self.classroom.seen.get(one.number)
+        seen = self.classroom.flocks.seen.get(one.number)
         return {
             "number": one.number,
             "name": one.name,
