@@ -9,17 +9,22 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from agents.catalogue import model as find_model
 from app.classroom.asking import Asking
 from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
 from app.classroom.student import Place, Role, Student
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.classroom.workers.seen import Seen
+from app.classroom.workers.worker import Laboratories
+from app.experiments.workers.processes import cores
 from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.allowance import Allowance
 from worlds.refusal import Refusal
 
 TEACHER = 0
@@ -32,6 +37,23 @@ LOOK = 2.0
 """Seconds between two looks at all laboratories."""
 LONGEST_WORD = 200
 """Letters of a word to all."""
+
+
+PICTURES, MANY, OF_MANY = 15.0, 20, 10.0
+"""Pictures a second of a student's flock, for so many students, and of more."""
+LEAST, MOST = 0.1, 0.15
+"""Share of a core for one student's flock, and as much for drawing it."""
+
+
+def allowance(scene: SavedScene, seats: int) -> Allowance:
+    """What each student's flock may take: the scene of the class in any case."""
+    agents = scene.spec.agents or find_model(scene.spec.model).agents
+    beside = 1 if scene.beside is None else 2
+    return Allowance(
+        agents=max(Allowance.agents, beside * agents),
+        share=min(max(LEAST, cores() / seats), MOST),
+        pictures=PICTURES,
+    )
 
 
 class Classroom:
@@ -55,6 +77,8 @@ class Classroom:
         self.first_role = Role.WATCHING
         """What new students do."""
         self.asking = Asking(results)
+        self.allowance = allowance(scene, seats)
+        """What each student's flock may take."""
         self.word = ""
         self.frozen = False
         self.is_over = False
@@ -74,9 +98,13 @@ class Classroom:
     async def open(self) -> None:
         """Begin the processes and the teacher's laboratory. Raises Refusal."""
         self.own = await WorkerProcess(self.has_ended).begin()
-        self.workers = [await WorkerProcess(self.has_ended).begin() for _ in range(self.count)]
+        self.workers = [await self.new_worker() for _ in range(self.count)]
         await self.open_teacher()
         self.task(self.look())
+
+    async def new_worker(self) -> WorkerProcess:
+        """Begin a process for students' flocks."""
+        return await WorkerProcess(self.has_ended, Laboratories, self.allowance).begin()
 
     async def open_teacher(self) -> None:
         """Open the teacher's laboratory, and the page of those who watch it."""
@@ -111,13 +139,12 @@ class Classroom:
 
     async def begin_again(self, worker: WorkerProcess) -> None:
         """Another process in place of one that has died."""
-        fresh = await WorkerProcess(self.has_ended).begin()
         if worker is self.own:
-            self.own = fresh
+            self.own = await WorkerProcess(self.has_ended).begin()
             await self.open_teacher()
             self.move_watchers()
         else:
-            self.workers[self.workers.index(worker)] = fresh
+            self.workers[self.workers.index(worker)] = await self.new_worker()
         self.tell()
 
     # Who is in it.
@@ -283,6 +310,7 @@ class Classroom:
 
     async def start_from(self, scene: SavedScene, numbers: Iterable[int] | None = None) -> None:
         """Have students begin with a scene, each with a seed of their own; a question is over."""
+        self.allowance.demand(scene.spec, scene.beside, None)
         if numbers is None:
             self.scene = scene
             self.asking.end()
@@ -368,11 +396,22 @@ class Classroom:
         """Now and then: see how all laboratories stand, keep their scenes, close those left."""
         while True:
             await asyncio.sleep(LOOK)
+            await self.draw_by_number()
             await asyncio.gather(*(self.look_at(one) for one in (*self.workers, self.own) if one))
             for student in self.students.values():
                 if not student.is_here and time.monotonic() - student.left > WAITS:
                     self.leave_place(student)
             self.tell()
+
+    async def draw_by_number(self) -> None:
+        """Draw fewer pictures a second where there are many students."""
+        here = sum(one.is_here and one.role is Role.OWN for one in self.students.values())
+        pictures = PICTURES if here <= MANY else OF_MANY
+        if pictures != self.allowance.pictures:
+            self.allowance = replace(self.allowance, pictures=pictures)
+            for worker in self.workers:
+                with suppress(Gone):
+                    await worker.ask("draw_at", pictures)
 
     async def look_at(self, worker: WorkerProcess) -> None:
         """See how the laboratories of a process stand, and keep their scenes."""

@@ -27,7 +27,7 @@ from app.viewer.run.edits import Edits, freed
 from app.viewer.run.keeping import Keeping
 from app.viewer.run.news import News
 from app.viewer.run.past.playback import Playback
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning
 from app.viewer.run.past.time_line import TimeLine
 from app.viewer.run.picture import Wanted
 from app.viewer.run.preview import Preview, is_quick
@@ -46,7 +46,7 @@ OBEDIENCE = 0.03
 
 Models = tuple[str, str | None]
 """Names of the model and of the one beside it."""
-Next = tuple[Spec, Spec | None, Stored | None]
+Next = tuple[Spec, Spec | None, Beginning | None]
 """A run, what is beside it, and what it begins from if that is not its start."""
 
 
@@ -70,7 +70,7 @@ class Simulation:
         build: Callable[..., Flock] = Flock,
         build_beside: Callable[[Flock, Spec], Flock] = companion,
         compiling: Callable[[Sequence[Flock]], Compiling] = Compiling,
-        stored: Stored | None = None,
+        stored: Beginning | None = None,
         allowance: Allowance | None = None,
     ):
         self.keeping = Keeping(allowance)
@@ -145,7 +145,7 @@ class Simulation:
         """Build a new flock; of several set-ups at once only the last is built."""
         return self.tell(lambda: self.schedule(spec, beside), "set up")
 
-    def open(self, stored: Stored) -> Future:
+    def open(self, stored: Beginning) -> Future:
         """Go on from a saved state, or play a recording."""
         return self.tell(lambda: self.begin(stored), "set up")
 
@@ -364,7 +364,7 @@ class Simulation:
             beside_values=self.run.beside_values,
         )
 
-    def new_run(self, flock: Flock, beside: Spec | None, stored: Stored | None) -> Run:
+    def new_run(self, flock: Flock, beside: Spec | None, stored: Beginning | None) -> Run:
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
         run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
@@ -461,10 +461,10 @@ class Simulation:
                 self.notices.put(words)
             one.warned = words
 
-    def schedule(self, spec: Spec, beside: Spec | None, stored: Stored | None = None) -> None:
+    def schedule(self, spec: Spec, beside: Spec | None, stored: Beginning | None = None) -> None:
         self.next = spec, beside, stored
 
-    def begin(self, stored: Stored) -> None:
+    def begin(self, stored: Beginning) -> None:
         self.next = stored.spec, None, stored
 
     def switch(self, on: bool) -> None:

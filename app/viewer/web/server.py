@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import io
 import os
 import socket
 import threading
@@ -19,6 +18,7 @@ from functools import partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import rich
 import viser
 import websockets.asyncio.server
 from viser import _messages as messages
@@ -59,7 +59,7 @@ class Entrance:
     """How browsers come to one server."""
 
     front: Front
-    hears: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
+    kinds: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
     """Of which kinds of messages it hears at all."""
     visitors: Visitors = field(default_factory=Visitors)
     log: Log = field(default_factory=Log)
@@ -78,23 +78,22 @@ def open_server(
     host: str = "127.0.0.1",
     port: int = 8080,
     front: Front | None = None,
+    kinds: Mapping[str, Kind] = KINDS,
     limits: Limits = USUAL,
-    hears: Mapping[str, Kind] = KINDS,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
-    `front` answers what comes by HTTP; by default one with viser's page alone. `limits`: how many
-    connections there may be, of all and of one address, and how soon more. `hears`: of which kinds
-    of messages it hears, and how often; all others are dropped before anybody decodes them. Raises
-    Refusal if the port is busy or the host is not this machine's.
+    `front` answers what comes by HTTP; by default one with viser's page alone. `kinds`: of which
+    kinds of messages it hears, and how often; all others are dropped before anybody decodes them.
+    `limits`: how many connections there may be, of all and of one address, and how soon more.
+    Raises Refusal if the port is busy or the host is not this machine's.
     """
     hand_over()
     find_kinds_once()
     keep_icons_open()
-    entrance = Entrance(front or Front(), hears, Visitors(limits=limits))
-    quiet = contextlib.redirect_stdout(io.StringIO())
+    entrance = Entrance(front or Front(), kinds, Visitors(limits=limits))
     sock = listening(host, port)
-    with starting, served_on(sock, entrance), quiet:
+    with starting, served_on(sock, entrance), quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     for kind in UNWANTED:
         server._websock_server.unregister_handler(kind)
@@ -135,10 +134,21 @@ def close_server(server: viser.ViserServer) -> None:
     entrance = entrances.pop(server, None)
     if entrance is not None and entrance.door is not None:
         entrance.door.close()
-    with starting, contextlib.redirect_stdout(io.StringIO()):
+    with starting, quiet():
         server.stop()
     if entrance is not None:
         entrance.log.close()
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Within it viser says nothing, neither on standard output nor in a notebook's cell."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
 
 
 def listening(host: str, port: int) -> socket.socket:
@@ -162,8 +172,9 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
     """
     serve = websockets.asyncio.server.serve
     front, log = entrance.front, entrance.log
-    names = ("visitors", "log", "renders", "heard", "hears")
-    own = {name: getattr(entrance, name) for name in names}
+    own = {
+        name: getattr(entrance, name) for name in ("kinds", "visitors", "log", "renders", "heard")
+    }
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
         def answer(connection: Any, request: Request) -> Response | None:

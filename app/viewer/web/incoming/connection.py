@@ -13,7 +13,7 @@ from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
 from app.viewer.web.incoming.heard import Heard
-from app.viewer.web.incoming.kinds import KINDS, Kind
+from app.viewer.web.incoming.kinds import Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
@@ -36,12 +36,13 @@ class Connection(ServerConnection):
         visitors: Visitors,
         log: Log,
         renders: Renders,
+        kinds: Mapping[str, Kind],
         heard: Heard,
-        hears: Mapping[str, Kind] = KINDS,
         **options: Any,
     ):
         super().__init__(*args, **options)
-        self.heard, self.hears = heard, hears
+        self.kinds = kinds
+        self.heard = heard
         self.visitors = visitors
         self.renders = renders
         self.log = log
@@ -51,7 +52,7 @@ class Connection(ServerConnection):
         self.address = address_of(transport.get_extra_info("peername"))
         shared = self.visitors.messages(self.address)
         self.messages = Messages(
-            shared, self.complain, expected=self.renders.expects, hears=self.hears
+            shared, self.complain, expected=self.renders.expects, kinds=self.kinds
         )
         super().connection_made(transport)
 

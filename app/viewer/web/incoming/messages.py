@@ -33,7 +33,7 @@ class Messages:
     """Judges the messages of one connection; used by viser's thread.
 
     `shared` is a limit that all connections of an address have in common; `log` gets a line for a
-    message that nobody can use; `expected` knows the answers that were asked for; `hears` are the
+    message that nobody can use; `expected` knows the answers that were asked for; `kinds` are the
     kinds that may be passed on.
     """
 
@@ -43,7 +43,7 @@ class Messages:
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
         expected: Callable[[bytes], bool] = lambda _: False,
-        hears: Mapping[str, Kind] = KINDS,
+        kinds: Mapping[str, Kind] = KINDS,
     ):
         self.shared = shared
         self.expected = expected
@@ -51,7 +51,7 @@ class Messages:
         self.frames = RateLimit(*ALL, clock)
         self.bytes = RateLimit(*BYTES, clock)
         self.dropped = RateLimit(*DROPPED, clock)
-        self.kinds = {name: RateLimit(kind.rate, kind.most, clock) for name, kind in hears.items()}
+        self.kinds = {name: RateLimit(kind.rate, kind.most, clock) for name, kind in kinds.items()}
         self.introduced = False
         """Whether the browser has sent its camera."""
         self.verdict = ""
