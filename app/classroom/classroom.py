@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from agents.catalogue import model as find_model
+from agents.home import find_world
 from app.classroom.asking import Asking
 from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
@@ -47,10 +48,12 @@ LEAST, MOST = 0.1, 0.15
 
 def allowance(scene: SavedScene, seats: int) -> Allowance:
     """What each student's flock may take: the scene of the class in any case."""
-    agents = scene.spec.agents or find_model(scene.spec.model).agents
+    model = find_model(scene.spec.model)
+    agents = scene.spec.agents or model.agents
     beside = 1 if scene.beside is None else 2
     return Allowance(
         agents=max(Allowance.agents, beside * agents),
+        obstacles=max(Allowance.obstacles, len(find_world(scene.spec, model).obstacles)),
         share=min(max(LEAST, cores() / seats), MOST),
         pictures=PICTURES,
     )
@@ -70,6 +73,8 @@ class Classroom:
         self.code = new_code()
         self.key = new_key()
         """What opens the teacher's page."""
+        self.first_key = new_key()
+        """What opens it once: a browser is begun with it, and everybody on the machine sees how."""
         self.teachers: set[str] = set()
         """Hashes of the teacher's cookies."""
         self.students: dict[int, Student] = {}
@@ -198,11 +203,17 @@ class Classroom:
 
     def admit_teacher(self, key: str) -> str:
         """A cookie for who has the teacher's key. Raises Refusal."""
-        if not same(key, self.key):
+        if not self.is_key(key):
             raise Refusal("this is not the teacher's key")
+        if not same(key, self.key):
+            self.first_key = ""
         cookie = new_key()
         self.teachers.add(hashed(cookie))
         return cookie
+
+    def is_key(self, key: str) -> bool:
+        """Whether it opens the teacher's page."""
+        return bool(key) and (same(key, self.key) | same(key, self.first_key))
 
     def is_teacher(self, cookie: str) -> bool:
         """Whether it is a cookie of the teacher's."""
@@ -330,6 +341,8 @@ class Classroom:
             if student.place is not None:
                 try:
                     await student.place.worker.ask("open", student.number, student.scene)
+                    if student.frozen:
+                        await student.place.worker.ask("pause", student.number)
                 except Gone:
                     student.place = None  # it is opened when their page asks for it
             if student.role is not Role.OWN:

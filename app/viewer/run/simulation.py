@@ -298,8 +298,9 @@ class Simulation:
         self.stale = False
         now = time.perf_counter()
         apart = self.keeping.between_frames
-        # A tick that is a little early is not left out for it, or every other one would be.
-        self.next_frame = max(self.next_frame, now - 0.5 * apart) + apart
+        # A tick that is a little early is not left out for it, or every other one would be; frames
+        # that commands ask for put none off.
+        self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
         self.warn(self.run)
         known = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
@@ -501,6 +502,7 @@ class Simulation:
     def be_seen_now(self) -> None:
         self.keeping.look()
         self.pace = self.keeping.pace(self.state.speed)
+        self.next_frame = 0.0
         self.look_again_now()
 
     def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
