@@ -9,17 +9,23 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from agents.catalogue import model as find_model
+from agents.home import find_world
 from app.classroom.asking import Asking
 from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
 from app.classroom.student import Place, Role, Student
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.classroom.workers.seen import Seen
+from app.classroom.workers.worker import Laboratories
+from app.experiments.workers.processes import cores
 from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.allowance import Allowance
 from worlds.refusal import Refusal
 
 TEACHER = 0
@@ -32,6 +38,25 @@ LOOK = 2.0
 """Seconds between two looks at all laboratories."""
 LONGEST_WORD = 200
 """Letters of a word to all."""
+
+
+PICTURES, MANY, OF_MANY = 15.0, 20, 10.0
+"""Pictures a second of a student's flock, for so many students, and of more."""
+LEAST, MOST = 0.1, 0.15
+"""Share of a core for one student's flock, and as much for drawing it."""
+
+
+def allowance(scene: SavedScene, seats: int) -> Allowance:
+    """What each student's flock may take: the scene of the class in any case."""
+    model = find_model(scene.spec.model)
+    agents = scene.spec.agents or model.agents
+    beside = 1 if scene.beside is None else 2
+    return Allowance(
+        agents=max(Allowance.agents, beside * agents),
+        obstacles=max(Allowance.obstacles, len(find_world(scene.spec, model).obstacles)),
+        share=min(max(LEAST, cores() / seats), MOST),
+        pictures=PICTURES,
+    )
 
 
 class Classroom:
@@ -48,6 +73,8 @@ class Classroom:
         self.code = new_code()
         self.key = new_key()
         """What opens the teacher's page."""
+        self.first_key = new_key()
+        """What opens it once: a browser is begun with it, and everybody on the machine sees how."""
         self.teachers: set[str] = set()
         """Hashes of the teacher's cookies."""
         self.students: dict[int, Student] = {}
@@ -55,6 +82,8 @@ class Classroom:
         self.first_role = Role.WATCHING
         """What new students do."""
         self.asking = Asking(results)
+        self.allowance = allowance(scene, seats)
+        """What each student's flock may take."""
         self.word = ""
         self.frozen = False
         self.is_over = False
@@ -74,9 +103,13 @@ class Classroom:
     async def open(self) -> None:
         """Begin the processes and the teacher's laboratory. Raises Refusal."""
         self.own = await WorkerProcess(self.has_ended).begin()
-        self.workers = [await WorkerProcess(self.has_ended).begin() for _ in range(self.count)]
+        self.workers = [await self.new_worker() for _ in range(self.count)]
         await self.open_teacher()
         self.task(self.look())
+
+    async def new_worker(self) -> WorkerProcess:
+        """Begin a process for students' flocks."""
+        return await WorkerProcess(self.has_ended, Laboratories, self.allowance).begin()
 
     async def open_teacher(self) -> None:
         """Open the teacher's laboratory, and the page of those who watch it."""
@@ -111,13 +144,12 @@ class Classroom:
 
     async def begin_again(self, worker: WorkerProcess) -> None:
         """Another process in place of one that has died."""
-        fresh = await WorkerProcess(self.has_ended).begin()
         if worker is self.own:
-            self.own = fresh
+            self.own = await WorkerProcess(self.has_ended).begin()
             await self.open_teacher()
             self.move_watchers()
         else:
-            self.workers[self.workers.index(worker)] = fresh
+            self.workers[self.workers.index(worker)] = await self.new_worker()
         self.tell()
 
     # Who is in it.
@@ -171,11 +203,17 @@ class Classroom:
 
     def admit_teacher(self, key: str) -> str:
         """A cookie for who has the teacher's key. Raises Refusal."""
-        if not same(key, self.key):
+        if not self.is_key(key):
             raise Refusal("this is not the teacher's key")
+        if not same(key, self.key):
+            self.first_key = ""
         cookie = new_key()
         self.teachers.add(hashed(cookie))
         return cookie
+
+    def is_key(self, key: str) -> bool:
+        """Whether it opens the teacher's page."""
+        return bool(key) and (same(key, self.key) | same(key, self.first_key))
 
     def is_teacher(self, cookie: str) -> bool:
         """Whether it is a cookie of the teacher's."""
@@ -283,6 +321,7 @@ class Classroom:
 
     async def start_from(self, scene: SavedScene, numbers: Iterable[int] | None = None) -> None:
         """Have students begin with a scene, each with a seed of their own; a question is over."""
+        self.allowance.demand(scene.spec, scene.beside, None)
         if numbers is None:
             self.scene = scene
             self.asking.end()
@@ -302,6 +341,8 @@ class Classroom:
             if student.place is not None:
                 try:
                     await student.place.worker.ask("open", student.number, student.scene)
+                    if student.frozen:
+                        await student.place.worker.ask("pause", student.number)
                 except Gone:
                     student.place = None  # it is opened when their page asks for it
             if student.role is not Role.OWN:
@@ -368,11 +409,22 @@ class Classroom:
         """Now and then: see how all laboratories stand, keep their scenes, close those left."""
         while True:
             await asyncio.sleep(LOOK)
+            await self.draw_by_number()
             await asyncio.gather(*(self.look_at(one) for one in (*self.workers, self.own) if one))
             for student in self.students.values():
                 if not student.is_here and time.monotonic() - student.left > WAITS:
                     self.leave_place(student)
             self.tell()
+
+    async def draw_by_number(self) -> None:
+        """Draw fewer pictures a second where there are many students."""
+        here = sum(one.is_here and one.role is Role.OWN for one in self.students.values())
+        pictures = PICTURES if here <= MANY else OF_MANY
+        if pictures != self.allowance.pictures:
+            self.allowance = replace(self.allowance, pictures=pictures)
+            for worker in self.workers:
+                with suppress(Gone):
+                    await worker.ask("draw_at", pictures)
 
     async def look_at(self, worker: WorkerProcess) -> None:
         """See how the laboratories of a process stand, and keep their scenes."""

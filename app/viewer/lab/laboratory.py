@@ -334,7 +334,8 @@ class Laboratory:
     def told_scene(self) -> SavedScene | None:
         """The scene that was opened, as long as it is what runs."""
         scene, state = self.shown_scene, self.simulation.state
-        if scene is None or state.busy:
+        coming = self.pointing is not None and state.run <= self.pointing[0]
+        if scene is None or state.busy or coming:
             return scene
         same = scene.spec.world == state.spec.world and scene.spec.agents == state.spec.agents
         if same and (scene.spec.model, scene.beside and scene.beside.model) == state.models:
@@ -413,7 +414,7 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
-        self.simulation.be_seen(self.browsers() > 0)
+        self.simulation.be_seen(self.browsers() + self.elsewhere.browsers > 0)
         self.notices.tell()
         self.world.refresh()
         look = self.view.look()

@@ -25,6 +25,7 @@ from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.keeping import Keeping
+from app.viewer.run.news import News
 from app.viewer.run.past.playback import Playback
 from app.viewer.run.past.stored import Beginning
 from app.viewer.run.past.time_line import TimeLine
@@ -81,7 +82,7 @@ class Simulation:
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
         self.state = State(spec, beside, running=running, busy=True, speed=speed)
-        self.news = threading.Event()
+        self.news = News()
         """Set whenever a frame has been left; for who draws it."""
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
@@ -297,8 +298,9 @@ class Simulation:
         self.stale = False
         now = time.perf_counter()
         apart = self.keeping.between_frames
-        # A tick that is a little early is not left out for it, or every other one would be.
-        self.next_frame = max(self.next_frame, now - 0.5 * apart) + apart
+        # A tick that is a little early is not left out for it, or every other one would be; frames
+        # that commands ask for put none off.
+        self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
         self.warn(self.run)
         known = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
@@ -500,6 +502,7 @@ class Simulation:
     def be_seen_now(self) -> None:
         self.keeping.look()
         self.pace = self.keeping.pace(self.state.speed)
+        self.next_frame = 0.0
         self.look_again_now()
 
     def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
