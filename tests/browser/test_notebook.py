@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import urllib.request
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from app.viewer.notebook.place import Place
 from app.viewer.notebook.view import View
@@ -14,6 +17,7 @@ from tests.browser.conftest import POLICY, absent
 from tests.browser.jupyter import BASE, Jupyter
 from tests.browser.window import COMPILED
 from tests.viewer.waiting import until
+from worlds.refusal import Refusal
 
 SLOW = 1000 * COMPILED
 """Milliseconds for a laboratory to be there, on a busy machine."""
@@ -160,3 +164,13 @@ def test_a_page_frames_it_only_if_it_is_the_notebooks(chromium, monkeypatch, nam
         finally:
             view.end()
             page.close()
+
+
+def test_a_picture_by_the_browser_shows_what_the_plain_one_cannot(chromium, tmp_path):
+    assert chromium.is_connected()
+    still = Flock("vem", agents=40, rng=1).picture((640, 400), camera="side", renderer="browser")
+    pixels = np.asarray(Image.open(io.BytesIO(still.png)).convert("RGB"), int)
+    assert pixels.shape == (400, 640, 3)
+    assert np.mean(pixels.max(axis=2) - pixels.min(axis=2) > 90) > 0.001
+    with pytest.raises(Refusal, match=r"a browser draws no \.svg"):
+        still.save(tmp_path / "flock.svg")
