@@ -48,10 +48,13 @@ def free_port() -> int:
         return free.getsockname()[1]
 
 
-def printed(language: str) -> str:
-    """The configuration on the page."""
-    (block,) = (one for one in blocks_of(PAGE) if one.language == language)
-    return block.code
+def printed(language: str, below: bool = False) -> str:
+    """The configuration on the page; `below` a path, as nginx has it."""
+    whole, *more = (one.code for one in blocks_of(PAGE) if one.language == language)
+    if not below:
+        return whole
+    (location,) = more
+    return f"{whole.partition('    location /')[0]}{location}}}"
 
 
 def replaced(text: str, words: dict[str, str]) -> str:
@@ -63,10 +66,13 @@ def replaced(text: str, words: dict[str, str]) -> str:
 
 
 class RealProxy:
-    """Runs before a class at `inner` until left; `kind` is nginx or caddy."""
+    """Runs before a class at `inner` until left; `kind` is nginx or caddy.
 
-    def __init__(self, kind: str, folder: Path, port: int, inner: int):
-        self.kind, self.folder, self.port = kind, folder, port
+    `below`: the path below which it has the class, as the page has it.
+    """
+
+    def __init__(self, kind: str, folder: Path, port: int, inner: int, below: str = ""):
+        self.kind, self.folder, self.port, self.below = kind, folder, port, below
         words = {"class.example.org": NAME, ":8080": f":{inner}"}
         program = shutil.which(kind) or kind
         if kind == "nginx":
@@ -84,7 +90,7 @@ class RealProxy:
             whole, named = CADDY, "Caddyfile"
             self.command = [program, "run", "--config", str(folder / named), "--adapter",
                             "caddyfile"]  # fmt: skip
-        block = replaced(printed("nginx" if kind == "nginx" else "caddyfile"), words)
+        block = replaced(printed("nginx" if kind == "nginx" else "caddyfile", bool(below)), words)
         (folder / named).write_text(whole.format(folder=folder, block=block))
         self.log = folder / "said.log"
 

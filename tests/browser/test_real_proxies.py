@@ -19,15 +19,16 @@ from tests.viewer.waiting import until
 SLOW = 1000 * COMPILED
 
 
-@pytest.fixture(params=["nginx", "caddy"])
+@pytest.fixture(params=[("nginx", ""), ("nginx", "/flocks"), ("caddy", "")], ids="".join)
 def proxied(request, tmp_path):
     """A class, and the proxy before it."""
-    if shutil.which(request.param) is None:
-        absent(request.param)
+    kind, below = request.param
+    if shutil.which(kind) is None:
+        absent(kind)
     port = free_port()
     with (
         running(tmp_path, "--allow-host", f"{NAME}:{port}") as served,
-        RealProxy(request.param, tmp_path, port, inner_port(served)) as proxy,
+        RealProxy(kind, tmp_path, port, inner_port(served), below) as proxy,
     ):
         yield served, proxy
 
@@ -55,7 +56,7 @@ def tick(page) -> int:
 
 def test_a_student_enters_and_runs_a_flock(chromium, proxied):
     served, proxy = proxied
-    outer = f"https://{NAME}:{proxy.port}"
+    outer = f"https://{NAME}:{proxy.port}{proxy.below}"
     context = chromium.new_context(
         viewport={"width": 1000, "height": 700}, ignore_https_errors=True
     )
@@ -75,7 +76,7 @@ def test_a_student_enters_and_runs_a_flock(chromium, proxied):
         until(lambda: tick(page) > 5, COMPILED, "a flock that runs")
         page.get_by_role("button", name="Pause", exact=True).click()
         page.get_by_role("button", name="Go", exact=True).wait_for(timeout=SLOW)
-        assert set(lines) == {f"wss://{NAME}:{proxy.port}/"}
+        assert set(lines) == {f"wss://{NAME}:{proxy.port}{proxy.below or '/'}"}
         assert not [one for one in said if POLICY in one]
         (cookie,) = context.cookies()
         assert cookie["secure"]
@@ -83,7 +84,6 @@ def test_a_student_enters_and_runs_a_flock(chromium, proxied):
         assert cookie["sameSite"] == "Strict"
         assert [one["name"] for one in roster(teacher)["students"]] == ["Ada"]
         page.goto(f"{outer}/{key_of(served)}")
-        page.get_by_role("button").first.click()
         page.get_by_text("Ada").first.wait_for(timeout=SLOW)
         assert served.code not in proxy.written
         assert key_of(served) not in proxy.written
@@ -95,7 +95,7 @@ def test_by_another_name_nobody_is_let_in(chromium, proxied):
     served, proxy = proxied
     context = chromium.new_context(ignore_https_errors=True)
     page = context.new_page()
-    address = f"https://other.localhost:{proxy.port}/{served.code}"
+    address = f"https://other.localhost:{proxy.port}{proxy.below}/{served.code}"
     try:
         if proxy.kind == "nginx":
             assert page.goto(address).status == 403

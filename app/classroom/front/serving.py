@@ -218,7 +218,7 @@ class ClassFront:
         """The page on which somebody comes in, if they are not in yet."""
         teaches = self.classroom.is_key(secret)
         if is_teacher if teaches else is_student:
-            raise web.HTTPSeeOther("/class" if teaches else "/")
+            raise web.HTTPSeeOther("class" if teaches else "./")
         if teaches:
             page, words = own_page("teach.html", (THEME, "classroom/teach.js")), {"key": secret}
             return self.own(request, page.filled(**words), page)
@@ -247,7 +247,7 @@ class ClassFront:
             if not self.classroom.is_key(given.get("key", "")):
                 self.demand_patience(request)
             cookie = self.classroom.admit_teacher(given.get("key", ""))
-            who, to = "teacher", "/class"
+            who, to = "teacher", "class"
         else:
             code = plain(given.get("code", ""))
             if not same(code, self.classroom.code):
@@ -260,7 +260,7 @@ class ClassFront:
                 if not same(code, self.classroom.code):
                     return web.Response(status=403, text=f"{refusal}\n")
                 return self.ask_name(request, given.get("name", "")[:60], str(refusal))
-            who, to = "student", "/"
+            who, to = "student", "./"
         answer = web.Response(status=303, headers={"Location": to})
         answer.set_cookie(
             self.cookie(who),
