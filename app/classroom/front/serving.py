@@ -8,6 +8,7 @@ import secrets
 import ssl
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 from aiohttp import web
 
@@ -38,6 +39,8 @@ LASTS = 12 * 3600
 """Seconds that a cookie lasts."""
 IDLE = 20.0
 """Seconds that a connection may be silent that has no request."""
+LINGERS = 2.0
+"""Seconds that more is taken of a request that has been refused, so that the refusal is read."""
 READS = 60.0
 """Seconds in which an answer is to be read."""
 CHANGES_OVER = 3.0
@@ -95,14 +98,14 @@ class ClassFront:
         """Serve, until closed."""
         self.relay = Relay()
         log_failures(asyncio.get_running_loop(), self.log)
-        app = web.Application(client_max_size=LARGEST)
+        app = web.Application(client_max_size=LARGEST, middlewares=[self.answer])
         app.on_response_prepare.append(self.finish)
-        app.router.add_route("*", "/{path:.*}", self.answer)
         self.runner = web.AppRunner(
             app,
             access_log=None,
             logger=logger(self.log),
             keepalive_timeout=IDLE,
+            lingering_time=LINGERS,
             handler_cancellation=True,
             auto_decompress=False,
         )
@@ -142,7 +145,12 @@ class ClassFront:
 
     # Who asks for what.
 
-    async def answer(self, request: web.Request) -> web.StreamResponse:
+    @web.middleware
+    async def answer(
+        self,
+        request: web.Request,
+        handler: Any,  # noqa: ARG002, what aiohttp would answer
+    ) -> web.StreamResponse:
         """Everything that is asked."""
         self.connections.busy(request.protocol)
         try:
