@@ -229,6 +229,7 @@ class Scenario:
                 until(lambda: not any(self.compiling()))
             half = len(self.programs) // 2
             list(pool.map(Program.hand_in, self.programs[:half]))
+            self.teacher.evaluate("scrollTo(0, 0)")
             self.keep(self.teacher, "coming-in")
             list(pool.map(Program.hand_in, self.programs[half:]))
         told = self.shown()["question"]["told"]
@@ -251,6 +252,7 @@ class Scenario:
             until(lambda: self.shown()["question"]["making"])
             until(lambda: not self.shown()["question"]["making"])
             self.teacher.locator(".fs-curve").wait_for()
+            self.teacher.evaluate("scrollTo(0, 0)")
 
     def export(self, folder: Path) -> list[dict[str, str]]:
         """The teacher saves the results as CSV and PNG; the rows of the CSV."""

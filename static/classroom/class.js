@@ -53,7 +53,7 @@
       context.fill();
     }
   };
-  const few = (value) => Math.abs(value) >= 100 ? value.toFixed(0) : value.toPrecision(3);
+  const few = (value) => Math.abs(value) >= 100 ? value.toFixed(0) : Math.abs(value) < 1 ? value.toFixed(3) : value.toPrecision(3);
   const stands = (one) => !one.seen ? "" : one.seen.error ? "stopped by an error" :
     one.seen.compiling ? "compiling" : `tick ${one.seen.tick}${one.seen.running ? "" : ", paused"}`;
   const cards = new Map();
@@ -87,7 +87,7 @@
     parts.stands.textContent = !one.here ? "not here" : !own ? "sees my flock" :
       one.frozen ? `frozen, ${stands(one)}` : stands(one);
     parts.numbers.textContent = own && one.seen ?
-      one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join(" · ") : "";
+      one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join("\n") : "";
     parts.role.textContent = own ? "Watch mine" : "Own flock";
     parts.hold.textContent = one.frozen ? "Go on" : "Freeze";
     parts.hold.hidden = parts.open.hidden = parts.canvas.hidden = !own;
