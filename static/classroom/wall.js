@@ -25,7 +25,9 @@ window.flockscopeWall = (links, say, close) => {
     at = links[(links.indexOf(at) + 1) % links.length];
     show();
   }));
-  below.append(button("New code", () => say({ do: "renew" })), button("Close", close));
+  const last = button("Close", close);
+  last.autofocus = true;
+  below.append(button("New code", () => say({ do: "renew" })), last);
   made.append(picture, words, below);
   show();
   return made;
