@@ -45,6 +45,25 @@ OTHERWISE = (
         "the port may be taken here; what is opened is no browser but a test that reads the page",
     ),
     Otherwise(
+        "class --host 0.0.0.0 --certificate",
+        None,
+        "needs a certificate: tests/classroom/test_class.py refuses one that is none",
+    ),
+    Otherwise(
+        "class",
+        "--host 127.0.0.1 --port 0 --open",
+        "tests serve this machine only; a test reads the page, no browser",
+    ),
+    Otherwise(
+        "sweep run vem --vary eta=0,0.628", "--runs 2", "fewer runs: twenty of each take a minute"
+    ),
+    Otherwise(
+        "sweep run hwvem --vary", "--runs 2", "fewer runs: twenty of each take a minute"
+    ),
+    Otherwise(
+        "sweep run couzin --vary alpha=60", "--runs 2", "fewer runs: twenty of each take a minute"
+    ),
+    Otherwise(
         "live lab lab.toml",
         '--source "emulated cars" --port 0',
         "needs the room's hardware; a test reads the page, no browser",
