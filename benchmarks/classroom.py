@@ -1,11 +1,12 @@
-"""What a class costs: `python benchmarks/classroom.py [--students 10 20 40] [--watch] [--seconds S]`.
+"""What a class costs: `python benchmarks/classroom.py [--students 10 20 40] [--watch]`.
 
 Starts `flockscope class` with flocks of 300 agents (hwvem), and in a process of its own so many
 students that are programs, not browsers: they enter by the code, connect through the front, read
 every picture, and now and then pause their flock and let it go on. With `--watch` all of them watch
-the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a second of a student,
-what was sent, how soon a button was answered, how soon the teacher's page was, processor time and
-memory of the class without its students, and what a laboratory costs at which nobody looks.
+the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a second of a
+student, what was sent, how soon a button was answered, how soon the teacher's page was, processor
+time and memory of the class without its students, and what a laboratory costs at which nobody
+looks.
 """
 
 from __future__ import annotations
@@ -54,8 +55,6 @@ PRESS = 3.0
 """Seconds between two presses of a student."""
 SETTLES = 4.0
 """Seconds from the last that began to the measurement."""
-IDLE = 20.0
-"""Seconds over which laboratories at which nobody looks are measured."""
 unzstd = zstandard.ZstdDecompressor()
 
 
@@ -105,11 +104,16 @@ class Student:
                     (one["uuid"] for one in told(data) if one["type"] == "GuiButtonMessage"
                      and one["props"]["label"] in ("Pause", "Go")), "",
                 )  # fmt: skip
-            elif self.pressed and len(data) < 8 * self.least:
-                if any(one.get("uuid") == self.button for one in told(data)):
-                    self.answers.append(now - self.pressed)
-                    self.pressed = 0.0
+            elif self.pressed and (label := self.label(data)):
+                self.answers.append(now - self.pressed)
+                self.pressed = 0.0
+                if label == "Go":
                     await self.say()
+
+    def label(self, data: bytes) -> str:
+        """What the button is called from now on; empty if nothing is said of that."""
+        ours = (one for one in told(data) if one.get("uuid") == self.button)
+        return next((one["updates"]["label"] for one in ours if "label" in one["updates"]), "")
 
     async def say(self) -> None:
         """Press the button that starts and pauses."""
@@ -213,7 +217,7 @@ async def page(
         await asyncio.sleep(0.5)
 
 
-async def measure(count: int, agents: int, watch: bool, seconds: float) -> None:
+async def measure(count: int, agents: int, watch: bool, seconds: float, idle: float) -> None:
     """Measure a class of so many students, and print."""
     with tempfile.TemporaryDirectory() as folder:
         ours = Class(folder, agents, count)
@@ -222,7 +226,7 @@ async def measure(count: int, agents: int, watch: bool, seconds: float) -> None:
             connector._factory = partial(Counted, loop=asyncio.get_running_loop())
             jar = aiohttp.DummyCookieJar()
             async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
-                await measured(session, ours, count, agents, watch, seconds)
+                await measured(session, ours, count, agents, watch, seconds, idle)
         finally:
             ours.end()
 
@@ -234,6 +238,7 @@ async def measured(
     agents: int,
     watch: bool,
     seconds: float,
+    idle: float,
 ) -> None:
     """Measure a class that runs, and print."""
     cookie = await teach(session, ours.teachers)
@@ -278,9 +283,9 @@ async def measured(
         return
     await asyncio.sleep(SETTLES)
     before = ours.seconds()
-    await asyncio.sleep(IDLE)
-    idle = sum(b - a for a, b in zip(before, ours.seconds(), strict=True)) / IDLE
-    print(f"  nobody looks, cores each  {idle / count:8.4f}", flush=True)
+    await asyncio.sleep(idle)
+    spent = sum(b - a for a, b in zip(before, ours.seconds(), strict=True)) / idle
+    print(f"  nobody looks, cores each  {spent / count:8.4f}", flush=True)
 
 
 def main() -> None:
@@ -290,10 +295,11 @@ def main() -> None:
     asking.add_argument("--agents", type=int)
     asking.add_argument("--watch", action="store_true")
     asking.add_argument("--seconds", type=float, default=20.0)
+    asking.add_argument("--idle", type=float, default=20.0, help="seconds, of nobody looking")
     given = asking.parse_args()
     agents = given.agents or (1000 if given.watch else 300)
     for count in given.students:
-        asyncio.run(measure(count, agents, given.watch, given.seconds))
+        asyncio.run(measure(count, agents, given.watch, given.seconds, given.idle))
 
 
 if __name__ == "__main__":

@@ -121,7 +121,7 @@ async def serve(
         await front.open()
         announce(front, host)
         if open_browser:
-            classroom.task(asyncio.to_thread(webbrowser.open, front.teachers_link))
+            classroom.task(asyncio.to_thread(webbrowser.open, front.opening_link))
         due = time.monotonic() + EVERY
         while not stopping.asked and not classroom.is_over:
             await asyncio.sleep(LOOK)

@@ -23,7 +23,7 @@
   };
   const say = async (values) => {
     try {
-      const answer = await fetch("/class/do", {
+      const answer = await fetch("class/do", {
         method: "POST", credentials: "same-origin", cache: "no-store", body: JSON.stringify(values),
         headers: { "X-Flockscope": "class", "Content-Type": "application/json" } });
       tell((await answer.text()).trim());
@@ -64,7 +64,7 @@
     const parts = { card, canvas, name: make("b"), model: make("span"), stands: make("span"),
       numbers: make("span", "fs-numbers"), acts: make("div", "fs-acts"), open: make("a", "fs-button", "Open") };
     parts.open.target = `flockscope-${number || "mine"}`;
-    parts.open.href = number ? `/at/${number}/` : "/";
+    parts.open.href = number ? `at/${number}/` : "./";
     parts.role = button("", () => say({ do: "role", students: [number],
       role: parts.is === "own" ? "watching" : "own" }));
     parts.hold = button("", () => say({ do: "freeze", held: !parts.held, students: [number] }));
@@ -133,7 +133,7 @@
     }, close));
   };
   const listen = () => {
-    const line = new EventSource("/class/roster");
+    const line = new EventSource("class/roster");
     line.onmessage = (event) => shown(event.data, line);
     line.onerror = () => {
       at("lost").textContent = "The class does not answer; what is shown is from before. Trying again.";
@@ -158,7 +158,7 @@
     });
     at("end").addEventListener("click", () => {
       const inner = make("div", "fs-asking"), link = make("a", "fs-button", "Save the class as a file");
-      Object.assign(link, { href: "/class/class.zip", download: "" });
+      Object.assign(link, { href: "class/class.zip", download: "" });
       inner.append(make("h2", "", "End of class"),
         make("p", "", "One file has all flocks, results and plots; flockscope class FILE opens it again."), link,
         button("End the class for all", async () => { if (await say({ do: "end" })) close(); }, "fs-main"),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from typing import Any
+from urllib.parse import parse_qsl
 
 from aiohttp import web
 from websockets.datastructures import Headers
@@ -17,6 +19,10 @@ MARK, WORD = "X-Flockscope", "class"
 """A header that no foreign page can send: a browser would ask first whether it may."""
 LARGEST = 64 * 1024
 """Bytes of what a page sends by POST."""
+COMES = 10.0
+"""Seconds that it may take to come."""
+FORM, FIELDS = "application/x-www-form-urlencoded", 8
+"""How our forms are sent, and fields of one at most."""
 
 
 def refused(request: web.Request, allow: tuple[Allowed, ...]) -> web.Response | None:
@@ -28,12 +34,34 @@ def refused(request: web.Request, allow: tuple[Allowed, ...]) -> web.Response | 
     return web.Response(status=found.status_code, body=found.body, content_type="text/plain")
 
 
+async def text_of(request: web.Request) -> str:
+    """What was sent with a request, as text. Raises Refusal, and HTTPRequestTimeout."""
+    try:
+        async with asyncio.timeout(COMES):
+            sent = await request.read()
+        return sent.decode()
+    except TimeoutError:
+        raise web.HTTPRequestTimeout(text="what was sent did not come\n") from None
+    except ValueError:
+        raise Refusal("what was sent is no text") from None
+
+
+async def form_of(request: web.Request) -> dict[str, str]:
+    """What a form of ours sends. Raises Refusal."""
+    if request.content_type != FORM:
+        raise Refusal("what was sent is no form")
+    try:
+        return dict(parse_qsl(await text_of(request), max_num_fields=FIELDS))
+    except ValueError:
+        raise Refusal("what was sent is no form") from None
+
+
 async def values_of(request: web.Request) -> dict[str, Any]:
     """What a page of ours sends, as JSON. Raises Refusal, and HTTPForbidden for any other page."""
     if request.headers.getall(MARK, []) != [WORD]:
         raise web.HTTPForbidden(text=f"this is asked with the header {MARK}: {WORD}\n")
     try:
-        values = json.loads(await request.text())
+        values = json.loads(await text_of(request))
     except (ValueError, RecursionError):
         raise Refusal("what was sent is no JSON") from None
     if not isinstance(values, dict):

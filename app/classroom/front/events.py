@@ -20,7 +20,10 @@ ALIVE = 15.0
 async def stream(
     request: web.Request, classroom: Classroom, told: Callable[[], Any]
 ) -> web.StreamResponse:
-    """An endless answer: `told()` as JSON now, and whenever it has become another."""
+    """An answer without end: `told()` as JSON now, and whenever it has become another.
+
+    It ends once it has said that the class is over, for all or for this page.
+    """
     response = web.StreamResponse(headers={"Content-Type": "text/event-stream"})
     await response.prepare(request)
     changed = asyncio.Event()
@@ -29,10 +32,13 @@ async def stream(
     try:
         while True:
             changed.clear()
-            now = json.dumps(told())
+            said = told()
+            now = json.dumps(said)
             if now != before:
                 before = now
                 await response.write(f"data: {now}\n\n".encode())
+                if said["over"]:
+                    break
             await asyncio.sleep(APART)
             try:
                 async with asyncio.timeout(ALIVE):

@@ -7,11 +7,12 @@ deflated: of what viser sends only words are packed, not the numbers of agents.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from typing import Any
 
 import aiohttp
 from aiohttp import web
+from yarl import URL
 
 from app.classroom.front.limits import Limits
 from app.classroom.student import Place
@@ -31,6 +32,13 @@ BROUGHT_BACK = ("Content-Type", "Content-Disposition", "Content-Range", "Accept-
 """Headers of its answer that the page is told."""
 Heard = Callable[[bytes], bool]
 """Whether a message of the page's may be passed on."""
+Ending = Callable[[], Coroutine[Any, Any, None]]
+"""Returns when a connection is to be ended."""
+
+
+async def never() -> None:
+    """Of a connection that nobody but the page or the laboratory ends."""
+    await asyncio.Event().wait()
 
 
 def anything(_: bytes) -> bool:
@@ -66,7 +74,7 @@ class Relay:
         headers = {
             name: value for name in PASSED_ON if (value := request.headers.get(name)) is not None
         }
-        url = f"http://127.0.0.1:{place.port}{path}"
+        url = URL(f"http://127.0.0.1:{place.port}{path}", encoded=True)
         try:
             async with self.session.get(url, headers=headers, allow_redirects=False) as answer:
                 body = await answer.content.read(MOST_ANSWER + 1)
@@ -80,11 +88,21 @@ class Relay:
         return web.Response(status=answer.status, body=body, headers=brought)
 
     async def connect(
-        self, request: web.Request, place: Place, limits: Limits, heard: Heard = anything
+        self,
+        request: web.Request,
+        place: Place,
+        limits: Limits,
+        heard: Heard = anything,
+        ends: Ending = never,
     ) -> web.WebSocketResponse:
-        """Connect a page with a laboratory, until one of both goes."""
+        """Connect a page with a laboratory, until one of both goes or `ends` returns."""
+        demand_websocket(request)
         page = web.WebSocketResponse(
-            protocols=(PROTOCOL,), max_msg_size=LARGEST, heartbeat=HEARTBEAT, timeout=1.0
+            protocols=(PROTOCOL,),
+            max_msg_size=LARGEST,
+            heartbeat=HEARTBEAT,
+            timeout=1.0,
+            autoping=False,
         )
         try:
             inner = await self.session.ws_connect(
@@ -101,6 +119,7 @@ class Relay:
             ways = (
                 asyncio.create_task(outward(inner, page)),
                 asyncio.create_task(inward(page, inner, limits, heard)),
+                asyncio.create_task(ends()),
             )
             try:
                 await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
@@ -110,9 +129,16 @@ class Relay:
                 await asyncio.gather(*ways, return_exceptions=True)
         finally:
             await inner.close()
-            if not page.closed:
+            if page.prepared and not page.closed:
                 await page.close(code=aiohttp.WSCloseCode.GOING_AWAY)
         return page
+
+
+def demand_websocket(request: web.Request) -> None:
+    """Raises HTTPBadRequest for what is no websocket of viser's page of this version."""
+    offered = request.headers.get("Sec-WebSocket-Protocol", "").split(",")
+    if request.method != "GET" or PROTOCOL not in map(str.strip, offered):
+        raise web.HTTPBadRequest(text="a websocket of another kind, or of a page of another time\n")
 
 
 async def outward(inner: aiohttp.ClientWebSocketResponse, page: web.WebSocketResponse) -> None:
@@ -125,10 +151,12 @@ async def outward(inner: aiohttp.ClientWebSocketResponse, page: web.WebSocketRes
 async def inward(page: web.WebSocketResponse, inner: Any, limits: Limits, heard: Heard) -> None:
     """From the page to the laboratory, within limits."""
     async for message in page:
-        if message.type is not aiohttp.WSMsgType.BINARY:
-            continue
-        if not (limits.frames.take() and limits.bytes.take(len(message.data))):
+        if message.type is aiohttp.WSMsgType.ERROR:
+            return
+        if not (limits.frames.take() and limits.bytes.take(len(message.data or b""))):
             await page.close(code=aiohttp.WSCloseCode.POLICY_VIOLATION, message=TOO_MUCH.encode())
             return
-        if heard(message.data):
+        if message.type is aiohttp.WSMsgType.PING:
+            await page.pong(message.data)
+        elif message.type is aiohttp.WSMsgType.BINARY and heard(message.data):
             await inner.send_bytes(message.data)

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import asyncio
+import re
 import secrets
 import ssl
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 from aiohttp import web
 
-from app.classroom.classroom import TEACHER, Classroom
-from app.classroom.front.asked import LARGEST, refused
+from app.classroom.classroom import Classroom
+from app.classroom.flocks import TEACHER
+from app.classroom.front.asked import LARGEST, form_of, refused
 from app.classroom.front.connections import Connections
-from app.classroom.front.limits import MOST_PAGES, STRANGERS, Limits
+from app.classroom.front.limits import JOINS, MOST_AT_ONCE, MOST_PAGES, STRANGERS, Limits
 from app.classroom.front.pages import Page, own_page
-from app.classroom.front.relay import Relay, camera_alone
+from app.classroom.front.relay import Ending, Relay, camera_alone
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
 from app.classroom.keys import LONGEST, plain, same
-from app.classroom.student import Place, Student
-from app.viewer.lab.scene_requests import SCRIPTS
+from app.classroom.student import Place, Role, Student
+from app.viewer.lab.scene_requests import MARK, SCRIPTS
 from app.viewer.web.addresses import elsewhere, here
+from app.viewer.web.incoming.failures import in_a_line, log_failures, logger
+from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.rate_limit import RateLimit
 from app.viewer.web.incoming.visitors import address_of
 from app.viewer.web.origin import Allowed, authority
@@ -33,6 +39,15 @@ LASTS = 12 * 3600
 """Seconds that a cookie lasts."""
 IDLE = 20.0
 """Seconds that a connection may be silent that has no request."""
+LINGERS = 2.0
+"""Seconds that more is taken of a request that has been refused, so that the refusal is read."""
+READS = 60.0
+"""Seconds in which an answer is to be read."""
+CHANGES_OVER = 3.0
+"""Seconds that a page has to change over by itself, after which its connection is ended."""
+METHODS = ("GET", "HEAD", "POST")
+PLAIN = re.compile(r"[\w./~-]+", re.ASCII)
+"""The paths that a laboratory serves, none of which is encoded."""
 PAGES = ("/", "/index.html")
 THEME = "classroom/theme.js"
 STYLES = ("classroom/bar.css",)
@@ -68,7 +83,8 @@ class ClassFront:
         self.relay: Relay
         self.limits: dict[int, Limits] = defaultdict(Limits)
         self.strangers: dict[str, RateLimit] = {}
-        self.lines: dict[int, set[web.WebSocketResponse]] = defaultdict(set)
+        self.joins = RateLimit(*JOINS)
+        self.log = Log()
         self.student = StudentRequests(classroom)
         self.teacher = TeacherRequests(classroom, self.addresses(host))
 
@@ -81,11 +97,17 @@ class ClassFront:
     async def open(self) -> None:
         """Serve, until closed."""
         self.relay = Relay()
-        app = web.Application(client_max_size=LARGEST)
+        log_failures(asyncio.get_running_loop(), self.log)
+        app = web.Application(client_max_size=LARGEST, middlewares=[self.answer])
         app.on_response_prepare.append(self.finish)
-        app.router.add_route("*", "/{path:.*}", self.answer)
         self.runner = web.AppRunner(
-            app, access_log=None, keepalive_timeout=IDLE, handler_cancellation=True
+            app,
+            access_log=None,
+            logger=logger(self.log),
+            keepalive_timeout=IDLE,
+            lingering_time=LINGERS,
+            handler_cancellation=True,
+            auto_decompress=False,
         )
         await self.runner.setup()
         assert self.runner.server is not None
@@ -109,23 +131,70 @@ class ClassFront:
         at = here("127.0.0.1", self.port).replace("http:", f"{self.scheme}:", 1)
         return f"{at}/{self.classroom.key}"
 
+    @property
+    def opening_link(self) -> str:
+        """What opens it once, for the browser that the command begins."""
+        return f"{self.teachers_link.rpartition('/')[0]}/{self.classroom.first_key}"
+
     async def finish(self, _request: web.Request, response: web.StreamResponse) -> None:
         """Give an answer, whoever made it, the headers that every one has."""
+        response.headers["Server"] = "flockscope"
         for name, value in FIXED.items():
             response.headers.setdefault(name, value)
         response.headers.setdefault(POLICY, CLOSED)
 
     # Who asks for what.
 
-    async def answer(self, request: web.Request) -> web.StreamResponse:
+    @web.middleware
+    async def answer(
+        self,
+        request: web.Request,
+        handler: Any,  # noqa: ARG002, what aiohttp would answer
+    ) -> web.StreamResponse:
         """Everything that is asked."""
-        found = refused(request, self.allow)
-        if found is not None:
-            return found
+        self.connections.busy(request.protocol)
         try:
-            return await self.answer_known(request)
+            response = await self.answer_whatever(request)
+            if response.status >= 400:
+                response.force_close()
+            await self.send(request, response)
+        finally:
+            self.connections.rest(request.protocol, request.transport)
+        return response
+
+    async def answer_whatever(self, request: web.Request) -> web.StreamResponse:
+        """Everything that is asked, however it ends."""
+        try:
+            if request.method not in METHODS:
+                raise web.HTTPMethodNotAllowed(request.method, METHODS)
+            if not request.path.startswith("/"):
+                raise web.HTTPBadRequest(text="this is no address of a page\n")
+            return refused(request, self.allow) or await self.answer_known(request)
         except Refusal as refusal:
-            return web.Response(status=400, text=f"{refusal}\n")
+            words = f"{refusal}\n".encode("utf-8", "replace")
+            return web.Response(status=400, body=words, content_type="text/plain", charset="utf-8")
+        except web.HTTPException as found:
+            headers = {
+                name: found.headers[name] for name in ("Location", "Allow") if name in found.headers
+            }
+            return web.Response(status=found.status, text=found.text, headers=headers)
+        except ConnectionError:
+            raise
+        except Exception as error:
+            self.log.line(f"what a browser asked for failed: {in_a_line(error)}")
+            return web.Response(status=500, text="this cannot be answered\n")
+
+    async def send(self, request: web.Request, response: web.StreamResponse) -> None:
+        """Send an answer, to who reads it."""
+        if not isinstance(response, web.Response):
+            return
+        try:
+            async with asyncio.timeout(READS):
+                await response.prepare(request)
+                await response.write_eof()
+        except TimeoutError:
+            if request.transport is not None:
+                request.transport.abort()
 
     async def answer_known(self, request: web.Request) -> web.StreamResponse:
         """What is asked by whom we know; others are asked for the code."""
@@ -133,11 +202,11 @@ class ClassFront:
         if classroom.is_over:
             return web.Response(status=410, text="this class is over\n")
         if request.method == "POST" and path in ("/join", "/teach"):
-            return await self.come_in(request, path)
+            return await self.come_in(request)
         is_teacher = classroom.is_teacher(request.cookies.get(self.cookie("teacher"), ""))
         student = classroom.student_of(request.cookies.get(self.cookie("student"), ""))
         known = is_teacher or student is not None
-        if len(path) <= LONGEST and (same(path[1:], classroom.key) or self.is_code(path, known)):
+        if len(path) <= LONGEST and (classroom.is_key(path[1:]) or self.is_code(path, known)):
             return self.welcome(request, path[1:], is_teacher, student is not None)
         if is_teacher:
             return await self.answer_teacher(request)
@@ -155,9 +224,9 @@ class ClassFront:
         self, request: web.Request, secret: str, is_teacher: bool, is_student: bool
     ) -> web.StreamResponse:
         """The page on which somebody comes in, if they are not in yet."""
-        teaches = same(secret, self.classroom.key)
+        teaches = self.classroom.is_key(secret)
         if is_teacher if teaches else is_student:
-            raise web.HTTPSeeOther("/class" if teaches else "/")
+            raise web.HTTPSeeOther("class" if teaches else "./")
         if teaches:
             page, words = own_page("teach.html", (THEME, "classroom/teach.js")), {"key": secret}
             return self.own(request, page.filled(**words), page)
@@ -178,27 +247,28 @@ class ClassFront:
         headers = {POLICY: page.policy(self.lines_of(request)), **OF_FORMS}
         return web.Response(text=text, status=status, content_type="text/html", headers=headers)
 
-    async def come_in(self, request: web.Request, path: str) -> web.StreamResponse:
+    async def come_in(self, request: web.Request) -> web.StreamResponse:
         """Take in who sends the code and a name, or the teacher's key."""
-        self.demand_patience(request)
-        sent = await request.post()
-        given = {key: value for key, value in sent.items() if isinstance(value, str)}
+        given = await form_of(request)
         secure = request.secure or request.headers.get("Origin", "").startswith("https:")
-        if path == "/teach":
-            cookie, who, to = (
-                self.classroom.admit_teacher(given.get("key", "")),
-                "teacher",
-                "/class",
-            )
+        if request.path == "/teach":
+            if not self.classroom.is_key(given.get("key", "")):
+                self.demand_patience(request)
+            cookie = self.classroom.admit_teacher(given.get("key", ""))
+            who, to = "teacher", "class"
         else:
             code = plain(given.get("code", ""))
+            if not same(code, self.classroom.code):
+                self.demand_patience(request)
+            elif not self.joins.take():
+                raise web.HTTPTooManyRequests(text="many come in at once: try again in a moment\n")
             try:
                 _, cookie = self.classroom.admit(code, given.get("name", ""))
             except Refusal as refusal:
                 if not same(code, self.classroom.code):
                     return web.Response(status=403, text=f"{refusal}\n")
                 return self.ask_name(request, given.get("name", "")[:60], str(refusal))
-            who, to = "student", "/"
+            who, to = "student", "./"
         answer = web.Response(status=303, headers={"Location": to})
         answer.set_cookie(
             self.cookie(who),
@@ -217,6 +287,8 @@ class ClassFront:
             self.strangers = {
                 one: limit for one, limit in self.strangers.items() if limit.fill() < limit.most
             }
+            if len(self.strangers) >= MOST_ADDRESSES:
+                raise web.HTTPTooManyRequests(text="too many tries from too many addresses\n")
         peer = request.transport and request.transport.get_extra_info("peername")
         limit = self.strangers.setdefault(address_of(peer), RateLimit(*STRANGERS))
         if not limit.take():
@@ -237,7 +309,7 @@ class ClassFront:
             path = "/" + "/".join(parts[3:])
             visited = await self.classroom.place_of(student)
             return await self.show(request, visited, path, limits, VISIT)
-        place = self.classroom.teacher_place
+        place = self.classroom.flocks.teacher
         if place is None:
             raise web.HTTPServiceUnavailable(text="your flock is just beginning\n")
         return await self.show(request, place, request.path, limits, TEACHES)
@@ -247,17 +319,39 @@ class ClassFront:
         limits = self.limits[student.number]
         if not limits.requests.take():
             raise web.HTTPTooManyRequests(text="too many requests at once: wait a moment\n")
+        if is_websocket(request):
+            return await self.connect_student(request, student, limits)
+        if limits.going >= MOST_AT_ONCE + limits.streams:
+            raise web.HTTPTooManyRequests(text="too many requests at once: wait a moment\n")
+        limits.going += 1
+        try:
+            response = await self.answer_page(request, student, limits)
+            await self.send(request, response)
+        finally:
+            limits.going -= 1
+        return response
+
+    async def answer_page(
+        self, request: web.Request, student: Student, limits: Limits
+    ) -> web.StreamResponse:
+        """What a student's page is answered that asks for something else than a line."""
         if (found := await self.student.answer(request, student, limits)) is not None:
             return found
-        if request.path == "/alive" or (request.path in PAGES and not is_websocket(request)):
+        if MARK in request.headers and student.frozen and student.role is Role.OWN:
+            raise web.HTTPForbidden(text="your flock is held by the teacher\n")
+        if request.path in ("/alive", *PAGES):
             place = None
         else:
             place = await self.classroom.place_of(student)
-        if not is_websocket(request):
-            return await self.show(request, place, request.path, limits, LEARNS)
+        return await self.show(request, place, request.path, limits, LEARNS)
+
+    async def connect_student(
+        self, request: web.Request, student: Student, limits: Limits
+    ) -> web.StreamResponse:
+        """A student's page connects with what it is shown."""
+        place = await self.classroom.place_of(student)
         if student.lines >= MOST_PAGES or not limits.pages.take():
             raise web.HTTPTooManyRequests(text="too many pages of one student at once\n")
-        assert place is not None
         self.classroom.connect(student)
         try:
             return await self.relay.connect(
@@ -265,9 +359,35 @@ class ClassFront:
                 place,
                 limits,
                 lambda data: not student.frozen or camera_alone(data),
+                self.changed_over(student),
             )
         finally:
             self.classroom.disconnect(student)
+
+    def changed_over(self, student: Student) -> Ending:
+        """Returns some time after a student has been shown something else, or taken out.
+
+        Our own page connects anew at once; one that does not keeps nothing of what it had.
+        """
+        role, other = student.role, asyncio.Event()
+
+        def look() -> None:
+            if (
+                student.role is not role
+                or self.classroom.students.get(student.number) is not student
+            ):
+                other.set()
+
+        async def ends() -> None:
+            self.classroom.listeners.add(look)
+            try:
+                look()
+                await other.wait()
+                await asyncio.sleep(CHANGES_OVER)
+            finally:
+                self.classroom.listeners.discard(look)
+
+        return ends
 
     async def show(
         self,
@@ -278,16 +398,17 @@ class ClassFront:
         script: tuple[str, ...],
     ) -> web.StreamResponse:
         """A laboratory's page, or what that asks its laboratory for."""
-        if path == "/alive":
-            return web.Response(text=f"{self.name}\n")
         if is_websocket(request):
             assert place is not None
             return await self.relay.connect(request, place, limits)
+        if path == "/alive":
+            return web.Response(text=f"{self.name}\n")
         if request.method != "GET":
             raise web.HTTPMethodNotAllowed(request.method, ["GET"])
         if path in PAGES:
             return self.page(request, client_page((*SCRIPTS, *script), STYLES))
-        assert place is not None
+        if place is None or not PLAIN.fullmatch(path):
+            raise web.HTTPNotFound(text="there is no such page\n")
         query = f"?{request.rel_url.raw_query_string}" if request.rel_url.raw_query_string else ""
         return await self.relay.pass_on(request, place, path + query)
 
@@ -323,7 +444,7 @@ def tls(certificate: Path, key: Path) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     try:
-        context.load_cert_chain(certificate, key)
+        context.load_cert_chain(certificate, key, password=lambda: "")  # else it would ask for it
     except (OSError, ssl.SSLError) as error:
         why = error.strerror or str(error)
         raise Refusal(

@@ -9,7 +9,7 @@ from aiohttp import web
 from app.classroom.classroom import Classroom
 from app.classroom.front.asked import values_of
 from app.classroom.front.events import stream
-from app.classroom.front.limits import Limits
+from app.classroom.front.limits import MOST_STREAMS, Limits
 from app.classroom.student import Student
 
 
@@ -24,7 +24,7 @@ class StudentRequests:
     ) -> web.StreamResponse | None:
         """What a student is answered."""
         if request.path == "/class/mine" and request.method == "GET":
-            return await stream(request, self.classroom, lambda: self.mine(student))
+            return await self.listen(request, student, limits)
         if request.method != "POST":
             if request.path.startswith("/class"):
                 raise web.HTTPForbidden(text="this page is the teacher's\n")
@@ -39,8 +39,22 @@ class StudentRequests:
         self.classroom.forget(student)
         return web.Response(text="you have left the class\n")
 
+    async def listen(
+        self, request: web.Request, student: Student, limits: Limits
+    ) -> web.StreamResponse:
+        """Tell a student's page of the class, as long as it listens."""
+        if limits.streams >= MOST_STREAMS:
+            raise web.HTTPTooManyRequests(text="too many pages of one student at once\n")
+        limits.streams += 1
+        try:
+            return await stream(request, self.classroom, lambda: self.mine(student))
+        finally:
+            limits.streams -= 1
+
     def mine(self, student: Student) -> dict[str, Any]:
-        """What a student's page shows of the class."""
+        """What a student's page shows of the class; nothing any more to who is taken out of it."""
+        if student.number not in self.classroom.students:
+            return {"over": True}
         return {
             "name": student.name,
             "class": self.classroom.title,
@@ -49,7 +63,7 @@ class StudentRequests:
             "moves": student.moves,
             "word": self.classroom.word,
             "question": self.question(student),
-            "over": self.classroom.is_over or student.number not in self.classroom.students,
+            "over": self.classroom.is_over,
         }
 
     def question(self, student: Student) -> dict[str, Any] | None:

@@ -21,7 +21,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.run.allowance import Allowance
 from app.viewer.watching.watching import Watching
-from app.viewer.web.incoming.visitors import Limits
+from app.viewer.web.incoming.visitors import BEHIND_A_FRONT
 from app.viewer.web.server import open_server
 from app.viewer.web.serving.front import Front
 from worlds.refusal import Refusal
@@ -48,17 +48,6 @@ def packed(message: Any) -> bytes:
     return LENGTH.pack(len(data)) + data
 
 
-BEHIND = Limits(
-    open=1024,
-    open_of_one=1024,
-    requests=(500.0, 2000.0),
-    pages=(100.0, 400.0),
-    messages=(10_000.0, 20_000.0),
-    price=1.0,
-)
-"""All connections come from the front, which bounds each student by itself."""
-
-
 class Laboratories:
     """The laboratories of one process, by the number of whose they are.
 
@@ -77,7 +66,7 @@ class Laboratories:
         if whose in self.all:
             self.all[whose].open(opened)
         else:
-            server = open_server(HOST, 0, Front(SCRIPTS), limits=BEHIND)
+            server = open_server(HOST, 0, Front(SCRIPTS), limits=BEHIND_A_FRONT)
             self.all[whose] = Laboratory(
                 host=HOST, server=server, opened=opened, waits=True, allowance=self.allowance
             )
@@ -85,7 +74,7 @@ class Laboratories:
 
     def watch(self, whose: int) -> int:
         """Open the page of those who watch one; its port."""
-        self.watching = Watching(self.all[whose], "the teacher", HOST, limits=BEHIND)
+        self.watching = Watching(self.all[whose], "the teacher", HOST, limits=BEHIND_A_FRONT)
         self.watching.server.on_client_connect(self.all[whose].welcome)
         return self.watching.port
 
