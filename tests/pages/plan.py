@@ -44,7 +44,6 @@ OTHERWISE = (
         "--port 0 --open",
         "the port may be taken here; what is opened is no browser but a test that reads the page",
     ),
-    Otherwise("class", None, "serves until it is stopped: tests/classroom/test_class.py runs it"),
     Otherwise(
         "class --host 0.0.0.0 --certificate",
         None,
