@@ -246,8 +246,10 @@ class Scenario:
         return [not one["seen"] or one["seen"]["compiling"] for one in self.shown()["students"]]
 
     def draw_curve(self) -> None:
-        """The teacher has a sweep draw the curve."""
+        """The teacher holds all flocks, which makes room, and has a sweep draw the curve."""
         with self.step("a sweep has drawn the curve"):
+            self.teacher.get_by_role("button", name="Freeze all").click()
+            self.teacher.get_by_role("button", name="All go on").wait_for()
             self.teacher.get_by_role("button", name="Make the curve", exact=True).click()
             until(lambda: self.shown()["question"]["making"])
             until(lambda: not self.shown()["question"]["making"])
