@@ -60,7 +60,7 @@ def serve(count: int, agents: int, speed: float, dim: int, alone: bool, pipe: Co
         took = time.perf_counter() - began, time.process_time() - worked
         pipe.send((one.port, *took, memory()))
     while pipe.recv():
-        ticks = sum(one.simulation.frame.tick for one in laboratories if one.simulation.frame)
+        ticks = sum(one.simulation.run.flock.tick for one in laboratories if one.simulation.run)
         pipe.send((time.process_time(), ticks, memory()))
     for one in laboratories:
         one.close()

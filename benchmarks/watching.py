@@ -3,7 +3,8 @@
 A laboratory and its watching page in a process of their own, and clients that read all they get
 (programs, not browsers), each of which inspects an agent of its own and plots the usual. Prints
 what a client gets, before anything is packed, and the processor time that it takes. What is for the
-panels is told of one client, which takes its messages apart.
+panels, and what it comes to when it is packed, is told of one client, which takes its messages
+apart.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import multiprocessing
 import sys
 import threading
 import time
+import zlib
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -65,12 +67,14 @@ def serve(agents: int, pipe: Connection) -> None:
 
 
 class Reader:
-    """A client that counts what it gets; one that `looks` also counts what is for the panels."""
+    """A client that counts what it gets; one that `looks` also what is for the panels, and what all
+    of it comes to when a line packs it (deflate, level 1)."""
 
     def __init__(self, port: int, agents: int, looks: bool):
         self.picture = 12 * agents
         self.looks = looks
-        self.pictures = self.bytes = self.panels = 0
+        self.pictures = self.bytes = self.panels = self.packed = 0
+        self.packer = zlib.compressobj(1, wbits=-15)
         self.socket = connect(
             f"ws://localhost:{port}",
             subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
@@ -88,6 +92,8 @@ class Reader:
                 self.pictures += len(data) > self.picture
                 if self.looks:
                     self.panels += for_panels(data)
+                    packed = self.packer.compress(data) + self.packer.flush(zlib.Z_SYNC_FLUSH)
+                    self.packed += len(packed)
         except ConnectionClosed:
             pass
 
@@ -133,7 +139,7 @@ def main(agents: int = 1000, browsers: int = 40) -> None:
     looked_at = asked(here)[2]
     print(f"{agents} agents at {SPEED:g} ticks/s, {browsers} clients")
     print(f"  nobody watches         {idle:6.3f} cores, the run and the laboratory's page")
-    for title, cores, (pictures, all_of_it, panels) in (
+    for title, cores, (pictures, all_of_it, panels, packed) in (
         ("all watch", watched, counts),
         (f"inspect {looked_at}", inspected, more),
     ):
@@ -141,6 +147,7 @@ def main(agents: int = 1000, browsers: int = 40) -> None:
         print(f"    pictures/s a client  {pictures:6.1f}")
         print(f"    sent a client        {all_of_it:6.2f} Mbit/s")
         print(f"      for the panels     {panels:6.3f} Mbit/s")
+        print(f"      packed             {packed:6.2f} Mbit/s, of all {browsers * packed:.0f}")
     here.send(None)
     server.join(10)
 
@@ -148,12 +155,19 @@ def main(agents: int = 1000, browsers: int = 40) -> None:
 def measured(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
     """Cores; and of a client pictures/s, Mbit/s, and those of them for the panels."""
     before = [(one.pictures, one.bytes) for one in readers]
-    panels = readers[0].panels
+    panels, packed = readers[0].panels, readers[0].packed
     cores = spent(pipe, SECONDS)
     pictures = sum(one.pictures - was for one, (was, _) in zip(readers, before, strict=True))
     sent = sum(one.bytes - was for one, (_, was) in zip(readers, before, strict=True))
     each = len(readers) * SECONDS
-    return cores, pictures / each, 8e-6 * sent / each, 8e-6 * (readers[0].panels - panels) / SECONDS
+    one = 8e-6 / SECONDS
+    return (
+        cores,
+        pictures / each,
+        8e-6 * sent / each,
+        one * (readers[0].panels - panels),
+        one * (readers[0].packed - packed),
+    )
 
 
 def spent(pipe: Connection, seconds: float) -> float:

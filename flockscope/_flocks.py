@@ -1,12 +1,20 @@
 """What `flockscope` promises of flocks."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
-from agents.flock import Flock
+from agents.flock import Flock as RunningFlock
 from agents.member import Member
 from agents.mission import MissionRecord, fly
 from agents.series import Series, follow
+
+if TYPE_CHECKING:
+    from app.viewer.notebook.view import View
+    from app.viewer.pictures.still import Still
 
 __all__ = [
     "Flock",
@@ -16,3 +24,51 @@ __all__ = [
     "fly",
     "follow",
 ]
+
+
+class Flock(RunningFlock):
+    __doc__ = RunningFlock.__doc__
+
+    def show(
+        self,
+        height: int = 640,
+        *,
+        running: bool = False,
+        through: str = "auto",
+        origin: str | None = None,
+    ) -> View:
+        """Open the laboratory on a copy of this flock: in a notebook's cell, or else in a window.
+
+        The copy goes on from this tick; `show(...).flock` is a new flock, as the copy is by then.
+        Shown again, from the same flock or the same cell, the laboratory of before is closed.
+
+        height: of the frame, 240 to 4000 pixels. running: whether it runs at once, or waits for
+        Go. through: `port`, for browsers of this machine; `proxy`, through the notebook's server,
+        which takes jupyter-server-proxy; `auto`: the proxy on a hub, and where the server can be
+        reached from elsewhere. origin: of the notebook's page, such as https://hub.example.org,
+        where it cannot be found out. Raises Refusal.
+        """
+        from app.viewer.notebook.view import show
+
+        return show(self, height, running=running, through=through, origin=origin)
+
+    def picture(
+        self,
+        size: tuple[int, int] = (900, 560),
+        *,
+        colour: str | None = None,
+        camera: str = "fixed",
+        follow: int | None = None,
+        renderer: str = "plain",
+    ) -> Still:
+        """Draw this flock as it is; a notebook shows the picture, `save` writes PNG, SVG or PDF.
+
+        size: width and height, each 320 to 8000 pixels. colour: heading, layer, group, speed,
+        plain, or what else `flockscope picture --colour` takes; None: as suits the flock. camera:
+        fixed, top-down, perspective, side, or follow; follow: the identity of an agent to look at
+        closely. renderer: `plain`, or `browser`, as the page shows it, by a Chromium, Chrome or
+        Edge of this machine. Raises Refusal.
+        """
+        from app.viewer.pictures.still import picture
+
+        return picture(self, size, colour=colour, camera=camera, follow=follow, renderer=renderer)

@@ -18,6 +18,7 @@ from app.classroom.collect.curve import Curve
 from app.classroom.collect.hand_in import SECONDS, Point
 from app.classroom.collect.question import Question, question_of
 from app.classroom.collect.table import to_csv, to_json
+from app.classroom.lessons.lessons import lesson_of
 from app.classroom.workers.measuring import Measuring
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.viewer.gallery.saved_scene import SavedScene
@@ -106,7 +107,7 @@ class Asking:
                     "question": one.question.to_values(),
                     "result": one.question.result_words,
                 }
-                for one in ready_for(spec)
+                for one in ready_for(spec, lesson_of(scene))
             ],
         }
 

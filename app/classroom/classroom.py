@@ -1,7 +1,6 @@
 """A class: who is in it, in what role, and which laboratory each of them sees.
 
-All of it runs on one event loop. What takes long is done in worker processes; one of them has the
-teacher's laboratory alone, so that nothing that students do makes it wait.
+All of it runs on one event loop. What takes long is done in worker processes.
 """
 
 from __future__ import annotations
@@ -9,21 +8,20 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from app.classroom.asking import Asking
+from app.classroom.flocks import Flocks, allowance
 from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
 from app.classroom.student import Place, Role, Student
-from app.classroom.workers.process import Gone, WorkerProcess
-from app.classroom.workers.seen import Seen
+from app.classroom.workers.process import WorkerProcess
 from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.refusal import Refusal
 
-TEACHER = 0
-"""The number of the teacher's laboratory; students count from 1."""
 WAITS = 300.0
 """Seconds that the flock of a student waits whose line broke; then it is kept as a scene."""
 UNUSED = 60.0
@@ -59,69 +57,43 @@ class Classroom:
         self.first_role = Role.WATCHING
         """What new students do."""
         self.asking = Asking(results)
+        self.flocks = Flocks(workers, allowance(scene, seats), self.moved)
         self.word = ""
         self.frozen = False
         self.is_over = False
-        self.seen: dict[int, Seen] = {}
-        self.count = workers
-        self.workers: list[WorkerProcess] = []
-        self.own: WorkerProcess | None = None
-        """The worker of the teacher's laboratory."""
-        self.teacher_place: Place | None = None
-        self.watching_place: Place | None = None
-        self.tasks: set[asyncio.Task[None]] = set()
+        self.looking: asyncio.Task[None] | None = None
         self.listeners: set[Callable[[], None]] = set()
         """Called when something has changed that pages should be told."""
 
-    # Its processes.
-
     async def open(self) -> None:
         """Begin the processes and the teacher's laboratory. Raises Refusal."""
-        self.own = await WorkerProcess(self.has_ended).begin()
-        self.workers = [await WorkerProcess(self.has_ended).begin() for _ in range(self.count)]
-        await self.open_teacher()
-        self.task(self.look())
-
-    async def open_teacher(self) -> None:
-        """Open the teacher's laboratory, and the page of those who watch it."""
-        assert self.own is not None
-        port = await self.own.ask("open", TEACHER, self.scene.to_toml())
-        self.teacher_place = Place(self.own, port)
-        self.watching_place = Place(self.own, await self.own.ask("watch", TEACHER))
+        await self.flocks.open(self.scene)
+        self.looking = asyncio.create_task(self.look())
 
     async def close(self) -> None:
         """End all processes."""
         self.is_over = True
         self.tell()
-        for task in self.tasks:
-            task.cancel()
-        processes = [one for one in (*self.workers, self.own) if one]
-        await asyncio.gather(self.asking.close(), *(one.close() for one in processes))
+        if self.looking is not None:
+            self.looking.cancel()
+        await asyncio.gather(self.asking.close(), self.flocks.close())
 
-    def task(self, work: object) -> None:
-        """Have something done beside all else."""
-        task = asyncio.get_running_loop().create_task(work)  # type: ignore[arg-type, var-annotated]
-        self.tasks.add(task)
-        task.add_done_callback(self.tasks.discard)
+    async def look(self) -> None:
+        """Now and then: see how all laboratories stand, keep their scenes, close those left."""
+        while True:
+            await asyncio.sleep(LOOK)
+            await self.flocks.look(self.students)
+            for student in self.students.values():
+                if not student.is_here and time.monotonic() - student.left > WAITS:
+                    self.flocks.leave(student)
+            self.tell()
 
-    def has_ended(self, worker: WorkerProcess) -> None:
-        """A process has died: begin another; pages connect to new laboratories by themselves."""
+    def moved(self, worker: WorkerProcess) -> None:
+        """A process has died, or has been begun anew: the pages that it was for connect anew."""
         for student in self.students.values():
-            if student.place is not None and student.place.worker is worker:
-                student.place = student.worker = None
+            shown = self.flocks.shown(student)
+            if shown is not None and shown.worker is worker:
                 self.move(student)
-        if not self.is_over:
-            self.task(self.begin_again(worker))
-
-    async def begin_again(self, worker: WorkerProcess) -> None:
-        """Another process in place of one that has died."""
-        fresh = await WorkerProcess(self.has_ended).begin()
-        if worker is self.own:
-            self.own = fresh
-            await self.open_teacher()
-            self.move_watchers()
-        else:
-            self.workers[self.workers.index(worker)] = fresh
         self.tell()
 
     # Who is in it.
@@ -165,7 +137,7 @@ class Classroom:
         """Take a student out of the class; their page is told."""
         self.students.pop(student.number, None)
         self.by_key.pop(student.key, None)
-        self.leave_place(student)
+        self.flocks.leave(student)
         if self.asking.open is not None:
             self.asking.open.take_back(student.name)
         self.tell()
@@ -208,30 +180,7 @@ class Classroom:
 
     async def place_of(self, student: Student) -> Place:
         """The laboratory that a student sees; their own is opened if need be. Raises Refusal."""
-        if student.role is Role.WATCHING:
-            if self.watching_place is None:
-                raise Refusal("the teacher's flock is just beginning")
-            return self.watching_place
-        async with student.opening:
-            if student.place is None:
-                student.place = await self.open_own(student)
-            return student.place
-
-    async def open_own(self, student: Student) -> Place:
-        """Open a student's own laboratory, on what they ran last or on the class's scene."""
-        worker = student.worker = min(self.workers, key=self.crowd)
-        scene = student.scene or self.first_scene(student, self.scene)
-        try:
-            port = await worker.ask("open", student.number, scene)
-            if student.frozen:
-                await worker.ask("pause", student.number)
-        except Gone:
-            raise Refusal("your flock is just beginning again") from None
-        return Place(worker, port)
-
-    def crowd(self, worker: WorkerProcess) -> int:
-        """Laboratories that a worker has or is about to have."""
-        return sum(one.worker is worker for one in self.students.values())
+        return await self.flocks.place_of(student, lambda: self.first_scene(student, self.scene))
 
     def first_scene(self, student: Student, scene: SavedScene) -> str:
         """What a student begins with, TOML: a scene with a seed of their own.
@@ -261,12 +210,6 @@ class Classroom:
         student.moves += 1
         self.tell()
 
-    def move_watchers(self) -> None:
-        """Have the pages of all who watch connect anew."""
-        for student in self.students.values():
-            if student.role is Role.WATCHING:
-                self.move(student)
-
     def tell(self) -> None:
         """Tell all pages that something has changed."""
         for listener in list(self.listeners):
@@ -294,6 +237,7 @@ class Classroom:
 
     async def start_from(self, scene: SavedScene, numbers: Iterable[int] | None = None) -> None:
         """Have students begin with a scene, each with a seed of their own; a question is over."""
+        self.flocks.allowance.demand(scene.spec, scene.beside, None)
         if numbers is None:
             self.scene = scene
             self.asking.end()
@@ -311,12 +255,10 @@ class Classroom:
         for student in students:
             student.scene = self.first_scene(student, scene)
             if student.place is not None:
-                try:
-                    await student.place.worker.ask("open", student.number, student.scene)
+                with suppress(Refusal):  # it is opened when their page asks for it
+                    await self.flocks.tell_own(student, "open", student.scene)
                     if student.frozen:
-                        await student.place.worker.ask("pause", student.number)
-                except Gone:
-                    student.place = None  # it is opened when their page asks for it
+                        await self.flocks.tell_own(student, "pause")
             if student.role is not Role.OWN:
                 student.role = Role.OWN
                 self.move(student)
@@ -324,13 +266,9 @@ class Classroom:
 
     async def hand_in(self, student: Student) -> str:
         """Take a student's run as an answer; the result in a sentence. Raises Refusal."""
-        if student.role is not Role.OWN or student.place is None:
+        if student.role is not Role.OWN:
             raise Refusal("only who has a flock of their own hands in a result")
-        try:
-            ran = await student.place.worker.ask("scene", student.number)
-        except Gone:
-            raise Refusal("your flock is just beginning again") from None
-        student.scene = ran
+        student.scene = ran = await self.flocks.tell_own(student, "scene")
         collection = self.asking.demand()
         point = await self.asking.hand_in(student.name, ran)
         self.tell()
@@ -339,20 +277,12 @@ class Classroom:
     async def open_point(self, number: int) -> str:
         """Open the run of a result in the teacher's laboratory. Raises Refusal."""
         scene = self.asking.point(number)
-        assert self.own is not None
-        try:
-            await self.own.ask("open", TEACHER, scene.to_toml())
-        except Gone:
-            raise Refusal("your flock is just beginning again") from None
+        await self.flocks.tell_teacher("open", scene.to_toml())
         return f"opened in your flock: {scene.title}"
 
     async def teachers_scene(self) -> SavedScene:
         """What the teacher's laboratory runs now. Raises Refusal."""
-        assert self.own is not None
-        try:
-            return SavedScene.from_toml(await self.own.ask("scene", TEACHER), "the teacher's run")
-        except Gone:
-            raise Refusal("the teacher's flock is just beginning again") from None
+        return SavedScene.from_toml(await self.flocks.tell_teacher("scene"), "the teacher's run")
 
     async def freeze(self, frozen: bool, numbers: Iterable[int] | None = None) -> None:
         """Hold flocks, or let them go on."""
@@ -361,10 +291,8 @@ class Classroom:
         for student in self.chosen(numbers):
             student.frozen = frozen
             if student.place is not None:
-                try:
-                    await student.place.worker.ask("pause" if frozen else "go", student.number)
-                except Gone:
-                    continue
+                with suppress(Refusal):
+                    await self.flocks.tell_own(student, "pause" if frozen else "go")
         self.tell()
 
     def say(self, word: str) -> None:
@@ -374,41 +302,3 @@ class Classroom:
             raise Refusal(f"a word to all has at most {LONGEST_WORD} letters that can be printed")
         self.word = text
         self.tell()
-
-    # What goes on by itself.
-
-    async def look(self) -> None:
-        """Now and then: see how all laboratories stand, keep their scenes, close those left."""
-        while True:
-            await asyncio.sleep(LOOK)
-            await asyncio.gather(*(self.look_at(one) for one in (*self.workers, self.own) if one))
-            for student in self.students.values():
-                if not student.is_here and time.monotonic() - student.left > WAITS:
-                    self.leave_place(student)
-            self.tell()
-
-    async def look_at(self, worker: WorkerProcess) -> None:
-        """See how the laboratories of a process stand, and keep their scenes."""
-        try:
-            self.seen.update(await worker.ask("seen"))
-            changed: dict[int, str] = await worker.ask("changed")
-        except (Gone, RuntimeError):
-            return  # another process is about to begin
-        for number, scene in changed.items():
-            student = self.students.get(number)
-            if student is not None and student.worker is worker:
-                student.scene = scene
-
-    def leave_place(self, student: Student) -> None:
-        """Close a student's laboratory; what it ran is kept as a scene."""
-        place, student.place, student.worker = student.place, None, None
-        self.seen.pop(student.number, None)
-        if place is not None:
-            self.task(self.close_one(place.worker, student.number))
-
-    async def close_one(self, worker: WorkerProcess, number: int) -> None:
-        """Close a laboratory."""
-        try:
-            await worker.ask("close", number)
-        except (Gone, RuntimeError):
-            return

@@ -97,11 +97,29 @@ def papers() -> Rows:
     return [{"name": one.name, "title": one.title, "source": one.source} for one in made]
 
 
+def lessons() -> Rows:
+    """Lessons that `flockscope class` opens a class on."""
+    from app.classroom.lessons.lessons import find_lesson, lesson_names
+
+    made = [(name, find_lesson(name)) for name in lesson_names()]
+    return [
+        {
+            "name": name,
+            "title": one.title,
+            "model": one.spec.model,
+            "agents": one.spec.agents,
+            "watch": one.watch,
+        }
+        for name, one in made
+    ]
+
+
 KINDS = {
     "models": models,
     "worlds": worlds,
     "observables": observables,
     "papers": papers,
+    "lessons": lessons,
     "parameters": parameters,
 }
 
@@ -127,6 +145,7 @@ def names(rows: dict[str, Rows]) -> dict[str, list[str]]:
 ON_SCREEN = {
     "models": ("name", "what it does"),
     "parameters": ("name", "default", "allowed", "models", "description"),
+    "lessons": ("name", "title", "watch"),
 }
 """Columns for people; JSON has all of them."""
 ARTICLES = {

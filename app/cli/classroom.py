@@ -121,7 +121,8 @@ async def serve(
         await front.open()
         announce(front, host)
         if open_browser:
-            webbrowser.open(front.opening_link)
+            loop = asyncio.get_running_loop()  # a browser may not return before it has the page
+            loop.run_in_executor(None, webbrowser.open, front.opening_link)
         due = time.monotonic() + EVERY
         while not stopping.asked and not classroom.is_over:
             await asyncio.sleep(LOOK)

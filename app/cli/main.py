@@ -45,7 +45,7 @@ COMMANDS = {
         ".world.commands", "world", "Worlds: list, draw, check, read from drawings, make."
     ),
     "formation": Entry(".formation", "formation", "Formation flight: what birds save by upwash."),
-    "list": Entry(".listing", "listing", "Models, parameters, worlds, observables, papers."),
+    "list": Entry(".listing", "listing", "Models, worlds, observables, papers, lessons."),
     "check": Entry(".check", "check", "Check a model: what every model keeps to."),
     "warm": Entry(".warm", "warm", "Compile models ahead, so that nobody waits for them."),
     "cite": Entry(".cite", "cite", "The papers that a model comes from, as BibTeX."),

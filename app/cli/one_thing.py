@@ -1,4 +1,4 @@
-"""`flockscope list NAME`: one model, world, paper, observable or parameter, in full."""
+"""`flockscope list NAME`: one model, world, paper, lesson, observable or parameter, in full."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from app.cli.choices import (
     WIDE,
     Rows,
     cell,
+    lessons,
     models,
     names,
     observables,
@@ -112,11 +113,30 @@ def paper(name: str) -> Thing:
     }
 
 
+def lesson(name: str) -> Thing:
+    """A lesson and the question that is ready for it."""
+    from app.classroom.collect.choices import ready_for
+    from app.classroom.lessons.lessons import find_lesson
+
+    one = find_lesson(name)
+    first = ready_for(one.spec, name)[0]
+    row = next(row for row in lessons() if row["name"] == name)
+    return {
+        **row,
+        "try": one.tries,
+        "question": first.question.title,
+        "asks": first.lesson,
+        "measured": first.question.result_words,
+        "values": first.question.values,
+    }
+
+
 ONE: dict[str, Callable[[str], Any]] = {
     "model": model,
     "world": world,
     "observable": observable,
     "paper": paper,
+    "lesson": lesson,
 }
 
 
@@ -193,6 +213,17 @@ def about_paper(one: Thing) -> list[str]:
     return [*made, f"Repeat it: flockscope paper {one['name']}"]
 
 
+def about_lesson(one: Thing) -> list[str]:
+    """A lesson."""
+    made = wrapped(f"{one['name']}: {one['title']} ({one['model']}, {one['agents']} agents)")
+    made += wrapped(one["watch"], 2)
+    made += wrapped(f"to try: {one['try']}", 2)
+    made += wrapped(f"question: {one['question']}. {one['asks']}", 2)
+    values = f", values {cell(one['values'])} in turn" if one["values"] else ", students choose"
+    made += wrapped(f"measured: {one['measured']}{values}", 2)
+    return [*made, f"Open a class on it: flockscope class {one['name']}"]
+
+
 def about_parameter(rows: list[Thing]) -> list[str]:
     """The parameters of one name."""
     made = []
@@ -207,6 +238,7 @@ WORDS: dict[str, Callable[[Any], list[str]]] = {
     "world": about_world,
     "observable": about_observable,
     "paper": about_paper,
+    "lesson": about_lesson,
     "parameter": about_parameter,
 }
 

@@ -34,7 +34,7 @@ window.flockscopeChart = (place, data, press) => {
   const x = (value) => box.left + (bend(value) - left) / (right - left) * (box.right - box.left);
   const y = (value) => box.bottom - (value - low) / (high - low) * (box.bottom - box.top);
   const steps = (from, to) => {
-    const rough = (to - from) / 5, unit = 10 ** Math.floor(Math.log10(rough));
+    const rough = (to - from) / 6, unit = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].find((one) => one * unit >= rough) * unit, made = [];
     for (let at = Math.ceil(from / step) * step; at <= to + 1e-9 * step; at += step) made.push(Number(at.toPrecision(6)));
     return made;

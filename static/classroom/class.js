@@ -23,7 +23,7 @@
   };
   const say = async (values) => {
     try {
-      const answer = await fetch("/class/do", {
+      const answer = await fetch("class/do", {
         method: "POST", credentials: "same-origin", cache: "no-store", body: JSON.stringify(values),
         headers: { "X-Flockscope": "class", "Content-Type": "application/json" } });
       tell((await answer.text()).trim());
@@ -32,6 +32,8 @@
   };
   window.flockscopeClass = { at, make, button, tell, say, known: () => known, changed: [] };
 
+  /* Colours of headings are those of the laboratory: an even wheel, blue to the right. */
+  const EAST = 255 * Math.PI / 180, YELLOW = 95 * Math.PI / 180;
   const drawn = (canvas, seen) => {
     const context = canvas.getContext("2d"), { width, height } = canvas;
     context.clearRect(0, 0, width, height);
@@ -41,9 +43,9 @@
     const left = (width - wide) / 2, top = (height + tall) / 2;
     const half = bytes.length > 900 ? 2 : 3;
     for (let row = 0; row < bytes.length; row += 3) {
-      const angle = bytes[row + 2] / 256 * 2 * Math.PI;
+      const angle = bytes[row + 2] / 256 * 2 * Math.PI, hue = angle + EAST;
       const x = left + bytes[row] / 255 * wide, y = top - bytes[row + 1] / 255 * tall;
-      context.fillStyle = `hsl(${angle * 180 / Math.PI} 70% 48%)`;
+      context.fillStyle = `oklch(${0.675 + 0.085 * Math.cos(hue - YELLOW)} 0.15 ${hue}rad)`;
       context.beginPath();
       context.moveTo(x + 2.2 * half * Math.cos(angle), y - 2.2 * half * Math.sin(angle));
       context.lineTo(x + 1.4 * half * Math.cos(angle + 2.5), y - 1.4 * half * Math.sin(angle + 2.5));
@@ -51,22 +53,24 @@
       context.fill();
     }
   };
-  const few = (value) => Math.abs(value) >= 100 ? value.toFixed(0) : value.toPrecision(3);
+  const few = (value) => Math.abs(value) >= 100 ? value.toFixed(0) : Math.abs(value) < 1 ? value.toFixed(3) : value.toPrecision(3);
   const stands = (one) => !one.seen ? "" : one.seen.error ? "stopped by an error" :
     one.seen.compiling ? "compiling" : `tick ${one.seen.tick}${one.seen.running ? "" : ", paused"}`;
   const cards = new Map();
   const cardOf = (number) => {
     const card = make("article", "fs-student"), canvas = make("canvas"), inner = make("div");
     Object.assign(canvas, { width: 312, height: 208 });
+    canvas.setAttribute("aria-hidden", "true");
     const parts = { card, canvas, name: make("b"), model: make("span"), stands: make("span"),
       numbers: make("span", "fs-numbers"), acts: make("div", "fs-acts"), open: make("a", "fs-button", "Open") };
-    parts.open.target = `flockscope-${number}`;
-    parts.open.href = `/at/${number}/`;
+    parts.open.target = `flockscope-${number || "mine"}`;
+    parts.open.href = number ? `at/${number}/` : "./";
     parts.role = button("", () => say({ do: "role", students: [number],
       role: parts.is === "own" ? "watching" : "own" }));
     parts.hold = button("", () => say({ do: "freeze", held: !parts.held, students: [number] }));
     parts.remove = button("Remove", () => say({ do: "remove", students: [number] }));
-    parts.acts.append(parts.open, parts.role, parts.hold, parts.remove);
+    parts.acts.append(parts.open, ...(number ? [parts.role, parts.hold, parts.remove] : []));
+    card.classList.toggle("fs-mine", !number);
     inner.append(parts.name, parts.model, parts.stands, parts.numbers, parts.acts);
     card.append(canvas, inner);
     return parts;
@@ -78,15 +82,16 @@
     parts.held = one.frozen;
     parts.card.classList.toggle("fs-away", !one.here);
     parts.name.textContent = parts.name.title = one.name;
+    parts.card.setAttribute("aria-label", one.name);
     parts.model.textContent = own ? one.seen ? one.seen.model : "own flock" : "watching";
     parts.stands.textContent = !one.here ? "not here" : !own ? "sees my flock" :
       one.frozen ? `frozen, ${stands(one)}` : stands(one);
     parts.numbers.textContent = own && one.seen ?
-      one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join(" · ") : "";
+      one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join("\n") : "";
     parts.role.textContent = own ? "Watch mine" : "Own flock";
     parts.hold.textContent = one.frozen ? "Go on" : "Freeze";
-    parts.hold.hidden = parts.open.hidden = !own;
-    drawn(parts.canvas, own ? one.seen : known.mine);
+    parts.hold.hidden = parts.open.hidden = parts.canvas.hidden = !own;
+    if (own) drawn(parts.canvas, one.seen);
     return parts.card;
   };
   const shown = (text, line) => {
@@ -100,9 +105,10 @@
     at("watch").setAttribute("aria-pressed", String(known.first === "watching"));
     at("own").setAttribute("aria-pressed", String(known.first === "own"));
     const place = at("students");
-    const wanted = known.students.map(show);
+    const mine = { number: 0, name: "My flock", role: "own", here: true, seen: known.mine };
+    const wanted = [...(known.students.length ? [mine] : []), ...known.students].map(show);
     for (const [number, parts] of cards) {
-      if (!known.students.some((one) => one.number === number)) { parts.card.remove(); cards.delete(number); }
+      if (!known.students.some((one) => one.number === number || !number)) { parts.card.remove(); cards.delete(number); }
     }
     wanted.forEach((card, row) => { if (place.children[row] !== card) place.insertBefore(card, place.children[row] || null); });
     const none = place.querySelector(".fs-none");
@@ -127,7 +133,7 @@
     }, close));
   };
   const listen = () => {
-    const line = new EventSource("/class/roster");
+    const line = new EventSource("class/roster");
     line.onmessage = (event) => shown(event.data, line);
     line.onerror = () => {
       at("lost").textContent = "The class does not answer; what is shown is from before. Trying again.";
@@ -152,7 +158,7 @@
     });
     at("end").addEventListener("click", () => {
       const inner = make("div", "fs-asking"), link = make("a", "fs-button", "Save the class as a file");
-      Object.assign(link, { href: "/class/class.zip", download: "" });
+      Object.assign(link, { href: "class/class.zip", download: "" });
       inner.append(make("h2", "", "End of class"),
         make("p", "", "One file has all flocks, results and plots; flockscope class FILE opens it again."), link,
         button("End the class for all", async () => { if (await say({ do: "end" })) close(); }, "fs-main"),

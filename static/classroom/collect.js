@@ -66,7 +66,7 @@
   };
   const offer = async () => {
     try {
-      const answer = await fetch("/class/choices.json", { credentials: "same-origin", cache: "no-store" });
+      const answer = await fetch("class/choices.json", { credentials: "same-origin", cache: "no-store" });
       choices = await answer.json();
     } catch { return; }
     const inner = make("div", "fs-asking");
@@ -101,8 +101,8 @@
     if (question.open) below.append(button("No more results", () => say({ do: "stop-asking" })));
     below.append(button("Ask another", offer));
     if (!question.making) below.append(button(question.curve ? "Make the curve anew" : "Make the curve", () => say({ do: "curve" })));
-    below.append(link("CSV", "/class/results.csv"), link("PNG", "/class/results.png"),
-      link("SVG", "/class/results.svg"), link("PDF", "/class/results.pdf"));
+    below.append(link("CSV", "class/results.csv"), link("PNG", "class/results.png"),
+      link("SVG", "class/results.svg"), link("PDF", "class/results.pdf"));
     below.append(make("span", "fs-quiet", [question.open ? "" : "no more results are taken", question.making || curve]
       .filter(Boolean).join("; ")));
     place.replaceChildren(head, chart, below);

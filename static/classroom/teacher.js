@@ -1,9 +1,10 @@
 /* The teacher's own laboratory: a way to the class, and its code large, by key Q. */
 {
+  const home = location.pathname.replace(/\/(index\.html)?$/, "");
   const { make, button, sheet, close } = window.flockscopeSheet;
   const bar = make("div", "fs-class"), count = make("span", "");
   let known = null;
-  const say = (values) => fetch("/class/do", {
+  const say = (values) => fetch(`${home}/class/do`, {
     method: "POST", credentials: "same-origin", cache: "no-store", body: JSON.stringify(values),
     headers: { "X-Flockscope": "class", "Content-Type": "application/json" } });
   const wall = () => {
@@ -15,7 +16,7 @@
     }, close));
   };
   const listen = () => {
-    const line = new EventSource("/class/roster");
+    const line = new EventSource(`${home}/class/roster`);
     line.onmessage = (event) => {
       known = JSON.parse(event.data);
       count.textContent = `${known.students.filter((one) => one.here).length} here`;
@@ -31,7 +32,7 @@
   }, true);
   document.addEventListener("DOMContentLoaded", () => {
     const way = make("a", "", "Class");
-    Object.assign(way, { href: "/class", target: "flockscope-class" });
+    Object.assign(way, { href: `${home}/class`, target: "flockscope-class" });
     bar.append(way, count, button("", "Code (Q)", wall));
     document.body.append(bar);
     listen();

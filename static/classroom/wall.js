@@ -2,13 +2,15 @@
    likeliest first; the page's own address is taken where others can reach it too. */
 window.flockscopeWall = (links, say, close) => {
   const loopback = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
-  const own = links.find((link) => !loopback && link.startsWith(location.origin + "/"));
-  let at = own || links[0];
+  const home = location.origin + location.pathname.replace(/(class|index\.html)?$/, "");
+  const code = links[0].slice(links[0].lastIndexOf("/") + 1);
+  if (!loopback) links = [home + code, ...links.filter((link) => link !== home + code)];
+  let at = links[0];
   const made = document.createElement("div"), picture = document.createElement("img");
   const words = document.createElement("p"), below = document.createElement("div");
   made.className = "fs-wall";
   const show = () => {
-    picture.src = `/class/code.svg?at=${encodeURIComponent(at)}`;
+    picture.src = `class/code.svg?at=${encodeURIComponent(at)}`;
     picture.alt = `QR code of ${at}`;
     words.textContent = at.replace(/^http:\/\//, "");
   };
@@ -23,7 +25,9 @@ window.flockscopeWall = (links, say, close) => {
     at = links[(links.indexOf(at) + 1) % links.length];
     show();
   }));
-  below.append(button("New code", () => say({ do: "renew" })), button("Close", close));
+  const last = button("Close", close);
+  last.autofocus = true;
+  below.append(button("New code", () => say({ do: "renew" })), last);
   made.append(picture, words, below);
   show();
   return made;

@@ -15,3 +15,13 @@ def test_the_benchmark_prints_the_time_of_a_result():
     said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
     assert len(re.findall(r"\d ms a result", said)) == 2
     assert re.search(r"the class's file: saved in \d+ ms, opened in \d+ ms", said)
+
+
+def test_the_benchmark_of_a_class_prints_what_students_get():
+    command = [sys.executable, str(ROOT / "benchmarks" / "classroom.py"), "--students", "2"]
+    few = ("--seconds", "4", "--idle", "1")
+    said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
+    assert "2 students, flocks of 300 agents" in said
+    assert float(re.search(r"pictures/s +(\S+)", said)[1]) > 1.0
+    assert re.search(r"a button answers +\d+\.\d\d s", said)
+    assert re.search(r"nobody looks, cores each +\d", said)

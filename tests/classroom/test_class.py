@@ -7,13 +7,18 @@ import io
 import json
 import os
 import signal
+import time
 
 import msgspec
+import psutil
 import pytest
+import zstandard
+from cli.calling import refusal
 from websockets.exceptions import ConnectionClosed
 
+from agents import Flock
 from app.classroom.class_file.opening import load
-from tests.classroom.running import BUSY, number_of, roster, running, seen
+from tests.classroom.running import BUSY, SCENE, number_of, roster, running, seen
 from tests.viewer.waiting import until
 
 
@@ -103,8 +108,6 @@ def test_a_student_whose_flock_is_held_is_not_heard(ours, teacher):
 
 def buttons(line) -> list[str]:
     """Of all buttons that a page has been told of, the names."""
-    import zstandard
-
     found = []
     for _ in range(400):
         try:
@@ -166,8 +169,6 @@ def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
     assert len(shown["points"]) == 1
     rows = list(csv.DictReader(io.StringIO(teacher.ask("/class/results.csv").text)))
     assert rows[0]["student"] == "Gus"
-    from agents import Flock
-
     values = {"seed": int(rows[0]["seed"]), "eta": float(rows[0]["eta [rad]"])}
     again = Flock("vem", agents=30, size=5.0, **values)
     order = []
@@ -238,41 +239,36 @@ def test_a_process_that_dies_takes_its_flocks_alone_and_they_come_back(tmp_path)
     with running(tmp_path, "--workers", "2") as ours:
         teacher = ours.teacher()
         teacher.do("role", role="own")
-        one, two = ours.student("One"), ours.student("Two")
-        with one.connect() as first, two.connect() as second:
+        both = ours.student("One"), ours.student("Two")
+        with both[0].connect() as first, both[1].connect() as second:
             assert seen(teacher, "One")
             assert until(lambda: seen(teacher, "Two")["tick"] > 5, BUSY)
-            moves = [who.told("/class/mine")["moves"] for who in (one, two)]
-            os.kill(worker_of(ours, first), signal.SIGKILL)
-            assert until(
-                lambda: (
-                    [who.told("/class/mine")["moves"] for who in (one, two)]
-                    in ([moves[0] + 1, moves[1]], [moves[0], moves[1] + 1])
-                ),
-                BUSY,
-            )
-            gone = [who.told("/class/mine")["moves"] for who in (one, two)] != moves
-            assert gone
-            lost, kept = (
-                (one, second) if one.told("/class/mine")["moves"] > moves[0] else (two, first)
-            )
+            before = moves(both)
+            os.kill(process_of_a_student(ours), signal.SIGKILL)
+            assert until(lambda: moves(both) != before, BUSY)
+            time.sleep(1.0)
+            apart = [now - then for now, then in zip(moves(both), before, strict=True)]
+            assert sorted(apart) == [0, 1]
+            lost, kept = (both[0], second) if apart[0] else (both[1], first)
             assert kept.recv(timeout=BUSY)
             with lost.connect() as anew:
                 assert anew.recv(timeout=BUSY)
 
 
-def worker_of(ours, _line) -> int:
-    """The process number of one of the processes with students' flocks."""
-    import psutil
+def moves(students) -> list[int]:
+    """How often each was told to connect anew; asked a few times a second."""
+    time.sleep(0.3)
+    return [who.told("/class/mine")["moves"] for who in students]
 
-    command = psutil.Process(ours.process.pid)
-    holding = [
-        child
-        for child in command.children(recursive=True)
-        if any(one.status == "LISTEN" for one in child.net_connections())
-    ]
-    holding.sort(key=lambda child: child.create_time())
-    return holding[-1].pid
+
+def process_of_a_student(ours) -> int:
+    """A process with one laboratory: the teacher's serves two pages."""
+
+    def pages(child) -> int:
+        return sum(one.status == "LISTEN" for one in child.net_connections("tcp"))
+
+    children = psutil.Process(ours.process.pid).children(recursive=True)
+    return next(child.pid for child in children if pages(child) == 1)
 
 
 @pytest.mark.parametrize(
@@ -286,17 +282,8 @@ def worker_of(ours, _line) -> int:
         (["broken.zip"], "broken.zip is not a class's file"),
     ],
 )
-def test_what_cannot_be_opened_is_one_line(tmp_path, options, said):
-    import subprocess
-    import sys
-
-    from tests.classroom.running import SCENE
-
+def test_what_cannot_be_opened_is_one_line(tmp_path, options, said, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "broken.zip").write_bytes(b"PK\x03\x04 no")
-    command = [sys.executable, "-P", "-m", "flockscope", "class", *options, "--port", "0"]
-    made = subprocess.run([*command, "--no-open"], cwd=tmp_path, capture_output=True, text=True)
-    assert made.returncode == 2
-    assert made.stdout == ""
-    (line,) = made.stderr.splitlines()
-    assert line.startswith(f"flockscope: {said}")
+    assert refusal("class", *options, "--port", 0, "--no-open").startswith(f"flockscope: {said}")

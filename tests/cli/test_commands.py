@@ -10,6 +10,7 @@ import pytest
 from agents.catalogue import MODELS
 from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
+from app.classroom.lessons.lessons import lesson_names
 from app.cli import lab as lab_module
 from app.cli import main as main_module
 from cli.calling import PROGRAM, call
@@ -82,9 +83,12 @@ def test_list_gives_everything_there_is():
     names = {one.name for model in MODELS.values() for one in declared(model.parameters)}
     assert {row["name"] for row in everything["parameters"]} == names
     assert {row["name"] for row in everything["papers"]} >= {"liu2021-table1", "liu2021-fig5"}
+    assert [row["name"] for row in everything["lessons"]] == list(lesson_names())
 
 
-@pytest.mark.parametrize("kind", ["models", "parameters", "worlds", "observables", "papers"])
+@pytest.mark.parametrize(
+    "kind", ["models", "parameters", "worlds", "observables", "papers", "lessons"]
+)
 def test_list_of_one_kind(kind):
     rows = json.loads(call("list", kind, "--json").stdout)
     shown = call("list", kind)

@@ -34,6 +34,7 @@ def loaded_by(*args):
         "list worlds",
         "list observables",
         "list papers",
+        "list lessons",
         "list --json",
         "list p1",
         "world --help",

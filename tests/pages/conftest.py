@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import webbrowser
+
 import pytest
 
 from pages.blocks import ROOT
@@ -22,6 +24,12 @@ def checkout(tmp_path, monkeypatch):
         (folder / name).symlink_to(ROOT / name)
     monkeypatch.chdir(folder)
     return folder
+
+
+@pytest.fixture(autouse=True)
+def no_window(monkeypatch):
+    """Python of pages that shows a flock opens no browser."""
+    monkeypatch.setattr(webbrowser, "open", lambda _: True)
 
 
 @pytest.fixture(autouse=True)

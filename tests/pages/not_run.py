@@ -10,6 +10,12 @@ ELSEWHERE = {
     ("docs/car-link.md", "car_take"): (
         "C for a microcontroller: tests/live/test_car_link_page.py compiles and drives it"
     ),
+    ("docs/behind-a-proxy.md", "proxy_pass"): (
+        "a proxy's configuration: tests/browser/test_real_proxies.py has nginx take it"
+    ),
+    ("docs/behind-a-proxy.md", "reverse_proxy"): (
+        "a proxy's configuration: tests/browser/test_real_proxies.py has Caddy take it"
+    ),
     ("docs/laboratory.md", "proxy_pass"): "a proxy's configuration: needs nginx",
     ("docs/tracking.md", "Feed(open_source"): (
         "a file that its child process imports: tests/live/test_tracking_page.py starts it"

@@ -45,6 +45,23 @@ OTHERWISE = (
         "the port may be taken here; what is opened is no browser but a test that reads the page",
     ),
     Otherwise(
+        "class --host 0.0.0.0 --certificate",
+        None,
+        "needs a certificate: tests/classroom/test_class.py refuses one that is none",
+    ),
+    Otherwise(
+        "class",
+        "--host 127.0.0.1 --port 0 --open",
+        "tests serve this machine only; a test reads the page, no browser",
+    ),
+    Otherwise(
+        "sweep run vem --vary eta=0,0.628,1.257,1.885,2.513,3.142,3.77,4.398,5.027,5.655,6.283",
+        "--runs 2",
+        "fewer runs: twenty of each take longer",
+    ),
+    Otherwise("sweep run hwvem --vary", "--runs 2", "fewer runs: twenty of each take longer"),
+    Otherwise("sweep run couzin --vary", "--runs 2", "fewer runs: twenty of each take longer"),
+    Otherwise(
         "live lab lab.toml",
         '--source "emulated cars" --port 0',
         "needs the room's hardware; a test reads the page, no browser",

@@ -136,7 +136,7 @@ def carry_out(block, line, monkeypatch):
             parse(words)
             continue
         words = altered(words, instead.more) if instead else words
-        opens = words[0] == "lab" or words[:2] == ["live", "lab"]
+        opens = words[0] in ("lab", "class") or words[:2] == ["live", "lab"]
         result = (visit if opens else run)(words, monkeypatch)
         assert result.exit_code == 0, f"{block}: {command}\n{result.stdout}{result.stderr}"
         printed.append(result.stdout)

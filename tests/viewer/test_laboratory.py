@@ -29,7 +29,7 @@ from tests.viewer.waiting import until
 def laboratory():
     made = Laboratory(at_home("vem-a", agents=30, seed=2), port=0, running=False)
     assert made.simulation.ready.wait(60)
-    until(lambda: made.parameters.controls)
+    until(lambda: made.parameters.controls.keys() >= made.simulation.state.values.keys() > set())
     yield made
     made.close()
 

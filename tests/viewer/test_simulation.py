@@ -212,8 +212,8 @@ def test_commands_from_many_threads_are_all_carried_out(simulate):
     simulation.go().result(5)
     before = simulation.state.run
     simulation.setup(at_home(agents=5))
-    until(lambda: simulation.state.run > before and tick(simulation) > 3)
-    assert len(simulation.frame.ids) == 5
+    until(lambda: simulation.frame.run > before and len(simulation.frame.ids) == 5)
+    until(lambda: tick(simulation) > 3)
 
 
 def test_frames_are_copies_that_the_flock_does_not_touch(simulate):

@@ -96,7 +96,7 @@ def test_nothing_is_drawn_while_nobody_watches(page, laboratory):
         until(lambda: drawing() == 2)
     until(lambda: drawing() == 1)
     assert page.drawing is None
-    assert laboratory.elsewhere == Elsewhere()
+    until(lambda: laboratory.elsewhere == Elsewhere())
 
 
 def test_it_serves_the_page_and_nothing_that_opens_or_takes(page):
@@ -160,7 +160,7 @@ def test_another_run_has_other_agents(page, laboratory, browsers):
     laboratory.simulation.reset()
     until(lambda: laboratory.simulation.frame.run > frame.run)
     until(lambda: own.choice is None and not page.scene.own)
-    assert laboratory.elsewhere.rows == frozenset()
+    until(lambda: laboratory.elsewhere.rows == frozenset())
 
 
 def test_a_key_turns_the_camera_of_one_browser(browsers):

@@ -175,24 +175,29 @@ def who_leads(spec: Spec) -> tuple[str, dict[str, Any]] | None:
         asked
         | {
             "title": "Who leads? Ticks until all agree against p2",
-            "values": [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0],
+            "values": [1.0, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 50.0],
         },
     )
 
 
 def field_of_view(spec: Spec) -> tuple[str, dict[str, Any]] | None:
-    """What becomes of order where agents see less of the others."""
-    view = MODELS[spec.model].rule.view or "fov"
+    """What becomes of a flock whose agents see less of the others: of its ring, or of its order."""
+    rule = MODELS[spec.model].rule
+    view = rule.view or "fov"
     one = next((one for one in numbers(spec.model) if one.name == view), None)
     if one is None:
         return None
-    values = spread(max(one.low or 0.0, 60.0), 360.0, 7)
-    return "How much of the others must each see for the flock to fly as one?", {
+    asked = {"parameter": view, "ticks": 1000}
+    if rule.view:
+        return "How much of the others must each see for a school to go round in a ring?", asked | {
+            "title": "Ring against the field of view",
+            "measure": {"observe": "angular-momentum", "over": 100},
+            "values": [60.0, 120.0, 180.0, 210.0, 240.0, 270.0, 300.0, 360.0],
+        }
+    return "How much of the others must each see for the flock to fly as one?", asked | {
         "title": "Order against the field of view",
-        "parameter": view,
         "measure": {"observe": "polarisation", "over": 100},
-        "ticks": 1000,
-        "values": list(values),
+        "values": list(spread(max(one.low or 0.0, 60.0), 360.0, 7)),
     }
 
 
@@ -217,13 +222,13 @@ MAKERS: dict[str, Callable[[Spec], tuple[str, dict[str, Any]] | None]] = {
 }
 
 
-def ready_for(spec: Spec) -> tuple[Ready, ...]:
+def ready_for(spec: Spec, first: str = "") -> tuple[Ready, ...]:
     """The questions that are ready for a scene: those whose parameter its model has.
 
-    One that its flock is too large for is not among them.
+    The one called `first` stands first; one that its flock is too large for is not among them.
     """
     made: list[Ready] = []
-    for name, maker in MAKERS.items():
+    for name, maker in sorted(MAKERS.items(), key=lambda one: one[0] != first):
         found = maker(spec)
         if found is None:
             continue

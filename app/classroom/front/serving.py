@@ -12,7 +12,8 @@ from typing import Any
 
 from aiohttp import web
 
-from app.classroom.classroom import TEACHER, Classroom
+from app.classroom.classroom import Classroom
+from app.classroom.flocks import TEACHER
 from app.classroom.front.asked import LARGEST, form_of, refused
 from app.classroom.front.connections import Connections
 from app.classroom.front.limits import JOINS, MOST_AT_ONCE, MOST_PAGES, STRANGERS, Limits
@@ -228,7 +229,7 @@ class ClassFront:
         """The page on which somebody comes in, if they are not in yet."""
         teaches = self.classroom.is_key(secret)
         if is_teacher if teaches else is_student:
-            raise web.HTTPSeeOther("/class" if teaches else "/")
+            raise web.HTTPSeeOther("class" if teaches else "./")
         if teaches:
             page, words = own_page("teach.html", (THEME, "classroom/teach.js")), {"key": secret}
             return self.own(request, page.filled(**words), page)
@@ -257,7 +258,7 @@ class ClassFront:
             if not self.classroom.is_key(given.get("key", "")):
                 self.demand_patience(request)
             cookie = self.classroom.admit_teacher(given.get("key", ""))
-            who, to = "teacher", "/class"
+            who, to = "teacher", "class"
         else:
             code = plain(given.get("code", ""))
             if not same(code, self.classroom.code):
@@ -270,7 +271,7 @@ class ClassFront:
                 if not same(code, self.classroom.code):
                     return web.Response(status=403, text=f"{refusal}\n")
                 return self.ask_name(request, given.get("name", "")[:60], str(refusal))
-            who, to = "student", "/"
+            who, to = "student", "./"
         answer = web.Response(status=303, headers={"Location": to})
         answer.set_cookie(
             self.cookie(who),
@@ -311,7 +312,7 @@ class ClassFront:
             path = "/" + "/".join(parts[3:])
             visited = await self.classroom.place_of(student)
             return await self.show(request, visited, path, limits, VISIT)
-        place = self.classroom.teacher_place
+        place = self.classroom.flocks.teacher
         if place is None:
             raise web.HTTPServiceUnavailable(text="your flock is just beginning\n")
         return await self.show(request, place, request.path, limits, TEACHES)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict
 from typing import Any
@@ -10,7 +11,8 @@ from typing import Any
 import segno
 from aiohttp import web
 
-from app.classroom.classroom import TEACHER, Classroom
+from app.classroom.classroom import Classroom
+from app.classroom.flocks import TEACHER
 from app.classroom.front.asked import numbers_in, text_in, values_of
 from app.classroom.front.events import stream
 from app.classroom.front.pages import own_page
@@ -87,9 +89,11 @@ class TeacherRequests:
         return None
 
     def code(self, request: web.Request) -> bytes:
-        """The address on the wall as a QR code, SVG."""
+        """The address on the wall as a QR code, SVG; behind a proxy only the page knows it."""
         at = request.query.get("at", "")
-        if at not in self.links():
+        if not re.fullmatch(
+            rf"https?://[\w.:/\[\]~-]{{1,300}}/{self.classroom.code}", at, re.ASCII
+        ):
             raise Refusal("this is not an address of the class")
         made = io.BytesIO()
         segno.make_qr(at, error="m").save(
@@ -104,7 +108,7 @@ class TeacherRequests:
     def roster(self) -> dict[str, Any]:
         """The whole class, for the teacher's page."""
         classroom = self.classroom
-        mine = classroom.seen.get(TEACHER)
+        mine = classroom.flocks.seen.get(TEACHER)
         return {
             "title": classroom.title,
             "code": classroom.code,
@@ -121,7 +125,7 @@ class TeacherRequests:
 
     def student(self, one: Student) -> dict[str, Any]:
         """A student, for the teacher's page."""
-        seen = self.classroom.seen.get(one.number)
+        seen = self.classroom.flocks.seen.get(one.number)
         return {
             "number": one.number,
             "name": one.name,

@@ -27,3 +27,14 @@ def find_lesson(name: str) -> SavedScene:
     if ":" not in name and name not in scene_names():
         raise unknown("lesson or scene", name, (*lesson_names(), *scene_names()))
     return find_scene(name)
+
+
+@cache
+def lesson_titles() -> dict[str, str]:
+    """Names of the lessons by their titles."""
+    return {find_lesson(name).title: name for name in lesson_names()}
+
+
+def lesson_of(scene: SavedScene) -> str:
+    """The lesson that a scene was opened from, whatever has been changed since; else nothing."""
+    return lesson_titles().get(scene.title, "")

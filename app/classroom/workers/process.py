@@ -45,6 +45,9 @@ class WorkerProcess:
         self.numbers = itertools.count()
         self.waiting: dict[int, asyncio.Future[Any]] = {}
         self.closing = False
+        self.is_gone = False
+        self.held = 0
+        """Laboratories that it has or is about to have."""
 
     async def begin(self) -> WorkerProcess:
         """Begin the process."""
@@ -73,6 +76,7 @@ class WorkerProcess:
                     future.set_exception(answer)
         except (asyncio.IncompleteReadError, OSError):
             pass
+        self.is_gone = True
         waiting, self.waiting = self.waiting, {}
         for future in waiting.values():
             if not future.done():
@@ -82,6 +86,8 @@ class WorkerProcess:
 
     async def ask(self, name: str, *given: Any, patience: float = PATIENCE) -> Any:
         """What the worker answers. Raises Gone, and whatever it refuses."""
+        if self.is_gone:
+            raise Gone
         number = next(self.numbers)
         future = self.waiting[number] = asyncio.get_running_loop().create_future()
         try:

@@ -12,12 +12,14 @@ import signal
 import socket
 import struct
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, BinaryIO
 
 from app.classroom.workers.seen import Seen, seen
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
+from app.viewer.run.allowance import Allowance
 from app.viewer.watching.watching import Watching
 from app.viewer.web.incoming.visitors import BEHIND_A_FRONT
 from app.viewer.web.server import open_server
@@ -47,9 +49,13 @@ def packed(message: Any) -> bytes:
 
 
 class Laboratories:
-    """The laboratories of one process, by the number of whose they are."""
+    """The laboratories of one process, by the number of whose they are.
 
-    def __init__(self) -> None:
+    `allowance`: what each may take; None: everything.
+    """
+
+    def __init__(self, allowance: Allowance | None = None) -> None:
+        self.allowance = allowance
         self.all: dict[int, Laboratory] = {}
         self.told: dict[int, Any] = {}
         """Of which state of each the scene was told last."""
@@ -61,12 +67,14 @@ class Laboratories:
             self.all[whose].open(opened)
         else:
             server = open_server(HOST, 0, Front(SCRIPTS), limits=BEHIND_A_FRONT)
-            self.all[whose] = Laboratory(host=HOST, server=server, opened=opened, waits=True)
+            self.all[whose] = Laboratory(
+                host=HOST, server=server, opened=opened, waits=True, allowance=self.allowance
+            )
         return self.all[whose].port
 
     def watch(self, whose: int) -> int:
         """Open the page of those who watch one; its port."""
-        self.watching = Watching(self.all[whose], "the teacher", limits=BEHIND_A_FRONT)
+        self.watching = Watching(self.all[whose], "the teacher", HOST, limits=BEHIND_A_FRONT)
         self.watching.server.on_client_connect(self.all[whose].welcome)
         return self.watching.port
 
@@ -94,6 +102,13 @@ class Laboratories:
     def seen(self) -> dict[int, Seen]:
         """How all of them stand."""
         return {whose: seen(one) for whose, one in self.all.items()}
+
+    def draw_at(self, pictures: float) -> None:
+        """Draw each so often a second at most."""
+        assert self.allowance is not None
+        self.allowance = replace(self.allowance, pictures=pictures)
+        for one in self.all.values():
+            one.drawing.rates = replace(one.drawing.rates, fastest=1.0 / pictures)
 
     def pause(self, whose: int) -> None:
         """Let one stand."""

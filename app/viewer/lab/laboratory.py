@@ -45,7 +45,7 @@ from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.home import at_home, lively_speed, usual_of
-from app.viewer.run.past.stored import LARGEST, Stored
+from app.viewer.run.past.stored import LARGEST, Beginning
 from app.viewer.run.picture import Elsewhere, Wanted
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.state import State
@@ -84,10 +84,10 @@ class Laboratory:
     """Serves one flock to any number of browsers; all see the same run.
 
     `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
-    open already, on this host. `opened`: a scene, a saved state or a recording that it opens on,
-    instead of a `spec`. `waits`: whether the flock stands until the first browser is there.
-    `results`: the folder of its sweeps. `allowance`: what it may take and do; None: everything.
-    Raises Refusal if the port is busy.
+    open already, on this host. `opened`: a scene, a saved state, a recording or a flock in hand
+    that it opens on, instead of a `spec`. `waits`: whether the flock stands until the first browser
+    is there. `results`: the folder of its sweeps. `allowance`: what it may take and do; None:
+    everything. Raises Refusal if the port is busy.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class Laboratory:
         beside: Spec | None = None,
         threads: int = 1,
         server: viser.ViserServer | None = None,
-        opened: SavedScene | Stored | None = None,
+        opened: SavedScene | Beginning | None = None,
         waits: bool = False,
         results: Path = RESULTS,
         allowance: Allowance | None = None,
@@ -122,7 +122,7 @@ class Laboratory:
             speed or lively_speed(spec),
             running and not waits,
             build=partial(Flock, threads=threads),
-            stored=opened if isinstance(opened, Stored) else None,
+            stored=None if isinstance(opened, SavedScene) else opened,
             allowance=allowance,
         )
         self.notices = Notices(self.server, self.simulation.notices)
@@ -275,18 +275,18 @@ class Laboratory:
             self.waits = False
             self.simulation.go()
 
-    def open(self, opened: SavedScene | Stored) -> None:
+    def open(self, opened: SavedScene | Beginning) -> None:
         """Set up a scene, a state or a recording in all browsers, and let it run.
 
         Raises Refusal for what an allowance does not allow.
         """
         if self.allowance is not None:
-            stored = opened if isinstance(opened, Stored) else None
+            stored = None if isinstance(opened, SavedScene) else opened
             self.allowance.demand(opened.spec, getattr(opened, "beside", None), stored)
         self.waits = False
         self.select(None)
         self.run.pace(opened.speed or lively_speed(opened.spec))
-        if isinstance(opened, Stored):
+        if not isinstance(opened, SavedScene):
             self.shown_scene = None
             self.setup.follow(opened.spec, None)
             self.scene.open_on("")
@@ -334,7 +334,8 @@ class Laboratory:
     def told_scene(self) -> SavedScene | None:
         """The scene that was opened, as long as it is what runs."""
         scene, state = self.shown_scene, self.simulation.state
-        if scene is None or state.busy:
+        coming = self.pointing is not None and state.run <= self.pointing[0]
+        if scene is None or state.busy or coming:
             return scene
         same = scene.spec.world == state.spec.world and scene.spec.agents == state.spec.agents
         if same and (scene.spec.model, scene.beside and scene.beside.model) == state.models:
@@ -413,7 +414,7 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
-        self.simulation.be_seen(self.browsers() > 0)
+        self.simulation.be_seen(self.browsers() + self.elsewhere.browsers > 0)
         self.notices.tell()
         self.world.refresh()
         look = self.view.look()

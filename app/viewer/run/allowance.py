@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from agents.catalogue import model as find_model
 from agents.spec import Spec
 from app.viewer.measuring.measured import spaced
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning, Stored
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -50,16 +50,16 @@ class Allowance:
     upload: int = 1_000_000
     """Bytes of a file at most."""
 
-    def demand(self, spec: Spec, beside: Spec | None, stored: Stored | None) -> None:
+    def demand(self, spec: Spec, beside: Spec | None, stored: Beginning | None) -> None:
         """Raise Refusal for a run that is too much, before it is built."""
         flocks, model = 1 if beside is None else 2, find_model(spec.model)
         self.demand_agents(flocks * (model.agents if spec.agents is None else spec.agents))
         self.demand_agents(flocks * (spec.informed or 0))
         if stored is None:
             return
-        self.demand_recordings(stored.name)
-        frames = stored.recording.frames
-        self.demand_agents(int((frames.ends - frames.starts).max()))
+        if isinstance(stored, Stored):
+            self.demand_recordings(stored.name)
+        self.demand_agents(stored.most)
 
     def demand_recordings(self, name: str) -> None:
         """Raise Refusal for a state or a recording where none is opened."""

@@ -11,7 +11,7 @@ from app.viewer.editing.free_places import set_free
 from app.viewer.measuring.crowd import refuse_too_dense
 from app.viewer.run.beside import Pair
 from app.viewer.run.past.playback import Playback
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning, Stored
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
 from worlds.world import World
@@ -24,7 +24,7 @@ class Building:
         self.build = build
         self.build_beside = build_beside
 
-    def flock(self, spec: Spec, stored: Stored | None, **more: Any) -> Flock:
+    def flock(self, spec: Spec, stored: Beginning | None, **more: Any) -> Flock:
         """The flock of a run, where it begins: with the spec's parameters and world, also if it is
         gone on from a state. Raises Refusal.
         """
@@ -44,7 +44,7 @@ class Building:
         self,
         flock: Flock,
         beside: Spec | None,
-        stored: Stored | None,
+        stored: Beginning | None,
         number: int,
         wanted: Wanted,
         watched: frozenset[str],
@@ -53,7 +53,7 @@ class Building:
 
         Raises Refusal.
         """
-        if stored is not None and stored.is_played:
+        if isinstance(stored, Stored) and stored.is_played:
             return Playback(flock, number, wanted, watched, stored)
         if beside is None:
             return Run(flock, number, wanted, watched)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from agents.spec import Spec
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.pace import ANSWER, Pace
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning
 from app.viewer.run.run import Run
 from app.viewer.web.incoming.rate_limit import RateLimit
 from worlds.refusal import Refusal
@@ -112,7 +112,7 @@ class Keeping:
         if self.allowance is not None:
             self.share.become(self.allowance.share if self.seen else self.allowance.unseen_share)
 
-    def demand(self, spec: Spec, beside: Spec | None, stored: Stored | None) -> None:
+    def demand(self, spec: Spec, beside: Spec | None, stored: Beginning | None) -> None:
         """Raise Refusal for a run that is too much, before it is built."""
         if self.allowance is not None:
             self.allowance.demand(spec, beside, stored)

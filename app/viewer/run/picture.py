@@ -52,6 +52,8 @@ class Wanted:
 class Elsewhere:
     """What other pages want to know of a laboratory's run, beside what its own wants."""
 
+    browsers: int = 0
+    """How many look at it there."""
     names: frozenset[str] = frozenset()
     """Observables to measure."""
     rows: frozenset[int] = frozenset()

@@ -25,8 +25,9 @@ from app.viewer.run.command_queue import GO, CommandQueue, Waiting
 from app.viewer.run.compiling import Compiling
 from app.viewer.run.edits import Edits, freed
 from app.viewer.run.keeping import Keeping
+from app.viewer.run.news import News
 from app.viewer.run.past.playback import Playback
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning
 from app.viewer.run.past.time_line import TimeLine
 from app.viewer.run.picture import Wanted
 from app.viewer.run.preview import Preview, is_quick
@@ -45,7 +46,7 @@ OBEDIENCE = 0.03
 
 Models = tuple[str, str | None]
 """Names of the model and of the one beside it."""
-Next = tuple[Spec, Spec | None, Stored | None]
+Next = tuple[Spec, Spec | None, Beginning | None]
 """A run, what is beside it, and what it begins from if that is not its start."""
 
 
@@ -69,7 +70,7 @@ class Simulation:
         build: Callable[..., Flock] = Flock,
         build_beside: Callable[[Flock, Spec], Flock] = companion,
         compiling: Callable[[Sequence[Flock]], Compiling] = Compiling,
-        stored: Stored | None = None,
+        stored: Beginning | None = None,
         allowance: Allowance | None = None,
     ):
         self.keeping = Keeping(allowance)
@@ -81,7 +82,7 @@ class Simulation:
         self.readings: Readings | None = None
         self.readings_beside: Readings | None = None
         self.state = State(spec, beside, running=running, busy=True, speed=speed)
-        self.news = threading.Event()
+        self.news = News()
         """Set whenever a frame has been left; for who draws it."""
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
@@ -144,7 +145,7 @@ class Simulation:
         """Build a new flock; of several set-ups at once only the last is built."""
         return self.tell(lambda: self.schedule(spec, beside), "set up")
 
-    def open(self, stored: Stored) -> Future:
+    def open(self, stored: Beginning) -> Future:
         """Go on from a saved state, or play a recording."""
         return self.tell(lambda: self.begin(stored), "set up")
 
@@ -297,8 +298,9 @@ class Simulation:
         self.stale = False
         now = time.perf_counter()
         apart = self.keeping.between_frames
-        # A tick that is a little early is not left out for it, or every other one would be.
-        self.next_frame = max(self.next_frame, now - 0.5 * apart) + apart
+        # A tick that is a little early is not left out for it, or every other one would be; frames
+        # that commands ask for put none off.
+        self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
         self.warn(self.run)
         known = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
@@ -363,7 +365,7 @@ class Simulation:
             beside_values=self.run.beside_values,
         )
 
-    def new_run(self, flock: Flock, beside: Spec | None, stored: Stored | None) -> Run:
+    def new_run(self, flock: Flock, beside: Spec | None, stored: Beginning | None) -> Run:
         """The run of a flock, and of the one beside it. Raises Refusal."""
         number = self.state.run + 1
         run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
@@ -460,10 +462,10 @@ class Simulation:
                 self.notices.put(words)
             one.warned = words
 
-    def schedule(self, spec: Spec, beside: Spec | None, stored: Stored | None = None) -> None:
+    def schedule(self, spec: Spec, beside: Spec | None, stored: Beginning | None = None) -> None:
         self.next = spec, beside, stored
 
-    def begin(self, stored: Stored) -> None:
+    def begin(self, stored: Beginning) -> None:
         self.next = stored.spec, None, stored
 
     def switch(self, on: bool) -> None:
@@ -500,6 +502,7 @@ class Simulation:
     def be_seen_now(self) -> None:
         self.keeping.look()
         self.pace = self.keeping.pace(self.state.speed)
+        self.next_frame = 0.0
         self.look_again_now()
 
     def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.viewer.run.compiling import Estimate
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class State:
     beside: Spec | None = None
     """A second model, whose flock flies in the same world from the same start: what it has of its
     own."""
-    stored: Stored | None = None
-    """The saved state or recording that it began from."""
+    stored: Beginning | None = None
+    """The saved state, recording or flock that it began from."""
     line: Line | None = None
     """Along which ticks it can be moved."""
     run: int = 0

@@ -32,6 +32,8 @@ class Watcher:
     ):
         self.client, self.point = client, point
         self.choice: Choice | None = None
+        self.is_new = True
+        """Whether nothing on its page has been brought up to date yet."""
         self.since = time.monotonic()
         """When it chose an agent last, or came, s."""
         gui = client.gui

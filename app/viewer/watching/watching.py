@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import Callable, Container
 from functools import partial
@@ -16,8 +17,9 @@ from app.viewer.panels.hotkeys import KEYS, add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.picture import Elsewhere
-from app.viewer.scene.drawing import Drawing, Rates
-from app.viewer.scene.shown.look import RIDE, STEP_OFF
+from app.viewer.scene.drawing import PANELS, Drawing, Rates
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
 from app.viewer.watching.marks import Choice, OwnScene
 from app.viewer.watching.plots import ALWAYS, Curves, wanted
 from app.viewer.watching.watcher import Watcher
@@ -26,7 +28,7 @@ from app.viewer.web.addresses import here
 from app.viewer.web.incoming.kinds import CAMERA, Kind
 from app.viewer.web.incoming.visitors import USUAL, Limits
 from app.viewer.web.origin import Allowed
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import close_server, open_server, when_heard
 from app.viewer.web.serving.front import Front
 
 SCRIPTS = ("card.js",)
@@ -57,8 +59,8 @@ class Watching:
 
     They see what the laboratory's own page shows, as it shows it; each browser has its own camera,
     its own plots and its own inspected agent. `whose`: who leads the run, as text; empty: not told.
-    A laboratory has one such page. Nothing is drawn while nobody watches. Raises Refusal if the
-    port is busy.
+    `limits`: how many connections there may be. A laboratory has one such page. Nothing is drawn
+    while nobody watches. Raises Refusal if the port is busy.
     """
 
     def __init__(
@@ -80,9 +82,15 @@ class Watching:
         self.switching = asyncio.Lock()
         """Held on viser's loop while drawing begins or ends."""
         self.closed = False
-        self.told_due = self.plots_due = 0.0
+        self.told_due = 0.0
+        self.turn = 0
+        """Counts the refreshments: in each it is the turn of some browsers."""
         self.furnish()
         self.scene.on_chosen(self.chosen)
+        self.news = threading.Event()
+        """Set when there may be something new to draw."""
+        laboratory.simulation.news.tell(self.news)
+        when_heard(self.server, self.news.set)
         self.server.on_client_connect(self.welcome)
         self.server.on_client_disconnect(self.farewell)
 
@@ -104,6 +112,7 @@ class Watching:
         """Stop drawing and serving; the laboratory goes on."""
         self.closed = True
         self.laboratory.elsewhere = Elsewhere()
+        self.laboratory.simulation.news.forget(self.news)
         if self.drawing is not None:
             self.drawing.close()
         close_server(self.server)
@@ -132,7 +141,6 @@ class Watching:
     async def welcome(self, client: viser.ClientHandle) -> None:
         """A browser has come: it gets what it has alone, and the first begins the drawing."""
         self.watchers[client.client_id] = Watcher(client, self.left, self.right, self.point)
-        self.told_due = self.plots_due = 0.0
         async with self.switching:
             if self.drawing is None and self.watchers and not self.closed:
                 self.drawing = Drawing(
@@ -141,9 +149,14 @@ class Watching:
                     self.browsers,
                     self.choose,
                     self.refresh,
-                    rates=Rates(bandwidth=BANDWIDTH),
+                    self.news,
+                    lambda: self.laboratory.between.moves,
+                    Rates(bandwidth=BANDWIDTH),
                 )
+                self.tell_laboratory(Elsewhere(browsers=1))
                 self.drawing.start()
+            elif self.drawing is not None:
+                self.drawing.welcome()
 
     async def farewell(self, client: viser.ClientHandle) -> None:
         """A browser has gone; the last ends the drawing."""
@@ -154,6 +167,13 @@ class Watching:
             drawing, self.drawing = self.drawing, None
             await asyncio.to_thread(drawing.close)
             self.laboratory.elsewhere = Elsewhere()
+
+    def tell_laboratory(self, asked: Elsewhere) -> None:
+        """Say what those who watch want to know; where nobody is on the laboratory's own page it
+        is to do at once what it would do for somebody."""
+        self.laboratory.elsewhere = asked
+        if not self.laboratory.browsers():
+            self.laboratory.drawing.welcome()
 
     def chosen(self, client: viser.ClientHandle, row: int | None, beside: bool) -> None:
         """A click into one browser's picture, on an agent or on none."""
@@ -184,12 +204,29 @@ class Watching:
         """Bring the panels up to date, and say what is to be measured and looked at."""
         if self.drawing is None or self.drawing.drawn is None:
             return
-        now, lab = time.monotonic(), self.laboratory
-        self.scene.show_own()
-        if now < self.told_due:
-            return
-        self.told_due = now + CARDS
         frame, look = self.drawing.drawn
+        self.scene.show_own()
+        if (now := time.monotonic()) >= self.told_due:
+            self.told_due = now + CARDS
+            self.tell(frame, look)
+        watchers = self.now
+        for one in self.those(watchers, CARDS):
+            self.attempt(one, partial(one.tell, frame, self.scene))
+        self.plot(self.those(watchers, PLOTS * max(1.0, len(watchers) / BROWSERS)))
+        self.turn += 1
+        for one in watchers:
+            one.is_new = False
+
+    def those(self, watchers: list[Watcher], every: float) -> list[Watcher]:
+        """Whose turn it is now of what each has `every` so many seconds, and who is new: all at
+        once would hold up the picture."""
+        turns = max(1, round(every / PANELS))
+        number = self.turn % turns
+        return [one for one in watchers if one.is_new or one.client.client_id % turns == number]
+
+    def tell(self, frame: Frame, look: Look) -> None:
+        """What all see alike, and what the laboratory is to do for them."""
+        lab = self.laboratory
         state, scene = lab.simulation.state, lab.shown_scene
         self.scene.open_on("" if scene is None else scene.camera)
         self.status.content = standing(state, self.whose)
@@ -197,17 +234,12 @@ class Watching:
         self.values.content = values(state)
         self.monitors.show(lab.contents)
         self.monitors.colours(look, frame)
-        watchers = self.now
-        for one in watchers:
-            self.attempt(one, partial(one.tell, frame, self.scene))
-        asked = lab.elsewhere = self.asked(watchers)
+        asked = self.asked(self.now)
+        self.tell_laboratory(asked)
         if missing(frame.others, asked.rows) or (
             frame.beside is not None and missing(frame.beside.others, asked.rows_beside)
         ):
             lab.simulation.look_again()
-        if now >= self.plots_due:
-            self.plots_due = now + PLOTS * max(1.0, len(watchers) / BROWSERS)
-            self.plot(watchers)
 
     def asked(self, watchers: list[Watcher]) -> Elsewhere:
         """What these want to know of the run: so many observables, so many agents, and no more."""
@@ -215,20 +247,21 @@ class Watching:
         rows = list(dict.fromkeys((one.row, one.beside) for one in chosen if one is not None))
         rows = rows[:LOOKED_AT]
         return Elsewhere(
+            len(watchers),
             wanted(one.plots.names for one in watchers),
             frozenset(row for row, beside in rows if not beside),
             frozenset(row for row, beside in rows if beside),
         )
 
     def plot(self, watchers: list[Watcher]) -> None:
-        """Draw every browser's plots."""
+        """Draw the plots of some browsers."""
         lab = self.laboratory
         runs = tuple(
             one
             for one in (lab.simulation.readings, lab.simulation.readings_beside)
             if one is not None
         )
-        if not runs or not lab.plots.offered:
+        if not watchers or not runs or not lab.plots.offered:
             return
         most = EARLIER[lab.plots.earlier.value]
         measured = lab.watched | lab.elsewhere.names | ALWAYS

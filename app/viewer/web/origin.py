@@ -61,19 +61,27 @@ def allowed(text: str) -> Allowed:
     return Allowed(name, given.port)
 
 
-def trusted(host: str | None, origin: str | None, allow: tuple[Allowed, ...] = ()) -> bool:
+def trusted(
+    host: str | None, origin: str | None, allow: tuple[Allowed, ...] = (), invited: bool = False
+) -> bool:
     """Whether a request with these headers may be answered.
 
-    No origin is a program, not a page: a program on this machine needs no browser to do harm.
+    No origin is a program, not a page: a program on this machine needs no browser to do harm. A
+    request that was `invited`, since it knows a secret, may come by any name, if the page that
+    makes it has that name too; a port that is not said is then the usual one of the page, as there
+    may be a proxy with TLS before us.
 
     >>> trusted("localhost:8080", "http://127.0.0.1:8080")
     True
     >>> trusted("localhost:8080", "https://example.org")
     False
+    >>> trusted("example.org", "https://example.org", invited=True)
+    True
     """
     try:
         reached = urlsplit(f"//{host or ''}")
-        if authority(host) is None or not (is_ours(reached) or is_named(reached, allow)):
+        named = invited or is_ours(reached) or is_named(reached, allow)
+        if authority(host) is None or not named:
             return False
         if origin is None:
             return True
@@ -82,7 +90,8 @@ def trusted(host: str | None, origin: str | None, allow: tuple[Allowed, ...] = (
             return False
         if any(one.shows(page) for one in allow):
             return True
-        return port(page) == port(reached) and same_host(page, reached)
+        usual = PORTS[page.scheme if invited else "http"]
+        return port(page) == (reached.port or usual) and same_host(page, reached)
     except ValueError:
         return False
 
@@ -118,9 +127,9 @@ def same_host(page: SplitResult, reached: SplitResult) -> bool:
     return page.hostname == reached.hostname or (is_loopback(page) and is_loopback(reached))
 
 
-def port(address: SplitResult) -> int:
+def port(page: SplitResult) -> int:
     """The port, or the one that the scheme implies."""
-    return address.port or PORTS.get(address.scheme, 80)
+    return page.port or PORTS[page.scheme]
 
 
 def is_loopback(address: SplitResult) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import io
 import os
 import socket
 import threading
@@ -19,6 +18,7 @@ from functools import partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import rich
 import viser
 import websockets.asyncio.server
 from viser import _messages as messages
@@ -92,9 +92,8 @@ def open_server(
     find_kinds_once()
     keep_icons_open()
     entrance = Entrance(front or Front(), kinds, Visitors(limits=limits))
-    quiet = contextlib.redirect_stdout(io.StringIO())
     sock = listening(host, port)
-    with starting, served_on(sock, entrance), quiet:
+    with starting, served_on(sock, entrance), quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     for kind in UNWANTED:
         server._websock_server.unregister_handler(kind)
@@ -135,10 +134,21 @@ def close_server(server: viser.ViserServer) -> None:
     entrance = entrances.pop(server, None)
     if entrance is not None and entrance.door is not None:
         entrance.door.close()
-    with starting, contextlib.redirect_stdout(io.StringIO()):
+    with starting, quiet():
         server.stop()
     if entrance is not None:
         entrance.log.close()
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Within it viser says nothing, neither on standard output nor in a notebook's cell."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
 
 
 def listening(host: str, port: int) -> socket.socket:

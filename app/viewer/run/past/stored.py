@@ -1,4 +1,5 @@
-"""A saved state or a recording that is opened: from a file of this machine, or from a browser."""
+"""What a run goes on from: a saved state or a recording, of a file of this machine or from a
+browser; or a flock in hand."""
 
 from __future__ import annotations
 
@@ -58,14 +59,7 @@ class Stored:
     @cached_property
     def spec(self) -> Spec:
         """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
-        spec, world = self.recording.spec, self.recording.world
-        known = spec.layout is None and spec.world in layout_names()
-        alike = len(set(world.size)) == 1
-        if known and alike and world.random is None:
-            where: dict[str, Any] = {"world": spec.world, "size": float(world.size[0])}
-        else:
-            where = {"world": world, "size": None}
-        return spec.but(**where, layout=None, dim=world.dim, start="random", versions={})
+        return anew(self.recording.spec, self.recording.world)
 
     @property
     def speed(self) -> float:
@@ -75,6 +69,12 @@ class Stored:
         return lively_speed(self.spec) * max(1.0, float(apart))
 
     @property
+    def most(self) -> int:
+        """Agents that it has at most."""
+        frames = self.recording.frames
+        return int((frames.ends - frames.starts).max())
+
+    @property
     def first(self) -> Snapshot:
         """The flock as it begins. Raises Refusal."""
         frames = self.recording.frames
@@ -82,13 +82,67 @@ class Stored:
 
     def flock(self, build: Callable[..., Flock], **more: Any) -> Flock:
         """The flock as it begins, ready to go on from there. Raises Refusal."""
-        saved = self.first
-        spec = self.recording.spec.but(world=saved.world, layout=None)
-        start = {"position": saved.position, "heading": saved.heading}
-        flock = build(spec, start=start, **more)
-        flock.options = spec
-        flock.return_to(saved)
-        return flock
+        return gone_on(self.recording.spec, self.first, build, **more)
+
+
+@dataclass(frozen=True)
+class InHand:
+    """A flock of this process, as it is, to go on from."""
+
+    run: Spec
+    """What it is a run of, with its parameters as they are."""
+    now: Snapshot
+    is_played = False
+    kind = "flock"
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return f"{self.run.model} at tick {self.now.tick}"
+
+    @cached_property
+    def spec(self) -> Spec:
+        """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
+        return anew(self.run, self.now.world)
+
+    @property
+    def most(self) -> int:
+        """Agents that it has."""
+        return len(self.now.ids)
+
+    @property
+    def speed(self) -> float:
+        """Ticks per second at which it can be watched."""
+        return lively_speed(self.spec)
+
+    def flock(self, build: Callable[..., Flock], **more: Any) -> Flock:
+        """The flock as it begins, ready to go on from there. Raises Refusal."""
+        return gone_on(self.run, self.now, build, **more)
+
+
+Beginning = Stored | InHand
+"""What a run begins from, if not from its start."""
+
+
+def anew(spec: Spec, world: World) -> Spec:
+    """The same run at tick 0; what started from arrays starts at random."""
+    known = spec.layout is None and spec.world in layout_names()
+    alike = len(set(world.size)) == 1
+    if known and alike and world.random is None:
+        where: dict[str, Any] = {"world": spec.world, "size": float(world.size[0])}
+    else:
+        where = {"world": world, "size": None}
+    return spec.but(**where, layout=None, dim=world.dim, start="random", versions={})
+
+
+def gone_on(spec: Spec, saved: Snapshot, build: Callable[..., Flock], **more: Any) -> Flock:
+    """The flock of a run as it was in a snapshot, from which it goes on. Raises Refusal."""
+    spec = spec.but(world=saved.world, layout=None)
+    start = {"position": saved.position, "heading": saved.heading}
+    flock = build(spec, start=start, **more)
+    flock.options = spec
+    flock.return_to(saved)
+    return flock
 
 
 def stored(name: str, content: bytes | None = None, path: Path | None = None) -> Stored:
@@ -160,9 +214,7 @@ def demand_own_world(recording: Recording, name: str) -> None:
 
 def demand_playable(made: Stored, name: str) -> None:
     """Raise Refusal for a flock that the laboratory does not take."""
-    frames = made.recording.frames
-    most = int((frames.ends - frames.starts).max())
-    if most > MOST_AGENTS:
-        raise Refusal(f"{name} has {most} agents: the laboratory takes {MOST_AGENTS} at most")
+    if made.most > MOST_AGENTS:
+        raise Refusal(f"{name} has {made.most} agents: the laboratory takes {MOST_AGENTS} at most")
     made.flock(Flock, interpret=True)
     _ = made.spec

@@ -17,7 +17,7 @@ from app.viewer.run.beside import Pair
 from app.viewer.run.edits import Edits
 from app.viewer.run.past.history import History, Moment
 from app.viewer.run.past.playback import Playback, fixed
-from app.viewer.run.past.stored import Stored
+from app.viewer.run.past.stored import Beginning
 from app.viewer.run.run import Run
 from app.viewer.run.state import Line, State
 from worlds.refusal import Refusal
@@ -42,7 +42,7 @@ class Host(Protocol):
 
     def sound_run(self) -> Run: ...
 
-    def begin(self, stored: Stored) -> None: ...
+    def begin(self, stored: Beginning) -> None: ...
 
 
 class TimeLine:

@@ -6,6 +6,7 @@ request is refused first and answered then, and every answer is given its header
 
 from __future__ import annotations
 
+import hmac
 import secrets
 from collections.abc import Callable
 from http import HTTPStatus
@@ -25,6 +26,8 @@ OWN_SITE = ("same-origin", "none")
 """What `Sec-Fetch-Site` says of a request that our own page or a person makes."""
 FOLLOWED = ("navigate", "document")
 """Mode and destination of a request that somebody made by following a link in a window."""
+FRAMED = ("navigate", "iframe")
+"""The same of a page that another page shows in a frame."""
 ONCE = ("Host", "Origin", "Upgrade", "Sec-Fetch-Site", "Sec-Fetch-Mode", "Sec-Fetch-Dest")
 """Headers that may stand there once."""
 Answering = Callable[[Request], Response]
@@ -34,12 +37,23 @@ class Front:
     """What one server answers.
 
     `scripts`: files of `static/` that are part of its page and run before viser's. `allow`: names
-    by which it may be reached beside this machine's own. Raises Refusal if the page cannot be made.
+    by which it may be reached beside this machine's own. `secret`: the first part of every path,
+    without which there is nothing; whoever knows it may come by any name, as a proxy does.
+    `framed_by`: the origins of pages that may show it in a frame; nobody's otherwise. Raises
+    Refusal if the page cannot be made.
     """
 
-    def __init__(self, scripts: tuple[str, ...] = (), allow: tuple[Allowed, ...] = ()):
+    def __init__(
+        self,
+        scripts: tuple[str, ...] = (),
+        allow: tuple[Allowed, ...] = (),
+        secret: str = "",
+        framed_by: tuple[str, ...] = (),
+    ):
         self.page = client_page(scripts)
         self.allow = allow
+        self.secret = secret
+        self.framed_by = framed_by
         name = secrets.token_hex(8)
         self.routes: dict[str, Answering] = {ALIVE: lambda _: words(HTTPStatus.OK, name)}
 
@@ -57,7 +71,12 @@ class Front:
 
         `viser` gives its own answer, for what is nobody else's.
         """
-        refused = refusal(request, self.allow)
+        if self.secret:
+            inner = without(self.secret, request.path)
+            if inner is None:
+                return words(HTTPStatus.NOT_FOUND, "there is nothing here")
+            request.path = inner  # nobody further in is told it
+        refused = refusal(request, self.allow, bool(self.secret), bool(self.framed_by))
         if refused is not None:
             return refused
         if is_websocket(request):
@@ -77,7 +96,8 @@ class Front:
         headers["Vary"] = "Accept-Encoding"
         headers["Content-Length"] = str(len(body))
         headers["Connection"] = "close"
-        headers[POLICY] = policy(self.page.hashes, lines(request, self.allow))
+        places = lines(request, self.allow, bool(self.secret))
+        headers[POLICY] = policy(self.page.hashes, places, self.framed_by)
         return Response(HTTPStatus.OK, "OK", headers, body)
 
     def finish(self, response: Response) -> None:
@@ -85,21 +105,40 @@ class Front:
         secure(response.headers)
 
 
-def refusal(request: Request, allow: tuple[Allowed, ...]) -> Response | None:
-    """What a request gets that may not be answered; None for one that may."""
+def without(secret: str, path: str) -> str | None:
+    """The path behind a secret that it begins with; None if it does not.
+
+    >>> without("a1", "/a1/alive?x"), without("a1", "/a1"), without("a1", "/a12/alive")
+    ('/alive?x', '/', None)
+    """
+    place, _, query = path.partition("?")
+    first, _, rest = place.removeprefix("/").partition("/")
+    if not hmac.compare_digest(first.encode(errors="replace"), secret.encode()):
+        return None
+    return f"/{rest}?{query}" if query else f"/{rest}"
+
+
+def refusal(
+    request: Request, allow: tuple[Allowed, ...], invited: bool = False, framed: bool = False
+) -> Response | None:
+    """What a request gets that may not be answered; None for one that may.
+
+    `invited`: whether it knows a secret, and so may come by any name. `framed`: whether its page
+    may be in a frame, whose the page's own policy says.
+    """
     headers = request.headers
     twice = next((name for name in ONCE if len(headers.get_all(name)) > 1), "")
     if twice:
         return words(HTTPStatus.BAD_REQUEST, f"the header {twice} stands there twice")
-    if not trusted(headers.get("Host"), headers.get("Origin"), allow):
+    if not trusted(headers.get("Host"), headers.get("Origin"), allow, invited):
         return words(HTTPStatus.FORBIDDEN, "flockscope only answers its own pages")
     named = leads_elsewhere(request.path.partition("?")[2])
     if named:
         text = f"the address of this page may not name {named}"
         return words(HTTPStatus.BAD_REQUEST, text)
     site = headers.get("Sec-Fetch-Site", "none")
-    followed = (headers.get("Sec-Fetch-Mode"), headers.get("Sec-Fetch-Dest")) == FOLLOWED
-    if site not in OWN_SITE and not followed:
+    way = (headers.get("Sec-Fetch-Mode"), headers.get("Sec-Fetch-Dest"))
+    if site not in OWN_SITE and way != FOLLOWED and not (framed and way == FRAMED):
         return words(HTTPStatus.FORBIDDEN, "flockscope is not shown or used by other pages")
     return None
 
@@ -109,15 +148,17 @@ def is_websocket(request: Request) -> bool:
     return request.headers.get("Upgrade", "").lower() == "websocket"
 
 
-def lines(request: Request, allow: tuple[Allowed, ...]) -> tuple[str, ...]:
+def lines(request: Request, allow: tuple[Allowed, ...], invited: bool = False) -> tuple[str, ...]:
     """Where the page that this request gets may open websockets, as its policy writes it.
 
-    A proxy may have been reached by any allowed name, whatever it says as `Host`. No policy can
-    write a numeric address of IPv6; `'self'` stands for it.
+    A proxy may have been reached by any allowed name, whatever it says as `Host`; one that was
+    `invited` is not known by name, and may have TLS before it. No policy can write a numeric
+    address of IPv6; `'self'` stands for it.
     """
     reached = authority(request.headers.get("Host"))
     named = [f"{scheme}://{one}" for one in allow for scheme in ("ws", "wss")]
-    found = dict.fromkeys((f"ws://{reached}", *named))
+    safe = [f"wss://{reached}"] if invited else []
+    found = dict.fromkeys((f"ws://{reached}", *safe, *named))
     return tuple(line for line in found if "[" not in line)
 
 

@@ -14,13 +14,14 @@ FIXED = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-"""No frame may show it, no type is guessed, nobody is told the address, no other page keeps a hold
-of its window or reads its files, and a page is never older than its server."""
+"""No frame may show it, unless a policy of its own says whose; no type is guessed, nobody is told
+the address, no other page keeps a hold of its window or reads its files, and a page is never older
+than its server."""
 
 
-def policy(hashes: Iterable[str], lines: Iterable[str]) -> str:
+def policy(hashes: Iterable[str], lines: Iterable[str], framed_by: Iterable[str] = ()) -> str:
     """The Content-Security-Policy of a page whose scripts have these hashes and which may open
-    websockets to these places.
+    websockets to these places; pages of the origins `framed_by` may show it in a frame.
 
     Scripts run by their hash alone: none that is loaded from anywhere, none that a message brings,
     no handler in HTML, no `eval`. viser's client needs the rest: WebAssembly that unpacks messages,
@@ -39,12 +40,13 @@ def policy(hashes: Iterable[str], lines: Iterable[str]) -> str:
         "font-src": "data:",
         "base-uri": "'none'",
         "form-action": "'none'",
-        "frame-ancestors": "'none'",
+        "frame-ancestors": " ".join(framed_by) or UNFRAMED,
     }
     return "; ".join(f"{name} {value}" for name, value in rules.items())
 
 
 POLICY = "Content-Security-Policy"
+UNFRAMED = "'none'"
 CLOSED = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 """The policy of every answer that is not a page."""
 
@@ -56,3 +58,6 @@ def secure(headers: Headers) -> None:
         headers[name] = value
     if POLICY not in headers:
         headers[POLICY] = CLOSED
+    framed_by = headers[POLICY].partition("frame-ancestors ")[2].partition(";")[0]
+    if framed_by not in ("", UNFRAMED):
+        del headers["X-Frame-Options"]  # which can name no origins

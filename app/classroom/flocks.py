@@ -1,0 +1,201 @@
+"""The flocks of a class: processes with laboratories, and which of them each student sees.
+
+The teacher's laboratory has a process of its own, so that nothing that students do makes it wait.
+A process that dies is replaced; what ran in it begins again from its last scene.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+from agents.catalogue import model as find_model
+from agents.home import find_world
+from app.classroom.student import Place, Role, Student
+from app.classroom.workers.process import Gone, WorkerProcess
+from app.classroom.workers.seen import Seen
+from app.classroom.workers.worker import Laboratories
+from app.experiments.workers.processes import cores
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.allowance import Allowance
+from worlds.refusal import Refusal
+
+TEACHER = 0
+"""The number of the teacher's laboratory; students count from 1."""
+PICTURES, MANY, OF_MANY = 15.0, 20, 10.0
+"""Pictures a second of a student's flock, for so many students, and of more."""
+LEAST, MOST = 0.1, 0.15
+"""Share of a core for one student's flock, and as much for drawing it."""
+BEGINS = "the teacher's flock is just beginning"
+
+
+def allowance(scene: SavedScene, seats: int) -> Allowance:
+    """What each student's flock may take: the scene of the class in any case."""
+    model = find_model(scene.spec.model)
+    agents = scene.spec.agents or model.agents
+    beside = 1 if scene.beside is None else 2
+    return Allowance(
+        agents=max(Allowance.agents, beside * agents),
+        obstacles=max(Allowance.obstacles, len(find_world(scene.spec, model).obstacles)),
+        share=min(max(LEAST, cores() / seats), MOST),
+        pictures=PICTURES,
+    )
+
+
+class Flocks:
+    """Those of one class; on one event loop.
+
+    `count`: processes for students' flocks, of which each may take what `allowance` says. `ended`
+    is called when a process has died, and when the teacher's has been begun again.
+    """
+
+    def __init__(self, count: int, allowance: Allowance, ended: Callable[[WorkerProcess], None]):
+        self.count = count
+        self.allowance = allowance
+        self.ended = ended
+        self.workers: list[WorkerProcess] = []
+        self.own: WorkerProcess | None = None
+        """The process of the teacher's laboratory."""
+        self.first = ""
+        """What the teacher's laboratory begins with, TOML."""
+        self.teacher: Place | None = None
+        self.watching: Place | None = None
+        """The page of those who watch the teacher's run."""
+        self.seen: dict[int, Seen] = {}
+        """How each laboratory stood when it was looked at last."""
+        self.tasks: set[asyncio.Task[None]] = set()
+        self.closing = False
+
+    async def open(self, scene: SavedScene) -> None:
+        """Begin the processes and the teacher's laboratory. Raises Refusal."""
+        self.first = scene.to_toml()
+        self.workers = [await self.new_worker() for _ in range(self.count)]
+        await self.open_teacher()
+
+    async def close(self) -> None:
+        """End all processes."""
+        self.closing = True
+        for task in self.tasks:
+            task.cancel()
+        await asyncio.gather(*(one.close() for one in (*self.workers, self.own) if one))
+
+    async def new_worker(self) -> WorkerProcess:
+        """Begin a process for students' flocks."""
+        return await WorkerProcess(self.has_ended, Laboratories, self.allowance).begin()
+
+    async def open_teacher(self) -> None:
+        """Open the teacher's laboratory, and the page of those who watch it, in a new process."""
+        self.own = await WorkerProcess(self.has_ended).begin()
+        self.teacher = Place(self.own, await self.own.ask("open", TEACHER, self.first))
+        self.watching = Place(self.own, await self.own.ask("watch", TEACHER))
+
+    def task(self, work: Coroutine[Any, Any, None]) -> None:
+        """Have something done beside all else."""
+        task = asyncio.get_running_loop().create_task(work)
+        self.tasks.add(task)
+        task.add_done_callback(self.tasks.discard)
+
+    def has_ended(self, worker: WorkerProcess) -> None:
+        """A process has died: begin another; pages connect to new laboratories by themselves."""
+        if not self.closing:
+            self.ended(worker)
+            self.task(self.begin_again(worker))
+
+    async def begin_again(self, worker: WorkerProcess) -> None:
+        """Another process in place of one that has died."""
+        if worker is self.own:
+            await self.open_teacher()
+            assert self.own is not None
+            self.ended(self.own)
+        else:
+            self.workers[self.workers.index(worker)] = await self.new_worker()
+
+    # What each student sees.
+
+    def shown(self, student: Student) -> Place | None:
+        """The laboratory that a student sees, if it is open."""
+        return self.watching if student.role is Role.WATCHING else student.place
+
+    async def place_of(self, student: Student, first: Callable[[], str]) -> Place:
+        """The laboratory that a student sees; their own is opened if need be. Raises Refusal.
+
+        `first` makes the scene of one who has had none.
+        """
+        if student.role is Role.WATCHING:
+            if self.watching is None:
+                raise Refusal(BEGINS)
+            return self.watching
+        async with student.opening:
+            if student.place is None or student.place.worker.is_gone:
+                student.place = await self.open_own(student, student.scene or first())
+            return student.place
+
+    async def open_own(self, student: Student, scene: str) -> Place:
+        """Open a student's own laboratory."""
+        worker = student.worker = min(self.workers, key=lambda one: (one.is_gone, one.held))
+        worker.held += 1
+        port = await self.tell(worker, "open", student.number, scene)
+        if student.frozen:
+            await self.tell(worker, "pause", student.number)
+        return Place(worker, port)
+
+    async def tell(self, worker: WorkerProcess, what: str, *given: Any) -> Any:
+        """What a process answers. Raises Refusal if it is gone."""
+        try:
+            return await worker.ask(what, *given)
+        except Gone:
+            raise Refusal("the flock is just beginning again") from None
+
+    async def tell_own(self, student: Student, what: str, *given: Any) -> Any:
+        """What a student's own laboratory answers. Raises Refusal if there is none."""
+        if student.place is None:
+            raise Refusal("only who has a flock of their own can do that")
+        return await self.tell(student.place.worker, what, student.number, *given)
+
+    async def tell_teacher(self, what: str, *given: Any) -> Any:
+        """What the teacher's laboratory answers. Raises Refusal."""
+        if self.own is None:
+            raise Refusal(BEGINS)
+        return await self.tell(self.own, what, TEACHER, *given)
+
+    def leave(self, student: Student) -> None:
+        """Close a student's laboratory; what it ran is kept as a scene."""
+        place, student.place, student.worker = student.place, None, None
+        self.seen.pop(student.number, None)
+        if place is not None:
+            place.worker.held -= 1
+            self.task(self.close_one(place.worker, student.number))
+
+    async def close_one(self, worker: WorkerProcess, number: int) -> None:
+        """Close a laboratory."""
+        with suppress(Gone, RuntimeError):
+            await worker.ask("close", number)
+
+    # How they stand.
+
+    async def look(self, students: Mapping[int, Student]) -> None:
+        """See how all laboratories stand, keep their scenes, and draw them by their number."""
+        here = sum(one.is_here and one.role is Role.OWN for one in students.values())
+        pictures = PICTURES if here <= MANY else OF_MANY
+        if pictures != self.allowance.pictures:
+            self.allowance = replace(self.allowance, pictures=pictures)
+            for worker in self.workers:
+                with suppress(Gone):
+                    await worker.ask("draw_at", pictures)
+        processes = [one for one in (*self.workers, self.own) if one is not None]
+        await asyncio.gather(*(self.look_at(one, students) for one in processes))
+
+    async def look_at(self, worker: WorkerProcess, students: Mapping[int, Student]) -> None:
+        """See how the laboratories of a process stand, and keep their scenes."""
+        try:
+            self.seen.update(await worker.ask("seen"))
+            changed: dict[int, str] = await worker.ask("changed")
+        except (Gone, RuntimeError):
+            return  # another process is about to begin
+        for number, scene in changed.items():
+            student = students.get(number)
+            if student is not None and student.worker is worker:
+                student.scene = scene

@@ -1,0 +1,1 @@
+"""A laboratory in a cell of a notebook."""

@@ -1,0 +1,306 @@
+"""What a class costs: `python benchmarks/classroom.py [--students 10 20 40] [--watch]`.
+
+Starts `flockscope class` with flocks of 300 agents (hwvem), and in a process of its own so many
+students that are programs, not browsers: they enter by the code, connect through the front, read
+every picture, and now and then pause their flock and let it go on. With `--watch` all of them watch
+the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a second of a
+student, what was sent, how soon a button was answered, how soon the teacher's page was, processor
+time and memory of the class without its students, and what a laboratory costs at which nobody
+looks.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import msgspec
+import psutil
+import viser
+import zstandard
+from aiohttp.client_proto import ResponseHandler
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [0.0, 0.0, 40.0],
+    "fov": 0.3,
+    "near": 0.1,
+    "far": 100.0,
+    "image_height": 900,
+    "image_width": 800,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+SCENE = """
+title = "Benchmark"
+[run]
+model = "hwvem"
+agents = {agents}
+seed = 1
+[run.parameters]
+eta = 0.3
+"""
+PRESS = 3.0
+"""Seconds between two presses of a student."""
+SETTLES = 4.0
+"""Seconds from the last that began to the measurement."""
+unzstd = zstandard.ZstdDecompressor()
+
+
+class Student:
+    """One who enters, looks and presses."""
+
+    def __init__(self, number: int, agents: int):
+        self.number = number
+        self.least = 12 * agents
+        """Bytes of a message with a picture in it."""
+        self.pictures = 0
+        self.began = 0.0
+        """When the first picture was there, s since it entered."""
+        self.button = ""
+        self.pressed = 0.0
+        self.answers: list[float] = []
+
+    async def enter(self, session: aiohttp.ClientSession, link: str) -> None:
+        """Enter by the code, and connect."""
+        self.entered = time.perf_counter()
+        base, _, code = link.rpartition("/")
+        values = {"code": code, "name": f"Student {self.number}"}
+        headers = {"Origin": base}
+        async with session.post(
+            f"{base}/join", data=values, headers=headers, allow_redirects=False
+        ) as answer:
+            assert answer.status == 303, await answer.text()
+            cookies = "; ".join(f"{one.key}={one.value}" for one in answer.cookies.values())
+        self.line = await session.ws_connect(
+            base,
+            protocols=(f"viser-v{viser.__version__}",),
+            headers={"Cookie": cookies},
+            max_msg_size=0,
+            compress=15,
+        )
+        await self.line.send_bytes(msgspec.msgpack.encode(CAMERA))
+
+    async def read(self) -> None:
+        """Read whatever comes."""
+        async for message in self.line:
+            now, data = time.perf_counter(), message.data
+            if len(data) > self.least:
+                self.pictures += 1
+                self.began = self.began or now - self.entered
+            if not self.button:
+                self.button = next(
+                    (one["uuid"] for one in told(data) if one["type"] == "GuiButtonMessage"
+                     and one["props"]["label"] in ("Pause", "Go")), "",
+                )  # fmt: skip
+            elif self.pressed and (label := self.label(data)):
+                self.answers.append(now - self.pressed)
+                self.pressed = 0.0
+                if label == "Go":
+                    await self.say()
+
+    def label(self, data: bytes) -> str:
+        """What the button is called from now on; empty if nothing is said of that."""
+        ours = (one for one in told(data) if one.get("uuid") == self.button)
+        return next((one["updates"]["label"] for one in ours if "label" in one["updates"]), "")
+
+    async def say(self) -> None:
+        """Press the button that starts and pauses."""
+        update = {"type": "GuiUpdateMessage", "uuid": self.button, "updates": {"value": True}}
+        await self.line.send_bytes(msgspec.msgpack.encode(update))
+
+    async def press(self) -> None:
+        """Pause now and then; once that is answered the flock goes on."""
+        await asyncio.sleep(PRESS * (self.number % 10) / 10)
+        while True:
+            await asyncio.sleep(PRESS)
+            if self.button and not self.pressed:
+                self.pressed = time.perf_counter()
+                await self.say()
+
+
+def told(data: bytes) -> list[dict[str, Any]]:
+    """The messages in what viser sends."""
+    whole, size = (int.from_bytes(data[at : at + 8], "little") for at in (0, 8))
+    plain = unzstd.decompress(data[16 : 16 + size], max_output_size=whole)
+    found: list[dict[str, Any]] = msgspec.msgpack.decode(plain)["messages"]
+    return found
+
+
+class Counted(ResponseHandler):
+    """A connection whose bytes are counted as they come, packed."""
+
+    __slots__ = ()
+    bytes = 0
+
+    def data_received(self, data: bytes) -> None:
+        """Count, and go on."""
+        Counted.bytes += len(data)
+        super().data_received(data)
+
+
+class Class:
+    """The command, from outside."""
+
+    def __init__(self, folder: str, agents: int, seats: int):
+        (Path(folder) / "scene.toml").write_text(SCENE.format(agents=agents))
+        command = [sys.executable, "-m", "flockscope", "class", "scene.toml", "--port", "0"]
+        self.process = subprocess.Popen(
+            [*command, "--no-open", "--students", str(seats)],
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        said = [self.process.stdout.readline() for _ in range(2)]
+        self.link = said[0].split()[-1]
+        found = re.search(r"alone: (\S+)", said[1])
+        assert found is not None, said
+        self.teachers = found[1]
+        self.all = [psutil.Process(self.process.pid)]
+        self.all += self.all[0].children(recursive=True)
+
+    def seconds(self) -> list[float]:
+        """Processor time of each process so far, s; the front's first."""
+        return [sum(one.cpu_times()[:2]) for one in self.all]
+
+    def memory(self) -> float:
+        """Memory of all processes, what they share counted once, MB."""
+        return 1e-6 * sum(one.memory_full_info().pss for one in self.all)
+
+    def end(self) -> None:
+        """End it."""
+        self.process.terminate()
+        self.process.wait(30)
+
+
+async def teach(session: aiohttp.ClientSession, link: str) -> dict[str, str]:
+    """The cookie of the teacher."""
+    base, _, key = link.rpartition("/")
+    headers = {"Origin": base}
+    async with session.post(
+        f"{base}/teach", data={"key": key}, headers=headers, allow_redirects=False
+    ) as answer:
+        return {"Cookie": "; ".join(f"{one.key}={one.value}" for one in answer.cookies.values())}
+
+
+async def do(
+    session: aiohttp.ClientSession, link: str, cookie: dict[str, str], values: Any
+) -> None:
+    """What the teacher's page asks for."""
+    base = link.rpartition("/")[0]
+    headers = {**cookie, "Origin": base, "X-Flockscope": "class"}
+    async with session.post(f"{base}/class/do", json=values, headers=headers) as answer:
+        assert answer.status == 200, await answer.text()
+
+
+async def page(
+    session: aiohttp.ClientSession, link: str, cookie: dict[str, str], took: list[float]
+) -> None:
+    """Ask for the teacher's page, again and again."""
+    base = link.rpartition("/")[0]
+    while True:
+        began = time.perf_counter()
+        async with session.get(f"{base}/class", headers=cookie) as answer:
+            await answer.read()
+        took.append(time.perf_counter() - began)
+        await asyncio.sleep(0.5)
+
+
+async def measure(count: int, agents: int, watch: bool, seconds: float, idle: float) -> None:
+    """Measure a class of so many students, and print."""
+    with tempfile.TemporaryDirectory() as folder:
+        ours = Class(folder, agents, count)
+        try:
+            connector = aiohttp.TCPConnector(limit=0)
+            connector._factory = partial(Counted, loop=asyncio.get_running_loop())
+            jar = aiohttp.DummyCookieJar()
+            async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
+                await measured(session, ours, count, agents, watch, seconds, idle)
+        finally:
+            ours.end()
+
+
+async def measured(
+    session: aiohttp.ClientSession,
+    ours: Class,
+    count: int,
+    agents: int,
+    watch: bool,
+    seconds: float,
+    idle: float,
+) -> None:
+    """Measure a class that runs, and print."""
+    cookie = await teach(session, ours.teachers)
+    if not watch:
+        await do(session, ours.link, cookie, {"do": "role", "role": "own"})
+    students = [Student(number, agents) for number in range(count)]
+    await asyncio.gather(*(one.enter(session, ours.link) for one in students))
+    took: list[float] = []
+    tasks = [asyncio.create_task(one.read()) for one in students]
+    tasks.append(asyncio.create_task(page(session, ours.link, cookie, took)))
+    while not all(one.began for one in students):
+        await asyncio.sleep(0.05)
+    began = max(one.began for one in students)
+    if not watch:
+        tasks += [asyncio.create_task(one.press()) for one in students]
+    await asyncio.sleep(SETTLES)
+    before, sent = ours.seconds(), Counted.bytes
+    pictures, answers = [one.pictures for one in students], [len(one.answers) for one in students]
+    took.clear()
+    start = time.perf_counter()
+    await asyncio.sleep(seconds)
+    lasted = time.perf_counter() - start
+    after, sent = ours.seconds(), Counted.bytes - sent
+    rates = [(one.pictures - was) / lasted for one, was in zip(students, pictures, strict=True)]
+    found = sorted(x for one, was in zip(students, answers, strict=True) for x in one.answers[was:])
+    cores = [(b - a) / lasted for a, b in zip(before, after, strict=True)]
+    what = "watch the teacher's run of" if watch else "flocks of"
+    print(f"{count} students, {what} {agents} agents")
+    print(f"  all have a picture        {began:8.1f} s")
+    print(f"  pictures/s                {statistics.mean(rates):8.1f} (least {min(rates):.1f})")
+    print(f"  sent, Mbit/s              {8e-6 * sent / lasted:8.1f}")
+    if found:
+        late = found[min(len(found) - 1, int(0.95 * len(found)))]
+        print(f"  a button answers          {late:8.2f} s at the 95th percentile of {len(found)}")
+    print(f"  the teacher's page        {max(took):8.2f} s at worst of {len(took)}")
+    print(f"  cores                     {sum(cores):8.2f} (the front {cores[0]:.2f})")
+    print(f"  memory, MB                {ours.memory():8.0f}")
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*(one.line.close() for one in students))
+    if watch:
+        return
+    await asyncio.sleep(SETTLES)
+    before = ours.seconds()
+    await asyncio.sleep(idle)
+    spent = sum(b - a for a, b in zip(before, ours.seconds(), strict=True)) / idle
+    print(f"  nobody looks, cores each  {spent / count:8.4f}", flush=True)
+
+
+def main() -> None:
+    """Measure and print."""
+    asking = argparse.ArgumentParser(description="What a class costs.")
+    asking.add_argument("--students", type=int, nargs="+", default=[10, 20, 40])
+    asking.add_argument("--agents", type=int)
+    asking.add_argument("--watch", action="store_true")
+    asking.add_argument("--seconds", type=float, default=20.0)
+    asking.add_argument("--idle", type=float, default=20.0, help="seconds, of nobody looking")
+    given = asking.parse_args()
+    agents = given.agents or (1000 if given.watch else 300)
+    for count in given.students:
+        asyncio.run(measure(count, agents, given.watch, given.seconds, given.idle))
+
+
+if __name__ == "__main__":
+    main()
