@@ -26,6 +26,8 @@ WAITS = 300.0
 """Seconds that the flock of a student waits whose line broke; then it is kept as a scene."""
 UNUSED = 60.0
 """Seconds after which a seat is free again that somebody took without ever opening the page."""
+UNUSED_WHEN_FULL = 10.0
+"""Likewise where somebody else waits for a seat."""
 LOOK = 2.0
 """Seconds between two looks at all laboratories."""
 LONGEST_WORD = 200
@@ -126,8 +128,9 @@ class Classroom:
     def free_seats(self) -> None:
         """Take back the seats of those who never came."""
         now = time.monotonic()
+        waits = UNUSED if len(self.students) < self.seats else UNUSED_WHEN_FULL
         for student in list(self.students.values()):
-            if not student.came and now - student.left > UNUSED:
+            if not student.came and now - student.left > waits:
                 self.forget(student)
 
     def forget(self, student: Student) -> None:

@@ -8,7 +8,11 @@ import os
 import socket
 import time
 
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import ClientConnection
+
 from tests.attacks.raw import PROTOCOL
+from tests.classroom.running import Person
 
 
 def knock(port: int, sent: bytes, patience: float = 20.0) -> bytes:
@@ -68,3 +72,12 @@ def ended_after(port: int, sent: bytes, dripped: bytes = b"", most: float = 40.0
             except OSError:
                 break
     return time.monotonic() - begun
+
+
+def let_in(who: Person) -> ClientConnection | None:
+    """A websocket; None while so many have been opened that it is not the turn of another."""
+    try:
+        return who.connect()
+    except InvalidStatus:
+        time.sleep(0.5)
+        return None

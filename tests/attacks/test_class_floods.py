@@ -13,7 +13,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from app.classroom.front.limits import MOST_PAGES, MOST_STREAMS
-from tests.attacks.knocking import request, upgrade
+from tests.attacks.knocking import let_in, request, upgrade
 from tests.attacks.raw import frame
 from tests.classroom.running import BUSY, Person, number_of, roster, running, seen
 from tests.viewer.waiting import until
@@ -71,7 +71,7 @@ def meanwhile(ada: Person, teacher: Person) -> Iterator[dict[str, float]]:
             waits[name] = max(waits[name], time.monotonic() - begun)
             time.sleep(0.05 if name != "picture_s" else 0.0)
 
-    with ada.connect() as line:
+    with until(lambda: let_in(ada), BUSY) as line:
         line.recv(timeout=BUSY)
         asked: dict[str, Callable[[], object]] = {
             "picture_s": lambda: line.recv(timeout=BUSY),
@@ -138,19 +138,6 @@ def test_requests_without_end_are_refused_and_others_answered(teacher, ada, eve,
     count(requests=len(asked), refused=asked.count(429), **told(waits))
 
 
-def test_coming_and_going_without_end_takes_no_seat(ours, teacher, ada, count):
-    rounds = 0
-    with meanwhile(ada, teacher) as waits:
-        end = time.monotonic() + FLOOD
-        while time.monotonic() < end:
-            mallory = ours.stranger()
-            if mallory.form("/join", code=ours.code, name="Mallory").status == 303:
-                assert mallory.send("/class/leave", {}).status in (200, 429)
-            rounds += 1
-    assert [one["name"] for one in roster(teacher)["students"]] == ["Ada"]
-    count(rounds=rounds, **told(waits))
-
-
 @pytest.mark.parametrize(
     ("kind", "sent"),
     [
@@ -194,3 +181,22 @@ def test_answers_that_nobody_reads_do_not_pile_up(ours, teacher, ada, eve, count
         grown = (front.memory_info().rss - before) / 1e6
     assert grown < 200.0
     count(lines=lines, front_MB=round(grown), **told(waits))
+
+
+def test_coming_in_without_end_is_slowed_down_and_undone_by_the_teacher(ours, teacher, ada, count):
+    rounds = came = 0
+    with meanwhile(ada, teacher) as waits:
+        end = time.monotonic() + FLOOD
+        while time.monotonic() < end:
+            mallory = ours.stranger()
+            came += mallory.form("/join", code=ours.code, name="Mallory").status == 303
+            rounds += 1
+    teacher.do("renew")
+    found = roster(teacher)
+    assert len(found["students"]) <= found["seats"]
+    others = [one["number"] for one in found["students"] if one["name"] != "Ada"]
+    assert teacher.do("remove", students=others).status == 200
+    late = ours.stranger()
+    assert until(lambda: late.form("/join", code=found["code"], name="Late").status == 303, BUSY)
+    assert [one["name"] for one in roster(teacher)["students"]] == ["Ada", "Late"]
+    count(rounds=rounds, came=came, **told(waits))

@@ -11,7 +11,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.viewer.web.incoming.kinds import LARGEST
-from tests.attacks.knocking import knock, request, status, upgrade
+from tests.attacks.knocking import knock, let_in, request, status, upgrade
 from tests.attacks.raw import TEXT, frame
 from tests.classroom.running import BUSY, Person, number_of, roster, running, seen
 from tests.classroom.test_class import buttons
@@ -225,15 +225,6 @@ def test_websockets_of_another_kind_are_refused(ours, teacher, ada, eve, count):
         assert status(answer) in (400, 403, 429), (sent, answer[:300])
     serves(ada, teacher)
     count(websockets=len(kinds))
-
-
-def let_in(who: Person):
-    """A websocket; None while so many have been opened that it is not the turn of another."""
-    try:
-        return who.connect()
-    except InvalidStatus:
-        time.sleep(0.5)
-        return None
 
 
 def packed_bomb(size: int) -> bytes:

@@ -136,7 +136,7 @@ class Running:
     @property
     def port(self) -> int:
         """Where it is."""
-        return int(re.search(r":(\d+)/", self.link)[1])
+        return int(re.search(r":(\d+)/", self.teachers_link)[1])
 
     @property
     def code(self) -> str:

@@ -90,7 +90,10 @@ class ClassFront:
 
     def addresses(self, host: str) -> list[str]:
         """Where others reach it, the likeliest first; where only this machine does, here."""
-        named = [f"{'https' if one.port is None else self.scheme}://{one}" for one in self.allow]
+        plain = (80, self.port)
+        named = [
+            f"{self.scheme if one.port in plain else 'https'}://{one}" for one in self.allow
+        ]  # at any other port there is a proxy, which encrypts
         found = elsewhere(host, self.port) or [here(host, self.port)]
         return [*named, *(one.replace("http:", f"{self.scheme}:", 1) for one in found)]
 
