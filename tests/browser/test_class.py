@@ -62,7 +62,7 @@ def test_a_class_answers_a_question_from_the_code_on_the_wall_to_the_table(scena
 
 def order(eta: float, seed: int) -> float:
     """The mean order of the lesson's flock over the last 100 of 500 ticks."""
-    flock = Flock("vem", agents=300, world="wrap", size=9.0, seed=seed, parameters={"eta": eta})
+    flock = Flock("vem", agents=300, world="wrap", size=9.0, seed=seed, eta=eta)
     flock.run(400)
     total = 0.0
     for _ in range(100):

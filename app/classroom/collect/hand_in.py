@@ -66,7 +66,7 @@ class Point:
         at = f"{question.parameter} = {self.value:g}{unit}, seed {self.seed}"
         if self.result is None:
             return f"{self.student}, {at}: {self.reason}."
-        return f"{self.student}, {at}: {self.result:.4g} {question.result_words}."
+        return f"{self.student}, {at}: {question.result_words}: {self.result:.4g}."
 
 
 def hand_in(
