@@ -59,7 +59,7 @@ def classroom(
     workers: Annotated[
         int | None,
         typer.Option(
-            min=1, max=64, help="Processes for students' flocks.", show_default="one a core"
+            min=1, max=64, help="Processes for students' flocks.", show_default="two a core"
         ),
     ] = None,
     open_browser: OpenBrowser = True,
@@ -78,7 +78,7 @@ def classroom(
     from app.classroom.front.serving import ClassFront
     from app.classroom.keeping import Keeping
 
-    made = opened(scene, students, workers or max(2, cores()))
+    made = opened(scene, students, workers or 2 * cores())
     keeping = Keeping(made, path)
     front = ClassFront(made, host, port, names, pair)
     with Stopping() as stopping:
