@@ -82,7 +82,7 @@ def test_who_was_there_has_pictures_again_and_the_others_notice_nothing(tmp_path
                 one.join()
         lost = [one for one in all_ if one.broke]
         kept = [one for one in all_ if not one.broke]
-        assert len(lost) == len(kept) == STUDENTS / 2
+        assert min(len(lost), len(kept)) >= STUDENTS / 4
         took = [min(t for t in one.came if t > one.broke[0]) - killed for one in lost]
         paused = max(one.pause(killed, back + 1.0) for one in kept)
         assert max(took) < BACK
