@@ -203,7 +203,7 @@ def test_wrong_usage_is_one_line_and_exit_code_2(args, line):
 
 
 def test_a_wrong_command_is_named_with_the_nearest():
-    assert "unknown command 'rnu': did you mean 'run'? (known: lab, run" in refusal("rnu")
+    assert "unknown command 'rnu': did you mean 'run'? (known: lab, class, run" in refusal("rnu")
     assert "unknown command 'sho': did you mean 'show'?" in refusal("world", "sho")
 
 
