@@ -29,19 +29,8 @@ import psutil
 import viser
 import zstandard
 from aiohttp.client_proto import ResponseHandler
+from stream import CAMERA
 
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1.0, 0.0, 0.0, 0.0],
-    "position": [0.0, 0.0, 40.0],
-    "fov": 0.3,
-    "near": 0.1,
-    "far": 100.0,
-    "image_height": 900,
-    "image_width": 800,
-    "look_at": [0.0, 0.0, 0.0],
-    "up_direction": [0.0, 0.0, 1.0],
-}
 SCENE = """
 title = "Benchmark"
 [run]

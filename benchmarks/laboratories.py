@@ -21,6 +21,7 @@ from statistics import median
 
 import msgspec
 import viser
+from stream import CAMERA
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
@@ -28,18 +29,6 @@ SETTLE, SECONDS = 4.0, 8.0
 """Time before something is measured, and for which it is, s."""
 KEPT = 100
 """Pictures of one laboratory that are deflated."""
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1.0, 0.0, 0.0, 0.0],
-    "position": [0.0, 0.0, 40.0],
-    "fov": 0.3,
-    "near": 0.1,
-    "far": 100.0,
-    "image_height": 900,
-    "image_width": 800,
-    "look_at": [0.0, 0.0, 0.0],
-    "up_direction": [0.0, 0.0, 1.0],
-}
 
 
 def serve(count: int, agents: int, speed: float, dim: int, alone: bool, pipe: Connection) -> None:

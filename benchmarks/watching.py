@@ -20,6 +20,7 @@ from typing import Any
 import msgspec
 import viser
 import zstandard
+from stream import CAMERA
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
@@ -28,18 +29,6 @@ SETTLE = 8.0
 """Seconds for all to come, and for what they inspect to be compiled."""
 SPEED = 15.0
 """Ticks per second."""
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": [1.0, 0.0, 0.0, 0.0],
-    "position": [0.0, 0.0, 40.0],
-    "fov": 0.3,
-    "near": 0.1,
-    "far": 100.0,
-    "image_height": 900,
-    "image_width": 800,
-    "look_at": [0.0, 0.0, 0.0],
-    "up_direction": [0.0, 0.0, 1.0],
-}
 
 
 def serve(agents: int, pipe: Connection) -> None:
