@@ -186,6 +186,11 @@ class Asking:
 
     # What is shown.
 
+    @property
+    def names(self) -> set[str]:
+        """Of all who have handed a result in, whoever has been taken out since."""
+        return {point.student for one in self.all for point in one.points}
+
     def shown(self) -> dict[str, Any] | None:
         """The latest question and its results, for the teacher's page."""
         if self.latest is None:

@@ -112,7 +112,8 @@ class Classroom:
         if len(self.students) >= self.seats:
             raise Refusal(f"all {self.seats} seats of this class are taken")
         number = max(self.students, default=0) + 1
-        chosen = unique_name(chosen, (one.name for one in self.students.values()))
+        taken = {one.name for one in self.students.values()} | self.asking.names
+        chosen = unique_name(chosen, taken)
         student = Student(number, chosen, "", self.first_role, frozen=self.frozen)
         self.students[number] = student
         return student, self.give_key(student)

@@ -66,13 +66,15 @@ class Flocks:
         """The page of those who watch the teacher's run."""
         self.seen: dict[int, Seen] = {}
         """How each laboratory stood when it was looked at last."""
-        self.tasks: set[asyncio.Task[None]] = set()
+        self.tasks: set[asyncio.Task[Any]] = set()
         self.closing = False
 
     async def open(self, scene: SavedScene) -> None:
         """Begin the processes and the teacher's laboratory. Raises Refusal."""
         self.first = scene.to_toml()
-        self.workers = [await self.new_worker() for _ in range(self.count)]
+        self.workers = [self.new_worker() for _ in range(self.count)]
+        for worker in self.workers:
+            await worker.begin()
         await self.open_teacher()
 
     async def close(self) -> None:
@@ -82,9 +84,9 @@ class Flocks:
             task.cancel()
         await asyncio.gather(*(one.close() for one in (*self.workers, self.own) if one))
 
-    async def new_worker(self) -> WorkerProcess:
-        """Begin a process for students' flocks."""
-        return await WorkerProcess(self.has_ended, Laboratories, self.allowance).begin()
+    def new_worker(self) -> WorkerProcess:
+        """A process for students' flocks, not begun yet."""
+        return WorkerProcess(self.has_ended, Laboratories, self.allowance)
 
     async def open_teacher(self) -> None:
         """Open the teacher's laboratory, and the page of those who watch it, in a new process."""
@@ -92,26 +94,30 @@ class Flocks:
         self.teacher = Place(self.own, await self.own.ask("open", TEACHER, self.first))
         self.watching = Place(self.own, await self.own.ask("watch", TEACHER))
 
-    def task(self, work: Coroutine[Any, Any, None]) -> None:
-        """Have something done beside all else."""
+    def task[T](self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
+        """Have something done, whoever waits for it or waits no more."""
         task = asyncio.get_running_loop().create_task(work)
         self.tasks.add(task)
         task.add_done_callback(self.tasks.discard)
+        return task
 
     def has_ended(self, worker: WorkerProcess) -> None:
         """A process has died: begin another; pages connect to new laboratories by themselves."""
-        if not self.closing:
-            self.ended(worker)
-            self.task(self.begin_again(worker))
-
-    async def begin_again(self, worker: WorkerProcess) -> None:
-        """Another process in place of one that has died."""
+        if self.closing:
+            return
         if worker is self.own:
-            await self.open_teacher()
-            assert self.own is not None
-            self.ended(self.own)
+            self.task(self.open_teacher_again())
         else:
-            self.workers[self.workers.index(worker)] = await self.new_worker()
+            another = self.new_worker()
+            self.workers[self.workers.index(worker)] = another
+            self.task(another.begin())
+        self.ended(worker)
+
+    async def open_teacher_again(self) -> None:
+        """Open the teacher's laboratory anew; pages that wait for it connect to it."""
+        await self.open_teacher()
+        assert self.own is not None
+        self.ended(self.own)
 
     # What each student sees.
 
@@ -128,19 +134,29 @@ class Flocks:
             if self.watching is None:
                 raise Refusal(BEGINS)
             return self.watching
+        return await asyncio.shield(self.task(self.own_place(student, first)))
+
+    async def own_place(self, student: Student, first: Callable[[], str]) -> Place:
+        """A student's own laboratory, whether or not the page that first asked still waits."""
         async with student.opening:
             if student.place is None or student.place.worker.is_gone:
                 student.place = await self.open_own(student, student.scene or first())
             return student.place
 
     async def open_own(self, student: Student, scene: str) -> Place:
-        """Open a student's own laboratory."""
-        worker = student.worker = min(self.workers, key=lambda one: (one.is_gone, one.held))
+        """Open a student's own laboratory, in the process with the fewest. Raises Refusal."""
+        worker = student.worker = min(self.workers, key=lambda one: one.held)
         worker.held += 1
-        port = await self.tell(worker, "open", student.number, scene)
-        if student.frozen:
-            await self.tell(worker, "pause", student.number)
-        return Place(worker, port)
+        try:
+            address = await self.tell(worker, "open", student.number, scene)
+            if student.frozen:
+                await self.tell(worker, "pause", student.number)
+            if student.worker is not worker:
+                raise Refusal("this flock has been closed")
+        except Exception:
+            self.drop(worker, student)
+            raise
+        return Place(worker, address)
 
     async def tell(self, worker: WorkerProcess, what: str, *given: Any) -> Any:
         """What a process answers. Raises Refusal if it is gone."""
@@ -166,8 +182,12 @@ class Flocks:
         place, student.place, student.worker = student.place, None, None
         self.seen.pop(student.number, None)
         if place is not None:
-            place.worker.held -= 1
-            self.task(self.close_one(place.worker, student.number))
+            self.drop(place.worker, student)
+
+    def drop(self, worker: WorkerProcess, student: Student) -> None:
+        """Have a process close a student's laboratory."""
+        worker.held -= 1
+        self.task(self.close_one(worker, student.number))
 
     async def close_one(self, worker: WorkerProcess, number: int) -> None:
         """Close a laboratory."""
@@ -183,7 +203,7 @@ class Flocks:
         if pictures != self.allowance.pictures:
             self.allowance = replace(self.allowance, pictures=pictures)
             for worker in self.workers:
-                with suppress(Gone):
+                with suppress(Gone, RuntimeError):
                     await worker.ask("draw_at", pictures)
         processes = [one for one in (*self.workers, self.own) if one is not None]
         await asyncio.gather(*(self.look_at(one, students) for one in processes))

@@ -24,7 +24,8 @@ class Place:
     """Where a laboratory is."""
 
     worker: WorkerProcess
-    port: int
+    address: str
+    """Where the front finds it, with the secret of its process."""
 
 
 @dataclass

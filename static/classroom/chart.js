@@ -3,7 +3,7 @@
 window.flockscopeChart = (place, data, press) => {
   const kind = "http://www.w3.org/2000/svg";
   const wide = Math.max(300, place.clientWidth), tall = Math.max(240, Math.min(420, wide * 0.5));
-  const box = { left: 64, right: wide - 16, top: 16, bottom: tall - 48 };
+  const box = { left: 56, right: wide - 16, top: 16, bottom: tall - 28 };
   const draw = (name, values, inside, words) => {
     const made = document.createElementNS(kind, name);
     for (const key in values) made.setAttribute(key, values[key]);
@@ -19,8 +19,8 @@ window.flockscopeChart = (place, data, press) => {
   const there = data.points.filter((one) => one[3] !== null);
   const xs = [...data.points.map((one) => one[2]), ...curve.map((one) => one[0]), ...data.values];
   const ys = [...there.map((one) => one[3]), ...curve.flatMap(([, , mean, half]) => [mean - (half || 0), mean + (half || 0)])];
-  const least = Math.min(...xs), most = Math.max(...xs);
-  const log = least > 0 && most / least >= 50;
+  const least = Math.min(...xs);
+  const log = data.x.log && least > 0;
   const bend = (x) => log ? Math.log10(x) : x;
   const ends = (values, none) => {
     let low = Math.min(...values), high = Math.max(...values);
@@ -51,15 +51,13 @@ window.flockscopeChart = (place, data, press) => {
     draw("text", { x: x(at), y: box.bottom + 18, "text-anchor": "middle" }, lines, String(at));
   }
   const unit = (one) => one.unit === "1" || one.unit === one.title ? "" : `, ${one.unit}`;
-  draw("text", { x: (box.left + box.right) / 2, y: tall - 8, "text-anchor": "middle", class: "fs-axis" }, svg,
-    `${data.x.title} ${data.x.symbol}${unit(data.x)}`);
-  draw("text", { x: 0, y: 0, "text-anchor": "middle", class: "fs-axis",
-    transform: `translate(14 ${(box.top + box.bottom) / 2}) rotate(-90)` }, svg,
-    `${data.y.title}${data.y.title.startsWith("ticks") ? "" : unit(data.y)}`);
+  const axis = (words) => Object.assign(document.createElement("p"), { className: "fs-axis", textContent: words });
+  const up = axis(`${data.y.title}${data.y.title.startsWith("ticks") ? "" : unit(data.y)}`);
+  const along = axis(`${data.x.title} ${data.x.symbol}${unit(data.x)}`);
   if (curve.length) {
-    const up = curve.map(([at, , mean, half]) => `${x(at)},${y(mean + (half || 0))}`);
-    const down = [...curve].reverse().map(([at, , mean, half]) => `${x(at)},${y(mean - (half || 0))}`);
-    draw("polygon", { points: [...up, ...down].join(" "), class: "fs-band" }, svg);
+    const over = curve.map(([at, , mean, half]) => `${x(at)},${y(mean + (half || 0))}`);
+    const under = [...curve].reverse().map(([at, , mean, half]) => `${x(at)},${y(mean - (half || 0))}`);
+    draw("polygon", { points: [...over, ...under].join(" "), class: "fs-band" }, svg);
     draw("polyline", { points: curve.map(([at, , mean]) => `${x(at)},${y(mean)}`).join(" "), class: "fs-curve" }, svg);
   }
   for (const [number, name, value, result, counts, differs] of data.points) {
@@ -79,5 +77,5 @@ window.flockscopeChart = (place, data, press) => {
     draw("path", { d: `M${middle} ${y(mean) - 6}l6 6-6 6-6-6z` }, group);
     draw("title", {}, group, `mean of ${runs}: ${mean}${half === null ? "" : ` ± ${half}`}`);
   }
-  place.replaceChildren(svg);
+  place.replaceChildren(up, svg, along);
 };

@@ -293,6 +293,26 @@ def test_many_requests_in_one_go_are_answered_one_by_one(ours, count):
     count(requests=200)
 
 
+def test_who_uses_the_same_machine_finds_no_laboratory_past_the_front(ours, count):
+    processes = psutil.Process(ours.process.pid).children(recursive=True)
+    ports = {
+        line.laddr.port
+        for one in processes
+        for line in one.net_connections("tcp")
+        if line.status == psutil.CONN_LISTEN
+    }
+    assert len(ports) >= 2  # the teacher's, and that of those who watch
+    tried = 0
+    for port in ports:
+        for path in ("/", "/alive", "/scene.json", f"/{'0' * 32}/", f"/{ours.code}/scene.json"):
+            for asked in (request(f"GET {path} HTTP/1.1"), upgrade(path)):
+                answer = knock(port, asked)
+                assert status(answer) == 404, answer[:300]
+                tells_nothing(ours, answer)
+                tried += 1
+    count(requests=tried)
+
+
 def test_the_process_tells_nobody_its_secrets(ours):
     told = []
     for process in (one := psutil.Process(ours.process.pid), *one.children(recursive=True)):

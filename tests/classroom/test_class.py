@@ -287,3 +287,17 @@ def test_what_cannot_be_opened_is_one_line(tmp_path, options, said, monkeypatch)
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "broken.zip").write_bytes(b"PK\x03\x04 no")
     assert refusal("class", *options, "--port", 0, "--no-open").startswith(f"flockscope: {said}")
+
+
+def test_results_stay_with_who_handed_them_in(tmp_path):
+    with running(tmp_path) as ours:
+        teacher = ours.teacher()
+        teacher.do("role", role="own")
+        asked = {"parameter": "eta", "measure": {"observe": "polarisation"}, "ticks": 20}
+        assert teacher.do("ask", question=asked | {"values": [0.5]}).status == 200
+        first = ours.student("Ada")
+        with first.connect() as line:
+            assert line.recv(timeout=BUSY)
+            assert first.send("/class/hand-in", {}).status == 200
+        teacher.do("remove", students=[number_of(teacher, "Ada")])
+        assert ours.student("Ada").told("/class/mine")["name"] == "Ada 2"

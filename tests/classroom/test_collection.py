@@ -218,7 +218,8 @@ def test_the_plot_of_a_page_is_small_json_without_nan():
     text = json.dumps(said, allow_nan=False)
     assert len(text) < 100 * len(found.points) + 1000
     assert json.loads(text) == said
-    assert said["x"] == {"name": "eta", "title": "Noise", "symbol": "η", "unit": "rad"}
+    noise = {"name": "eta", "title": "Noise", "symbol": "η", "unit": "rad"}
+    assert said["x"] == noise | {"log": False}
     assert said["points"][-1] == [30, "late", 6.0, None, True, ""]
     for row, group in zip(said["groups"], found.groups(), strict=True):
         assert row[:2] == [pytest.approx(group.value), group.runs]

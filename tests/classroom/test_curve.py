@@ -9,6 +9,7 @@ import pytest
 
 import flockscope
 from agents.flock import Flock
+from app.classroom.collect.collection import Collection
 from app.classroom.collect.curve import FIRST_SEED, CurveAsked, curve_of, find_curve
 from app.classroom.collect.question import question_of
 from app.experiments.runs.database import FILE
@@ -131,6 +132,14 @@ def test_values_that_students_choose_are_swept_over_what_a_slider_spans(paramete
     assert (axis[0], axis[-1]) == pytest.approx(ends, rel=1e-3)
     assert 8 <= len(axis) <= 12
     assert CurveAsked(question, scene, 1).values()["replicates"]["count"] == 1
+
+
+def test_a_range_of_decades_is_swept_in_equal_ratios_and_shown_so():
+    question = question_of(VALUES | {"parameter": "r", "values": []}, SCENE)
+    axis = CurveAsked(question, SCENE).axis()
+    assert np.diff(np.log(axis)) == pytest.approx(np.log(5.0 / 0.05) / 11, rel=0.01)
+    assert Collection(question).is_log(axis)
+    assert not Collection(ORDER).is_log(CurveAsked(ORDER, SCENE).axis())
 
 
 def test_what_is_too_much_for_a_page_is_refused():

@@ -44,6 +44,10 @@ class Looking:
                 self.broke.append(time.monotonic())
                 over.wait(RETRY)
 
+    def broke_after(self, when: float) -> bool:
+        """Whether the line broke after some time: before, somebody may have come too early."""
+        return bool(self.broke) and self.broke[-1] > when
+
     def pause(self, since: float, until_: float) -> float:
         """The longest time without anything, s."""
         times = [since, *(one for one in self.came if since < one < until_), until_]
@@ -71,19 +75,18 @@ def test_who_was_there_has_pictures_again_and_the_others_notice_nothing(tmp_path
             killed = time.monotonic()
             usual = max(one.pause(killed - 3.0, killed) for one in all_)
             os.kill(process_of_many(ours), signal.SIGKILL)
-            until(lambda: any(one.broke for one in all_), BACK)
-            lost = [one for one in all_ if one.broke]
-            until(lambda: all(one.came[-1] > one.broke[-1] for one in all_ if one.broke), BACK)
+            until(lambda: sum(one.broke_after(killed) for one in all_) == STUDENTS / 2, BACK)
+            lost = [one for one in all_ if one.broke_after(killed)]
+            until(lambda: all(one.came[-1] > one.broke[-1] for one in lost), BACK)
             back = time.monotonic()
             time.sleep(1.0)
         finally:
             over.set()
             for one in threads:
                 one.join()
-        lost = [one for one in all_ if one.broke]
-        kept = [one for one in all_ if not one.broke]
-        assert min(len(lost), len(kept)) >= STUDENTS / 4
-        took = [min(t for t in one.came if t > one.broke[0]) - killed for one in lost]
+        kept = [one for one in all_ if not one.broke_after(killed)]
+        assert len(lost) == len(kept) == STUDENTS / 2
+        took = [min(t for t in one.came if t > one.broke[-1]) - killed for one in lost]
         paused = max(one.pause(killed, back + 1.0) for one in kept)
         assert max(took) < BACK
         assert paused < max(5.0, 3 * usual)

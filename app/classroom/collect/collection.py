@@ -7,12 +7,14 @@ process, and a `Collection` can be sent to one that draws its picture.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from agents.spec import Spec
 from app.classroom.collect.groups import Group, distinct, groups_of
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
+from app.experiments.sweeps.pictures.lines import spans_decades
 from worlds.counting import counted as count
 from worlds.refusal import Refusal
 
@@ -119,6 +121,10 @@ class Collection:
         """Mean and spread by value, rising, of the runs that are as the class's scene has them."""
         counted = [one for one in self.counted if not one.differs]
         return groups_of(counted, bool(self.question.values))
+
+    def is_log(self, beside: Iterable[float] = ()) -> bool:
+        """Whether the values, and those of a curve, are shown on a logarithmic axis."""
+        return spans_decades([*self.question.values, *(one.value for one in self.counted), *beside])
 
     def told(self) -> str:
         """How many results there are, in words."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomlkit
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.models.proposed import is_wide
 from agents.spec import Spec
 from app.classroom.collect.choices import spread
 from app.classroom.collect.differences import Ran, differences
@@ -21,6 +21,7 @@ from app.classroom.collect.question import Question
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.given.places import Places
 from app.experiments.sweeps.pictures.groups import groups_of, is_number, varied
+from app.experiments.sweeps.pictures.lines import spans_decades
 from app.experiments.sweeps.sweep import Sweep, sweep_of
 from app.experiments.sweeps.table import places_of, spec_at
 from app.viewer.lab.sweeps.asked import AGENTS, allowed, run_table
@@ -47,6 +48,11 @@ class Curve:
     """Rising."""
     differs: tuple[str, ...]
     """How its runs are not those of the class's scene, in words."""
+
+    @property
+    def values(self) -> list[float]:
+        """Of the parameter, rising."""
+        return [group.value for group in self.groups]
 
     @property
     def runs(self) -> int:
@@ -132,7 +138,8 @@ class CurveAsked:
         elif question.parameter == AGENTS:
             now = question.value_of(self.scene)
             low, high = max(low, now / 4), min(high, 4 * now)
-        made = spread(low, high, VALUES, question.is_whole, is_wide(low, high))
+        log = low > 0.0 and spans_decades(np.geomspace(low, high, VALUES).tolist())
+        made = spread(low, high, VALUES, question.is_whole, log)
         return [round(one) if question.is_whole else one for one in made]
 
     def values(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from app.classroom.collect.groups import Group
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.experiments.pictures.draw import LOOK
-from app.experiments.sweeps.pictures.lines import CENSORED, COLOURS, FAILED, spans_decades
+from app.experiments.sweeps.pictures.lines import CENSORED, COLOURS, FAILED
 from app.figure import save_figure
 from app.viewer.panels.notation import plain
 from worlds.refusal import unknown
@@ -59,9 +59,7 @@ def draw(axes: Any, collection: Collection, curve: Curve | None) -> None:
         draw_points(axes, points, face, words)
     draw_means(axes, [group for group in collection.groups() if group.runs > 1])
     draw_absent(axes, counted)
-    values = [point.value for point in counted]
-    values += [group.value for group in curve.groups] if curve is not None else []
-    if spans_decades(values):
+    if collection.is_log(() if curve is None else curve.values):
         axes.set_xscale("log")
     axes.set_xlabel(labelled(question), parse_math=False)
     unit = "" if question.result_unit in ("1", "ticks") else f" ({question.result_unit})"

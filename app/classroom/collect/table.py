@@ -168,6 +168,7 @@ def to_json(collection: Collection, curve: Curve | None = None) -> dict[str, Any
             "title": one.words if one is not None else "Agents",
             "symbol": plain(one.symbol) if one is not None else "N",
             "unit": question.unit,
+            "log": collection.is_log(() if curve is None else curve.values),
         },
         "y": {
             "name": question.column,

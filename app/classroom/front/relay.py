@@ -74,7 +74,7 @@ class Relay:
         headers = {
             name: value for name in PASSED_ON if (value := request.headers.get(name)) is not None
         }
-        url = URL(f"http://127.0.0.1:{place.port}{path}", encoded=True)
+        url = URL(f"{place.address}{path}", encoded=True)
         try:
             async with self.session.get(url, headers=headers, allow_redirects=False) as answer:
                 body = await answer.content.read(MOST_ANSWER + 1)
@@ -106,7 +106,7 @@ class Relay:
         )
         try:
             inner = await self.session.ws_connect(
-                f"http://127.0.0.1:{place.port}/",
+                f"{place.address}/",
                 protocols=(PROTOCOL,),
                 max_msg_size=0,
                 compress=0,

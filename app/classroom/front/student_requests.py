@@ -10,7 +10,7 @@ from app.classroom.classroom import Classroom
 from app.classroom.front.asked import values_of
 from app.classroom.front.events import stream
 from app.classroom.front.limits import MOST_STREAMS, Limits
-from app.classroom.student import Student
+from app.classroom.student import Role, Student
 
 
 class StudentRequests:
@@ -64,9 +64,9 @@ class StudentRequests:
         }
 
     def question(self, student: Student) -> dict[str, Any] | None:
-        """What the student is asked, and has answered so far."""
+        """What a student with a flock is asked, and has answered so far."""
         collection = self.classroom.asking.open
-        if collection is None:
+        if collection is None or student.role is Role.WATCHING:
             return None
         question, given = collection.question, collection.give(student.name)
         one = question.declared

@@ -44,6 +44,7 @@ class WorkerProcess:
         """What does the work in it."""
         self.numbers = itertools.count()
         self.waiting: dict[int, asyncio.Future[Any]] = {}
+        self.begun = asyncio.Event()
         self.closing = False
         self.is_gone = False
         self.held = 0
@@ -59,6 +60,7 @@ class WorkerProcess:
         theirs.close()
         self.reader, self.writer = await asyncio.open_connection(sock=ours)
         self.hearing = asyncio.create_task(self.hear())
+        self.begun.set()
         return self
 
     async def hear(self) -> None:
@@ -85,14 +87,15 @@ class WorkerProcess:
             self.ended(self)
 
     async def ask(self, name: str, *given: Any, patience: float = PATIENCE) -> Any:
-        """What the worker answers. Raises Gone, and whatever it refuses."""
+        """What the worker answers, once it has begun. Raises Gone, and whatever it refuses."""
         if self.is_gone:
             raise Gone
         number = next(self.numbers)
         future = self.waiting[number] = asyncio.get_running_loop().create_future()
         try:
-            self.writer.write(packed((number, name, given)))
             async with asyncio.timeout(patience):
+                await self.begun.wait()
+                self.writer.write(packed((number, name, given)))
                 await self.writer.drain()
                 return await future
         except (OSError, TimeoutError):
@@ -103,6 +106,8 @@ class WorkerProcess:
     async def close(self) -> None:
         """End the process."""
         self.closing = True
+        if not self.begun.is_set():
+            return
         self.writer.close()
         await asyncio.to_thread(self.process.join, 2.0)
         if self.process.is_alive():

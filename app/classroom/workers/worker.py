@@ -1,13 +1,15 @@
 """A process that holds laboratories: it does what it is told on a line, until that ends.
 
 What it is told and what it answers is pickled: both ends are of one program. Every laboratory is
-bound to the loopback, at a port that the system chooses.
+bound to the loopback, at a port that the system chooses, and behind a secret that others who use
+the machine do not know.
 """
 
 from __future__ import annotations
 
 import os
 import pickle
+import secrets
 import signal
 import socket
 import struct
@@ -56,27 +58,35 @@ class Laboratories:
 
     def __init__(self, allowance: Allowance | None = None) -> None:
         self.allowance = allowance
+        self.secret = secrets.token_hex(16)
         self.all: dict[int, Laboratory] = {}
         self.told: dict[int, Any] = {}
         """Of which state of each the scene was told last."""
 
-    def open(self, whose: int, scene: str) -> int:
-        """Open one on a scene, or have it begin with that if it is open; its port."""
+    def at(self, port: int) -> str:
+        """Where the front of the class finds a port."""
+        return f"http://{HOST}:{port}/{self.secret}"
+
+    def open(self, whose: int, scene: str) -> str:
+        """Open one on a scene, or have it begin with that if it is open; where it is."""
         opened = SavedScene.from_toml(scene, ORIGIN)
         if whose in self.all:
             self.all[whose].open(opened)
         else:
-            server = open_server(HOST, 0, Front(SCRIPTS), limits=BEHIND_A_FRONT)
+            front = Front(SCRIPTS, secret=self.secret)
+            server = open_server(HOST, 0, front, limits=BEHIND_A_FRONT)
             self.all[whose] = Laboratory(
                 host=HOST, server=server, opened=opened, waits=True, allowance=self.allowance
             )
-        return self.all[whose].port
+        return self.at(self.all[whose].port)
 
-    def watch(self, whose: int) -> int:
-        """Open the page of those who watch one; its port."""
-        self.watching = Watching(self.all[whose], "the teacher", HOST, limits=BEHIND_A_FRONT)
+    def watch(self, whose: int) -> str:
+        """Open the page of those who watch one; where it is."""
+        self.watching = Watching(
+            self.all[whose], "the teacher", HOST, secret=self.secret, limits=BEHIND_A_FRONT
+        )
         self.watching.server.on_client_connect(self.all[whose].welcome)
-        return self.watching.port
+        return self.at(self.watching.port)
 
     def close(self, whose: int) -> None:
         """Close one."""

@@ -27,7 +27,6 @@ from app.viewer.watching.words import standing, values
 from app.viewer.web.addresses import here
 from app.viewer.web.incoming.kinds import CAMERA, Kind
 from app.viewer.web.incoming.visitors import USUAL, Limits
-from app.viewer.web.origin import Allowed
 from app.viewer.web.server import close_server, open_server, when_heard
 from app.viewer.web.serving.front import Front
 
@@ -59,8 +58,9 @@ class Watching:
 
     They see what the laboratory's own page shows, as it shows it; each browser has its own camera,
     its own plots and its own inspected agent. `whose`: who leads the run, as text; empty: not told.
-    `limits`: how many connections there may be. A laboratory has one such page. Nothing is drawn
-    while nobody watches. Raises Refusal if the port is busy.
+    `secret`: the first part of every path, if any. `limits`: how many connections there may be. A
+    laboratory has one such page. Nothing is drawn while nobody watches. Raises Refusal if the port
+    is busy.
     """
 
     def __init__(
@@ -69,11 +69,11 @@ class Watching:
         whose: str = "",
         host: str = "127.0.0.1",
         port: int = 0,
-        allow: tuple[Allowed, ...] = (),
+        secret: str = "",
         limits: Limits = USUAL,
     ):
         self.laboratory, self.whose, self.host = laboratory, whose, host
-        self.server = open_server(host, port, Front(SCRIPTS, allow), HEARD, limits)
+        self.server = open_server(host, port, Front(SCRIPTS, secret=secret), HEARD, limits)
         self.scene = OwnScene(self.server)
         self.watchers: dict[int, Watcher] = {}
         """By browser."""
