@@ -12,6 +12,7 @@ from app.viewer.web.serving.client_page import font_face, hashed
 from app.viewer.web.serving.headers import policy
 
 FOLDER = STATIC / "classroom"
+THEME = "classroom/theme.js"
 STYLES = ("page.css", "classroom/pages.css")
 
 

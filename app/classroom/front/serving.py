@@ -14,29 +14,24 @@ from aiohttp import web
 
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.asked import LARGEST, form_of, refused
+from app.classroom.front.asked import LARGEST, refused
 from app.classroom.front.connections import Connections
-from app.classroom.front.limits import JOINS, MOST_AT_ONCE, MOST_PAGES, STRANGERS, Limits
-from app.classroom.front.pages import Page, own_page
+from app.classroom.front.entrance import Entrance
+from app.classroom.front.limits import MOST_AT_ONCE, MOST_PAGES, Limits
 from app.classroom.front.relay import Ending, Relay, camera_alone
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
-from app.classroom.keys import LONGEST, plain, same
 from app.classroom.student import Place, Role, Student
 from app.viewer.lab.scene_requests import MARK, SCRIPTS
 from app.viewer.web.addresses import elsewhere, here
 from app.viewer.web.incoming.failures import in_a_line, log_failures, logger
 from app.viewer.web.incoming.log import Log
-from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.incoming.visitors import address_of
 from app.viewer.web.origin import Allowed, authority
 from app.viewer.web.server import listening
 from app.viewer.web.serving.client_page import ClientPage, client_page
 from app.viewer.web.serving.headers import CLOSED, FIXED, POLICY, policy
 from worlds.refusal import Refusal
 
-LASTS = 12 * 3600
-"""Seconds that a cookie lasts."""
 IDLE = 20.0
 """Seconds that a connection may be silent that has no request."""
 LINGERS = 2.0
@@ -49,18 +44,11 @@ METHODS = ("GET", "HEAD", "POST")
 PLAIN = re.compile(r"[\w./~-]+", re.ASCII)
 """The paths that a laboratory serves, none of which is encoded."""
 PAGES = ("/", "/index.html")
-THEME = "classroom/theme.js"
 STYLES = ("classroom/bar.css",)
 TEACHES = ("classroom/wall.js", "classroom/teacher.js")
 LEARNS = ("classroom/student.js",)
 VISIT = ("classroom/visit.js",)
 """The scripts of a laboratory's page in a class, beside its own."""
-OF_FORMS = {"Referrer-Policy": "origin"}
-"""Without any referrer a browser says of a form that it comes from nowhere; the code is in the
-path, which is not told."""
-STRANGER = "this class is entered by its code: the address on the wall\n"
-MOST_ADDRESSES = 4096
-"""Addresses whose tries are remembered."""
 
 
 class ClassFront:
@@ -82,8 +70,7 @@ class ClassFront:
         self.name = secrets.token_hex(8)
         self.relay: Relay
         self.limits: dict[int, Limits] = defaultdict(Limits)
-        self.strangers: dict[str, RateLimit] = {}
-        self.joins = RateLimit(*JOINS)
+        self.entrance = Entrance(classroom, self.port)
         self.log = Log()
         self.student = StudentRequests(classroom)
         self.teacher = TeacherRequests(classroom, self.addresses(host))
@@ -205,101 +192,17 @@ class ClassFront:
         if classroom.is_over:
             return web.Response(status=410, text="this class is over\n")
         if request.method == "POST" and path in ("/join", "/teach"):
-            return await self.come_in(request)
-        is_teacher = classroom.is_teacher(request.cookies.get(self.cookie("teacher"), ""))
-        student = classroom.student_of(request.cookies.get(self.cookie("student"), ""))
-        known = is_teacher or student is not None
-        if len(path) <= LONGEST and (classroom.is_key(path[1:]) or self.is_code(path, known)):
-            return self.welcome(request, path[1:], is_teacher, student is not None)
+            return await self.entrance.come_in(request)
+        is_teacher = self.entrance.is_teacher(request)
+        student = self.entrance.student_of(request)
+        welcome = self.entrance.welcome(request, is_teacher, student is not None)
+        if welcome is not None:
+            return welcome
         if is_teacher:
             return await self.answer_teacher(request)
         if student is not None:
             return await self.answer_student(request, student)
-        self.demand_patience(request)
-        return web.Response(status=403, text=STRANGER)
-
-    def is_code(self, path: str, known: bool) -> bool:
-        """Whether a path is the code of the class; of strangers as they have typed it."""
-        code = path[1:] if known else plain(path[1:])
-        return same(code, self.classroom.code)
-
-    def welcome(
-        self, request: web.Request, secret: str, is_teacher: bool, is_student: bool
-    ) -> web.StreamResponse:
-        """The page on which somebody comes in, if they are not in yet."""
-        teaches = self.classroom.is_key(secret)
-        if is_teacher if teaches else is_student:
-            raise web.HTTPSeeOther("class" if teaches else "./")
-        if teaches:
-            page, words = own_page("teach.html", (THEME, "classroom/teach.js")), {"key": secret}
-            return self.own(request, page.filled(**words), page)
-        return self.ask_name(request)
-
-    def ask_name(self, request: web.Request, name: str = "", why: str = "") -> web.StreamResponse:
-        """The page on which somebody gives a name, and why another one is needed."""
-        page = own_page("join.html", (THEME,))
-        words = {"code": self.classroom.code, "title": self.classroom.title}
-        return self.own(
-            request, page.filled(**words, name=name, why=why), page, 400 if why else 200
-        )
-
-    def own(
-        self, request: web.Request, text: str, page: Page, status: int = 200
-    ) -> web.StreamResponse:
-        """A page of our own."""
-        headers = {POLICY: page.policy(self.lines_of(request)), **OF_FORMS}
-        return web.Response(text=text, status=status, content_type="text/html", headers=headers)
-
-    async def come_in(self, request: web.Request) -> web.StreamResponse:
-        """Take in who sends the code and a name, or the teacher's key."""
-        given = await form_of(request)
-        secure = request.secure or request.headers.get("Origin", "").startswith("https:")
-        if request.path == "/teach":
-            if not self.classroom.is_key(given.get("key", "")):
-                self.demand_patience(request)
-            cookie = self.classroom.admit_teacher(given.get("key", ""))
-            who, to = "teacher", "class"
-        else:
-            code = plain(given.get("code", ""))
-            if not same(code, self.classroom.code):
-                self.demand_patience(request)
-            elif not self.joins.take():
-                raise web.HTTPTooManyRequests(text="many come in at once: try again in a moment\n")
-            try:
-                _, cookie = self.classroom.admit(code, given.get("name", ""))
-            except Refusal as refusal:
-                if not same(code, self.classroom.code):
-                    return web.Response(status=403, text=f"{refusal}\n")
-                return self.ask_name(request, given.get("name", "")[:60], str(refusal))
-            who, to = "student", "./"
-        answer = web.Response(status=303, headers={"Location": to})
-        answer.set_cookie(
-            self.cookie(who),
-            cookie,
-            max_age=LASTS,
-            path="/",
-            httponly=True,
-            samesite="Strict",
-            secure=secure,
-        )
-        return answer
-
-    def demand_patience(self, request: web.Request) -> None:
-        """Bound how often strangers try."""
-        if len(self.strangers) >= MOST_ADDRESSES:
-            self.strangers = {
-                one: limit for one, limit in self.strangers.items() if limit.fill() < limit.most
-            }
-            if len(self.strangers) >= MOST_ADDRESSES:
-                raise web.HTTPTooManyRequests(text="too many tries from too many addresses\n")
-        peer = request.transport and request.transport.get_extra_info("peername")
-        limit = self.strangers.setdefault(address_of(peer), RateLimit(*STRANGERS))
-        if not limit.take():
-            raise web.HTTPTooManyRequests(text="too many tries from one address\n")
-
-    def cookie(self, who: str) -> str:
-        """The name of a cookie: cookies know no ports, classes do."""
-        return f"flockscope-{who}-{self.port}"
+        return self.entrance.turn_away(request)
 
     async def answer_teacher(self, request: web.Request) -> web.StreamResponse:
         """What the teacher is answered."""

@@ -1,0 +1,127 @@
+"""How people come in: the teacher by a key, students by the code on the wall and a name."""
+
+from __future__ import annotations
+
+from aiohttp import web
+
+from app.classroom.classroom import Classroom
+from app.classroom.front.asked import form_of
+from app.classroom.front.limits import JOINS, STRANGERS
+from app.classroom.front.pages import THEME, Page, own_page
+from app.classroom.keys import LONGEST, plain, same
+from app.classroom.student import Student
+from app.viewer.web.incoming.rate_limit import RateLimit
+from app.viewer.web.incoming.visitors import address_of
+from app.viewer.web.serving.headers import POLICY
+from worlds.refusal import Refusal
+
+LASTS = 12 * 3600
+"""Seconds that a cookie lasts."""
+OF_FORMS = {"Referrer-Policy": "origin"}
+"""Without any referrer a browser says of a form that it comes from nowhere; the code is in the
+path, which is not told."""
+STRANGER = "this class is entered by its code: the address on the wall\n"
+MOST_ADDRESSES = 4096
+"""Addresses whose tries are remembered."""
+
+
+class Entrance:
+    """Knows people by their cookies, and gives them. `port`: the class's; cookies know no ports."""
+
+    def __init__(self, classroom: Classroom, port: int):
+        self.classroom = classroom
+        self.cookies = {who: f"flockscope-{who}-{port}" for who in ("teacher", "student")}
+        self.strangers: dict[str, RateLimit] = {}
+        self.joins = RateLimit(*JOINS)
+
+    def is_teacher(self, request: web.Request) -> bool:
+        """Whether the teacher asks."""
+        return self.classroom.is_teacher(request.cookies.get(self.cookies["teacher"], ""))
+
+    def student_of(self, request: web.Request) -> Student | None:
+        """The student who asks, if one does."""
+        return self.classroom.student_of(request.cookies.get(self.cookies["student"], ""))
+
+    def welcome(
+        self, request: web.Request, is_teacher: bool, is_student: bool
+    ) -> web.StreamResponse | None:
+        """What somebody is answered at the address of the code or of a key; None at any other."""
+        secret = request.path[1:]
+        if len(secret) >= LONGEST:
+            return None
+        teaches = self.classroom.is_key(secret)
+        if not teaches:
+            known = is_teacher or is_student  # of strangers the code is taken as they have typed it
+            if not same(secret if known else plain(secret), self.classroom.code):
+                return None
+        if is_teacher if teaches else is_student:
+            raise web.HTTPSeeOther("class" if teaches else "./")
+        if teaches:
+            page = own_page("teach.html", (THEME, "classroom/teach.js"))
+            return own(page.filled(key=secret), page)
+        return self.ask_name()
+
+    def ask_name(self, name: str = "", why: str = "") -> web.Response:
+        """The page on which somebody gives a name, and why another one is needed."""
+        page = own_page("join.html", (THEME,))
+        words = {"code": self.classroom.code, "title": self.classroom.title}
+        return own(page.filled(**words, name=name, why=why), page, 400 if why else 200)
+
+    async def come_in(self, request: web.Request) -> web.StreamResponse:
+        """Take in who sends the code and a name, or the teacher's key. Raises Refusal."""
+        given = await form_of(request)
+        if request.path == "/teach":
+            if not self.classroom.is_key(given.get("key", "")):
+                self.demand_patience(request)
+            cookie = self.classroom.admit_teacher(given.get("key", ""))
+            return self.let_in(request, "teacher", cookie, "class")
+        code = plain(given.get("code", ""))
+        if not same(code, self.classroom.code):
+            self.demand_patience(request)
+        elif not self.joins.take():
+            raise web.HTTPTooManyRequests(text="many come in at once: try again in a moment\n")
+        try:
+            _, cookie = self.classroom.admit(code, given.get("name", ""))
+        except Refusal as refusal:
+            if not same(code, self.classroom.code):
+                return web.Response(status=403, text=f"{refusal}\n")
+            return self.ask_name(given.get("name", "")[:60], str(refusal))
+        return self.let_in(request, "student", cookie, "./")
+
+    def let_in(self, request: web.Request, who: str, cookie: str, to: str) -> web.Response:
+        """Give somebody a cookie, and lead them on."""
+        answer = web.Response(status=303, headers={"Location": to})
+        answer.set_cookie(
+            self.cookies[who],
+            cookie,
+            max_age=LASTS,
+            path="/",
+            httponly=True,
+            samesite="Strict",
+            secure=request.secure or request.headers.get("Origin", "").startswith("https:"),
+        )
+        return answer
+
+    def turn_away(self, request: web.Request) -> web.Response:
+        """What a stranger is answered."""
+        self.demand_patience(request)
+        return web.Response(status=403, text=STRANGER)
+
+    def demand_patience(self, request: web.Request) -> None:
+        """Bound how often strangers try."""
+        if len(self.strangers) >= MOST_ADDRESSES:
+            self.strangers = {
+                one: limit for one, limit in self.strangers.items() if limit.fill() < limit.most
+            }
+            if len(self.strangers) >= MOST_ADDRESSES:
+                raise web.HTTPTooManyRequests(text="too many tries from too many addresses\n")
+        peer = request.transport and request.transport.get_extra_info("peername")
+        limit = self.strangers.setdefault(address_of(peer), RateLimit(*STRANGERS))
+        if not limit.take():
+            raise web.HTTPTooManyRequests(text="too many tries from one address\n")
+
+
+def own(text: str, page: Page, status: int = 200) -> web.Response:
+    """A page with a form."""
+    headers = {POLICY: page.policy(), **OF_FORMS}
+    return web.Response(text=text, status=status, content_type="text/html", headers=headers)
