@@ -2,11 +2,11 @@
 
 Starts `flockscope class` with flocks of 300 agents (hwvem), and in a process of its own so many
 students that are programs, not browsers: they enter by the code, connect through the front, read
-every picture, and now and then pause their flock and let it go on. With `--watch` all of them watch
-the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a second of a
-student, what was sent, how soon a button was answered, how soon the teacher's page was, processor
-time and memory of the class without its students, and what a laboratory costs at which nobody
-looks.
+every picture, and every three seconds pause their flock and let it go on at once. With `--watch`
+all of them watch the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a
+second of a flock that is not paused, what was sent, how soon a button was answered, how soon the
+teacher's page was, processor time and memory of the class without its students, and what a
+laboratory costs at which nobody looks.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ class Student:
         self.began = 0.0
         """When the first picture was there, s since it entered."""
         self.button = ""
-        self.pressed = 0.0
+        self.pressed = self.paused = self.stood = 0.0
+        """When it pressed last, s; since when its flock is paused, and how long it was so far."""
         self.answers: list[float] = []
 
     async def enter(self, session: aiohttp.ClientSession, link: str) -> None:
@@ -94,10 +95,13 @@ class Student:
                      and one["props"]["label"] in ("Pause", "Go")), "",
                 )  # fmt: skip
             elif self.pressed and (label := self.label(data)):
-                self.answers.append(now - self.pressed)
-                self.pressed = 0.0
                 if label == "Go":
+                    self.answers.append(now - self.pressed)
+                    self.paused = now
                     await self.say()
+                elif self.paused:
+                    self.stood += now - self.paused
+                    self.pressed = self.paused = 0.0
 
     def label(self, data: bytes) -> str:
         """What the button is called from now on; empty if nothing is said of that."""
@@ -246,18 +250,25 @@ async def measured(
     await asyncio.sleep(SETTLES)
     before, sent = ours.seconds(), Counted.bytes
     pictures, answers = [one.pictures for one in students], [len(one.answers) for one in students]
+    stood = [one.stood for one in students]
     took.clear()
     start = time.perf_counter()
     await asyncio.sleep(seconds)
     lasted = time.perf_counter() - start
     after, sent = ours.seconds(), Counted.bytes - sent
-    rates = [(one.pictures - was) / lasted for one, was in zip(students, pictures, strict=True)]
+    ran = [lasted - one.stood + was for one, was in zip(students, stood, strict=True)]
+    rates = [
+        (one.pictures - was) / time_
+        for one, was, time_ in zip(students, pictures, ran, strict=True)
+    ]
     found = sorted(x for one, was in zip(students, answers, strict=True) for x in one.answers[was:])
     cores = [(b - a) / lasted for a, b in zip(before, after, strict=True)]
     what = "watch the teacher's run of" if watch else "flocks of"
     print(f"{count} students, {what} {agents} agents")
     print(f"  all have a picture        {began:8.1f} s")
     print(f"  pictures/s                {statistics.mean(rates):8.1f} (least {min(rates):.1f})")
+    if not watch:
+        print(f"  paused                    {1 - statistics.mean(ran) / lasted:8.1%} of the time")
     print(f"  sent, Mbit/s              {8e-6 * sent / lasted:8.1f}")
     if found:
         late = found[min(len(found) - 1, int(0.95 * len(found)))]

@@ -22,12 +22,12 @@ class Stand:
     def __init__(self, frame, watched: int = 1, **rates):
         self.frame, self.watched = frame, watched
         self.shown: list[float] = []
-        self.panels = self.looks = 0
+        self.panels = self.looks = self.state = 0
         self.news = threading.Event()
         self.moves = math.inf
         self.drawing = Drawing(
             self, self.latest, lambda: self.watched, self.before, self.refresh, self.news,
-            lambda: self.moves, Rates(**rates),
+            lambda: self.moves, Rates(**rates), lambda: self.state,
         )  # fmt: skip
 
     def show(self, _frame, _look) -> None:
@@ -97,6 +97,19 @@ def test_no_more_pictures_than_are_allowed(stand):
         stand.news.set()
         time.sleep(0.005)
     assert 8 <= len(stand.shown) - before <= 17
+
+
+@pytest.mark.parametrize("stand", [{"panels": 30.0}], indirect=True)
+def test_panels_show_at_once_what_has_been_pressed(stand):
+    before = stand.panels
+    for _ in range(20):
+        stand.frame = stand.another()
+        stand.news.set()
+        time.sleep(0.01)
+    assert stand.panels == before
+    stand.state = 1
+    stand.news.set()
+    until(lambda: stand.panels == before + 1, 1)
 
 
 @pytest.mark.parametrize("stand", [{"share": 0.1}], indirect=True)

@@ -163,6 +163,7 @@ class Laboratory:
             self.simulation.news,
             lambda: self.between.moves,
             rates_of(allowance),
+            self.changes,
         )
         when_heard(self.server, self.simulation.news.set)
         self.taking = Taking(self, self.making)
@@ -411,6 +412,11 @@ class Laboratory:
             self.simulation.frame, state.running, state.speed, time.monotonic()
         )
         return frame, self.view.look()
+
+    def changes(self) -> object:
+        """What the panels show at once when it is another."""
+        state = self.simulation.state
+        return state.run, state.running, state.busy, state.speed, state.error
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""

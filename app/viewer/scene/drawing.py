@@ -84,8 +84,10 @@ class Drawing:
         news: threading.Event | None = None,
         moves: Callable[[], float] = lambda: math.inf,
         rates: Rates | None = None,
+        changes: Callable[[], object] = lambda: None,
     ):
-        """`before` is called before every frame, `panels` four times a second.
+        """`before` is called before every frame, `panels` four times a second, and as soon as
+        `changes` is another than before.
 
         `news` is set by others whenever there may be something new, `moves` says when the picture
         will be another by itself, s of `time.monotonic`. Without `news` it looks again and again.
@@ -98,6 +100,7 @@ class Drawing:
         self.news = news
         self.moves = moves
         self.rates = rates or Rates()
+        self.changes = changes
         self.drawn: tuple[Frame, Look] | None = None
         self.come = threading.Event()
         """Set when a browser has come."""
@@ -123,6 +126,7 @@ class Drawing:
     def live(self) -> None:
         """Draw and refresh, until closed; what goes wrong is printed and tried again."""
         panels_due = due = 0.0
+        shown: object = None
         while not self.closing.is_set():
             began, worked = time.monotonic(), time.thread_time()
             if self.news is not None:
@@ -131,12 +135,13 @@ class Drawing:
                 self.come.clear()
                 panels_due = due = 0.0
             try:
+                changes = self.changes()
                 self.before()
                 if self.draw():
                     due = max(due, began - 0.5 * self.period()) + self.period()
                 self.scene.look_through()
-                if began >= panels_due and self.drawn is not None:
-                    panels_due = began + self.rates.panels
+                if self.drawn is not None and (began >= panels_due or changes != shown):
+                    panels_due, shown = began + self.rates.panels, changes
                     self.panels()
             except Exception as error:
                 traceback.print_exception(error)
