@@ -68,7 +68,12 @@
     parts.role = button("", () => say({ do: "role", students: [number],
       role: parts.is === "own" ? "watching" : "own" }));
     parts.hold = button("", () => say({ do: "freeze", held: !parts.held, students: [number] }));
-    parts.remove = button("Remove", () => say({ do: "remove", students: [number] }));
+    parts.remove = button("Remove", () => {
+      const sure = parts.remove.textContent !== "Remove";
+      parts.remove.textContent = sure ? "Remove" : "Really?";
+      if (sure) say({ do: "remove", students: [number] });
+      else setTimeout(() => { parts.remove.textContent = "Remove"; }, 4000);
+    });
     parts.acts.append(parts.open, ...(number ? [parts.role, parts.hold, parts.remove] : []));
     card.classList.toggle("fs-mine", !number);
     inner.append(parts.name, parts.model, parts.stands, parts.numbers, parts.acts);

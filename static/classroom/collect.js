@@ -94,6 +94,8 @@
       place.replaceChildren(line);
       return;
     }
+    const words = (one) => one.getAttribute("aria-label") || one.textContent;
+    const focused = place.contains(document.activeElement) ? words(document.activeElement) : "";
     const head = make("div", "fs-row"), chart = make("div", "fs-chart"), below = make("div", "fs-row");
     head.append(make("h2", "", question.title), make("span", "fs-quiet", question.told));
     const curve = question.curve ? `curve: sweep ${question.curve.name}` +
@@ -107,6 +109,8 @@
       .filter(Boolean).join("; ")));
     place.replaceChildren(head, chart, below);
     window.flockscopeChart(chart, question, (number) => say({ do: "open-point", points: [number] }));
+    const again = focused && [...place.querySelectorAll("button, a, circle")].find((one) => words(one) === focused);
+    if (again) again.focus({ preventScroll: true });
   };
   changed.push(show);
   window.addEventListener("resize", () => { const known = window.flockscopeClass.known(); if (known) show(known); });
