@@ -98,7 +98,8 @@ def keep_keys(classroom: Classroom, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         fresh.unlink(missing_ok=True)  # never one that somebody else has laid there
-        with open(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+        number = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with open(number, "w", encoding="utf-8") as file:
             json.dump(said, file)
         os.replace(fresh, path)
     except OSError as error:

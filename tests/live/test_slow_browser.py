@@ -91,7 +91,7 @@ def clog(page, before):
     line = list(page.server._websock_server._live_connections.values())[-1]
     line.transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, LITTLE)
     full = line.transport.get_write_buffer_limits()[1]
-    until(lambda: line.transport.get_write_buffer_size() > full, SOON)
+    until(lambda: line.transport.get_write_buffer_size() > full, 3 * SOON)
     return line
 
 

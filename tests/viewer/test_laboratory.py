@@ -159,6 +159,15 @@ def test_agents_are_coloured_by_any_number_that_they_have(laboratory, browser):
     assert colour.value == "heading"
 
 
+def test_a_colouring_that_was_chosen_just_now_is_not_taken_back(laboratory):
+    view, colour = laboratory.view, laboratory.view.form["colour"]
+    chosen = [one for one in colour.options if one != colour.value]
+    for one in [*chosen, "heading"]:
+        colour._impl.value = one  # as viser does some time before it calls whoever waits for it
+        view.offer(tuple(colour.options))
+        assert (colour.value, view.colour) == (one, one)
+
+
 def test_the_leader_is_steered_within_the_world(laboratory):
     size = laboratory.simulation.frame.size
     laboratory.steer(size * 1.25, np.array([0.0, -3.0]))

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import os
 import re
+import subprocess
+import sys
 from http import HTTPStatus
 
 import pytest
@@ -257,3 +260,14 @@ def test_an_allowed_name_reaches_the_page_and_its_websocket():
         assert ask(port, headers={"Host": "example.org"}).status == 403
     finally:
         close_server(server)
+
+
+def test_pages_are_read_as_utf_8_whatever_the_machine_is_set_to():
+    makes = (
+        "from app.viewer.panels.style import CSS; from app.classroom.front.pages import own_page; "
+        "from app.viewer.web.serving.client_page import client_page; "
+        "from app.viewer.lab.scene_requests import SCRIPTS; "
+        "own_page('class.html', ('classroom/student.js',)); client_page(SCRIPTS)"
+    )
+    ascii_ = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    subprocess.run([sys.executable, "-c", makes], check=True, env=os.environ | ascii_)

@@ -35,8 +35,10 @@ class Page:
 @cache
 def own_page(name: str, scripts: tuple[str, ...] = ()) -> Page:
     """A page of `static/classroom` with its scripts and styles in itself."""
-    texts = [(STATIC / one).read_text() for one in scripts]
-    style = font_face() + "".join((STATIC / one).read_text() for one in STYLES)
+    texts = [(STATIC / one).read_text("utf-8") for one in scripts]
+    style = font_face() + "".join((STATIC / one).read_text("utf-8") for one in STYLES)
     added = f"<style>{style}</style>" + "".join(f"<script>{text}</script>" for text in texts)
-    page = (FOLDER / name).read_text().replace("</head>", added.replace("$", "$$") + "</head>")
+    page = (
+        (FOLDER / name).read_text("utf-8").replace("</head>", added.replace("$", "$$") + "</head>")
+    )
     return Page(Template(page), tuple(hashed(text.encode()) for text in texts))

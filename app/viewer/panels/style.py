@@ -11,7 +11,7 @@ VIOLET = "#8b5cf6"
 ROOM = 8
 """Letters that fit a card in its usual type."""
 
-CSS = f"<style>{(STATIC / 'panels.css').read_text()}</style>"
+CSS = f"<style>{(STATIC / 'panels.css').read_text('utf-8')}</style>"
 
 
 def block(content: str) -> str:

@@ -38,6 +38,8 @@ class ViewPanel:
         self.colour = usual.look.colour
         """The colouring that was chosen, which not every flock has."""
         self.offering = False
+        self.offered = self.form["colour"].value
+        """The colouring that was shown last."""
         self.form["colour"].on_update(self.coloured)
         self.form["trails"].on_update(self.trailed)
         self.camera = gui.add_folder(CAMERA)
@@ -75,10 +77,13 @@ class ViewPanel:
     def offer(self, choices: tuple[str, ...]) -> None:
         """Let agents be coloured by these: as was chosen, or else by the first of them."""
         colour = self.form["colour"]
+        if colour.value != self.offered:  # somebody has chosen it, though `coloured` is yet to run
+            self.colour = colour.value
         self.offering = True
         if tuple(colour.options) != choices:
             colour.options = choices
-        show(colour, self.colour if self.colour in choices else choices[0])
+        self.offered = self.colour if self.colour in choices else choices[0]
+        show(colour, self.offered)
         self.offering = False
 
     def next_colour(self) -> None:

@@ -61,7 +61,7 @@ def client_page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> Clien
     They stand in the page itself: it can neither be had without them nor take them from elsewhere.
     Raises Refusal if viser's page is not built as it was.
     """
-    own = [(STATIC / name).read_text() for name in (*SCRIPTS, *scripts)]
+    own = [(STATIC / name).read_text("utf-8") for name in (*SCRIPTS, *scripts)]
     html = viser_page()
     head, found, rest = html.partition("<head>")
     loaders = Scripts.of(html)
@@ -70,7 +70,7 @@ def client_page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> Clien
     attributes, loader = loaders[0]
     client = unpacked(attributes)
     texts = [*(text.encode() for text in own), loader.encode(), client]
-    style = font_face() + "".join((STATIC / name).read_text() for name in (*STYLES, *styles))
+    style = font_face() + "".join((STATIC / name).read_text("utf-8") for name in (*STYLES, *styles))
     added = "".join((*(f"<script>{text}</script>" for text in own), f"<style>{style}</style>"))
     page = (head + found + added + rest).encode()
     return ClientPage(page, gzip.compress(page, mtime=0), tuple(hashed(text) for text in texts))
