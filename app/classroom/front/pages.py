@@ -38,7 +38,6 @@ def own_page(name: str, scripts: tuple[str, ...] = ()) -> Page:
     texts = [(STATIC / one).read_text("utf-8") for one in scripts]
     style = font_face() + "".join((STATIC / one).read_text("utf-8") for one in STYLES)
     added = f"<style>{style}</style>" + "".join(f"<script>{text}</script>" for text in texts)
-    page = (
-        (FOLDER / name).read_text("utf-8").replace("</head>", added.replace("$", "$$") + "</head>")
-    )
+    page = (FOLDER / name).read_text("utf-8")
+    page = page.replace("</head>", added.replace("$", "$$") + "</head>")
     return Page(Template(page), tuple(hashed(text.encode()) for text in texts))
