@@ -292,12 +292,19 @@ def test_what_cannot_be_opened_is_one_line(tmp_path, options, said, monkeypatch)
 def test_results_stay_with_who_handed_them_in(tmp_path):
     with running(tmp_path) as ours:
         teacher = ours.teacher()
-        teacher.do("role", role="own")
-        asked = {"parameter": "eta", "measure": {"observe": "polarisation"}, "ticks": 20}
-        assert teacher.do("ask", question=asked | {"values": [0.5]}).status == 200
+        question = {
+            "title": "Order",
+            "parameter": "eta",
+            "measure": {"observe": "polarisation"},
+            "ticks": 20,
+            "values": [0.5],
+        }
         first = ours.student("Ada")
+        assert teacher.do("ask", question=question).status == 200
         with first.connect() as line:
             assert line.recv(timeout=BUSY)
-            assert first.send("/class/hand-in", {}).status == 200
+            handed = first.send("/class/hand-in", {})
+        assert handed.status == 200, handed.text
         teacher.do("remove", students=[number_of(teacher, "Ada")])
         assert ours.student("Ada").told("/class/mine")["name"] == "Ada 2"
+        assert [one[1] for one in roster(teacher)["question"]["points"]] == ["Ada"]
