@@ -25,7 +25,7 @@ from worlds.refusal import Refusal
 
 TEACHER = 0
 """The number of the teacher's laboratory; students count from 1."""
-PICTURES, MANY, OF_MANY = 15.0, 20, 10.0
+PICTURES, MANY, OF_MANY = 16.0, 20, 10.5
 """Pictures a second of a student's flock, for so many students, and of more."""
 LEAST, MOST = 0.1, 0.15
 """Share of a core for one student's flock, and as much for drawing it."""

@@ -297,7 +297,7 @@ def test_results_stay_with_who_handed_them_in(tmp_path):
             "parameter": "eta",
             "measure": {"observe": "polarisation"},
             "ticks": 20,
-            "values": [0.5],
+            "values": [0.5, 1.0],
         }
         first = ours.student("Ada")
         assert teacher.do("ask", question=question).status == 200

@@ -26,7 +26,7 @@ class Allowance:
     """Of a core for the flock's own thread; as much for the thread that draws it."""
     unseen_share: float = 0.004
     """Of a core for the flock while nobody looks."""
-    pictures: float = 15.0
+    pictures: float = 16.0
     """Pictures a second at most."""
     panels: float = 0.5
     """Seconds between two refreshments of the panels, and between two measurements."""
@@ -34,7 +34,7 @@ class Allowance:
     """Seconds between two frames while nobody looks."""
     bandwidth: float = 200_000.0
     """Bytes a second that all browsers together may be sent of the flock, before they are packed:
-    of 300 agents 15 pictures a second."""
+    of 300 agents 16 pictures a second."""
     obstacles: int = 50
     """Obstacles of a world at most."""
     edits: float = 4.0
