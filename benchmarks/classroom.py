@@ -33,6 +33,7 @@ from stream import CAMERA
 
 SCENE = """
 title = "Benchmark"
+speed = 30.0
 [run]
 model = "hwvem"
 agents = {agents}
