@@ -157,8 +157,9 @@ def listening(host: str, port: int) -> socket.socket:
     try:
         return socket.create_server((host, port), family=family, backlog=BACKLOG)
     except (OSError, OverflowError) as error:
-        number = getattr(error, "errno", None)
-        why = os.strerror(number) if number else str(error)
+        number = getattr(error, "errno", None) or 0
+        said = str(getattr(error, "strerror", error)).partition(" (while")[0]
+        why = os.strerror(number) if number > 0 else said
         raise Refusal(
             f"port {port} on {host} cannot be used: {why}; choose another with --port"
         ) from None
