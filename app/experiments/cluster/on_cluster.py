@@ -197,7 +197,10 @@ class OnCluster:
         if any(one.status == "cancelled" for one in over):
             raise self.lost()
         done = [one for one in over if one.status == "finished"]
-        results = self.client.gather(done, errors="skip") if done else []
+        try:
+            results = self.client.gather(done, errors="skip") if done else []
+        except (OSError, TimeoutError):
+            raise self.lost() from None
         if len(results) < len(done):
             raise self.lost()
         for future, result in zip(done, results, strict=True):
