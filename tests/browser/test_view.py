@@ -53,6 +53,7 @@ def own(request, chromium, laboratory, window):
         yield page, client
     laboratory.select(None)
     page.close()
+    until(lambda: client.client_id not in laboratory.server.get_clients(), 30)
 
 
 def tilt(client) -> float:
