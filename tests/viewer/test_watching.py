@@ -105,6 +105,17 @@ def test_it_serves_the_page_and_nothing_that_opens_or_takes(page):
         assert ask(page.port, path).status == 404
 
 
+@pytest.mark.usefixtures("browsers")
+def test_who_watches_is_told_what_to_watch_and_not_what_to_try(page, laboratory):
+    scene = replace(laboratory.now(), watch="Rings of <layers>", tries="Turn p2 up")
+    laboratory.shown_scene = scene
+    told = until(lambda: "layers" in page.story.content and page.story.content)
+    assert "Rings of &lt;layers&gt;" in told
+    assert "Turn" not in told
+    assert until(lambda: "Turn p2 up" in laboratory.run.story.content)
+    laboratory.shown_scene = None
+
+
 def test_each_plots_what_it_likes_and_that_is_measured(laboratory, browsers):
     (first, _), (second, other) = browsers
     before = plotted(second)

@@ -6,6 +6,7 @@ import asyncio
 import threading
 import time
 from collections.abc import Callable, Container
+from dataclasses import replace
 from functools import partial
 
 import viser
@@ -13,6 +14,7 @@ import viser
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.monitors.monitors import BLOCKS
 from app.viewer.lab.panels.plots.plots import EARLIER
+from app.viewer.lab.panels.run import story
 from app.viewer.panels.hotkeys import KEYS, add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress
@@ -230,7 +232,7 @@ class Watching:
         state, scene = lab.simulation.state, lab.shown_scene
         self.scene.open_on("" if scene is None else scene.camera)
         self.status.content = standing(state, self.whose)
-        self.story.content = lab.run.story.content
+        self.story.content = "" if scene is None else story(replace(scene, tries=""))
         self.values.content = values(state)
         self.monitors.show(lab.contents)
         self.monitors.colours(look, frame)
