@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import tomlkit
 
 from agents.catalogue import MODELS
@@ -21,7 +20,6 @@ from app.classroom.collect.question import Question
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.given.places import Places
 from app.experiments.sweeps.pictures.groups import groups_of, is_number, varied
-from app.experiments.sweeps.pictures.lines import spans_decades
 from app.experiments.sweeps.sweep import Sweep, sweep_of
 from app.experiments.sweeps.table import places_of, spec_at
 from app.viewer.lab.sweeps.asked import AGENTS, allowed, run_table
@@ -32,6 +30,8 @@ from worlds.world import World
 
 VALUES = 12
 """Of a curve for a question to which students choose their values."""
+TENFOLD = 10.0
+"""From this ratio of the ends on its values rise by equal ratios: most happens at small ones."""
 RUNS = 20
 """Of each of its values."""
 FIRST_SEED = 10_001
@@ -138,8 +138,7 @@ class CurveAsked:
         elif question.parameter == AGENTS:
             now = question.value_of(self.scene)
             low, high = max(low, now / 4), min(high, 4 * now)
-        log = low > 0.0 and spans_decades(np.geomspace(low, high, VALUES).tolist())
-        made = spread(low, high, VALUES, question.is_whole, log)
+        made = spread(low, high, VALUES, question.is_whole, log=0.0 < TENFOLD * low <= high)
         return [round(one) if question.is_whole else one for one in made]
 
     def values(self) -> dict[str, Any]:
