@@ -253,6 +253,7 @@ class Scenario:
             self.teacher.get_by_role("button", name="Make the curve", exact=True).click()
             until(lambda: self.shown()["question"]["making"])
             until(lambda: not self.shown()["question"]["making"])
+            self.teacher.get_by_role("button", name="Make the curve anew").wait_for()
             self.teacher.locator(".fs-curve").wait_for()
             self.teacher.evaluate("scrollTo(0, 0)")
 
