@@ -6,7 +6,8 @@ every picture, and every three seconds pause their flock and let it go on at onc
 all of them watch the teacher's run of 1 000 agents. Prints how long all took to begin, pictures a
 second of a flock that is not paused, what was sent, how soon a button was answered, how soon the
 teacher's page was, processor time and memory of the class without its students, and what a
-laboratory costs at which nobody looks.
+laboratory costs at which nobody looks. With `--browsers N` so many students more are in browsers,
+at the size of a phone: what they get is printed too.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ import psutil
 import viser
 import zstandard
 from aiohttp.client_proto import ResponseHandler
+from class_pages import Page, pages
 from stream import CAMERA
 
 SCENE = """
@@ -43,6 +45,8 @@ eta = 0.3
 """
 PRESS = 3.0
 """Seconds between two presses of a student."""
+PRESSES = 5
+"""Of each student in a browser."""
 SETTLES = 4.0
 """Seconds from the last that began to the measurement."""
 unzstd = zstandard.ZstdDecompressor()
@@ -211,16 +215,24 @@ async def page(
         await asyncio.sleep(0.5)
 
 
-async def measure(count: int, agents: int, watch: bool, seconds: float, idle: float) -> None:
+async def measure(
+    count: int, agents: int, watch: bool, seconds: float, idle: float, browsers: int
+) -> None:
     """Measure a class of so many students, and print."""
     with tempfile.TemporaryDirectory() as folder:
-        ours = Class(folder, agents, count)
+        ours = Class(folder, agents, count + browsers)
         try:
             connector = aiohttp.TCPConnector(limit=0)
             connector._factory = partial(Counted, loop=asyncio.get_running_loop())
             jar = aiohttp.DummyCookieJar()
             async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
-                await measured(session, ours, count, agents, watch, seconds, idle)
+                cookie = await teach(session, ours.teachers)
+                if not watch:
+                    await do(session, ours.link, cookie, {"do": "role", "role": "own"})
+                async with pages(ours.link, browsers) as opened:
+                    await measured(session, ours, cookie, count, agents, watch, seconds, opened)
+            if not watch:
+                await left(ours, count + browsers, idle)
         finally:
             ours.end()
 
@@ -228,16 +240,14 @@ async def measure(count: int, agents: int, watch: bool, seconds: float, idle: fl
 async def measured(
     session: aiohttp.ClientSession,
     ours: Class,
+    cookie: dict[str, str],
     count: int,
     agents: int,
     watch: bool,
     seconds: float,
-    idle: float,
+    opened: list[Page],
 ) -> None:
     """Measure a class that runs, and print."""
-    cookie = await teach(session, ours.teachers)
-    if not watch:
-        await do(session, ours.link, cookie, {"do": "role", "role": "own"})
     students = [Student(number, agents) for number in range(count)]
     await asyncio.gather(*(one.enter(session, ours.link) for one in students))
     took: list[float] = []
@@ -254,8 +264,10 @@ async def measured(
     stood = [one.stood for one in students]
     took.clear()
     start = time.perf_counter()
+    drawn = [await one.pictures() for one in opened]
     await asyncio.sleep(seconds)
     lasted = time.perf_counter() - start
+    drawn = [await one.pictures() - was for one, was in zip(opened, drawn, strict=True)]
     after, sent = ours.seconds(), Counted.bytes - sent
     ran = [lasted - one.stood + was for one, was in zip(students, stood, strict=True)]
     rates = [
@@ -277,11 +289,28 @@ async def measured(
     print(f"  the teacher's page        {max(took):8.2f} s at worst of {len(took)}")
     print(f"  cores                     {sum(cores):8.2f} (the front {cores[0]:.2f})")
     print(f"  memory, MB                {ours.memory():8.0f}")
+    if opened:
+        await print_pages(opened, [one / lasted for one in drawn], watch)
     for task in tasks:
         task.cancel()
     await asyncio.gather(*(one.line.close() for one in students))
+
+
+async def print_pages(opened: list[Page], rates: list[float], watch: bool) -> None:
+    """What students in browsers get, with pictures/s of each; all others run on meanwhile."""
+    mean, least = statistics.mean(rates), min(rates)
+    print(f"  in {len(opened)} browsers, pictures/s {mean:6.1f} (least {least:.1f})")
     if watch:
         return
+    for _ in range(PRESSES):
+        for one in opened:
+            await one.press()
+    late = max(answer for one in opened for answer in one.answers)
+    print(f"  a button of theirs        {late:8.2f} s at worst of {PRESSES * len(opened)}")
+
+
+async def left(ours: Class, count: int, idle: float) -> None:
+    """Measure a class whose students have gone, and print."""
     await asyncio.sleep(SETTLES)
     before = ours.seconds()
     await asyncio.sleep(idle)
@@ -297,10 +326,11 @@ def main() -> None:
     asking.add_argument("--watch", action="store_true")
     asking.add_argument("--seconds", type=float, default=20.0)
     asking.add_argument("--idle", type=float, default=20.0, help="seconds, of nobody looking")
+    asking.add_argument("--browsers", type=int, default=0, help="students more, in browsers")
     given = asking.parse_args()
     agents = given.agents or (1000 if given.watch else 300)
     for count in given.students:
-        asyncio.run(measure(count, agents, given.watch, given.seconds, given.idle))
+        asyncio.run(measure(count, agents, given.watch, given.seconds, given.idle, given.browsers))
 
 
 if __name__ == "__main__":
