@@ -26,6 +26,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.making import Making
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.home import at_home
+from app.viewer.run.keeping import LONGEST, Share
 from app.viewer.run.simulation import Simulation
 from app.viewer.web.server import renders_of
 from tests.live.stand_in import CAMERA
@@ -281,3 +282,15 @@ def test_without_an_allowance_everything_is_as_it_was():
         assert simulation.keeping.wait == 0.0
     finally:
         simulation.close()
+
+
+def test_what_was_not_taken_while_somebody_looked_is_not_for_when_nobody_does():
+    now, worked = [0.0], [0.0]
+    share = Share(0.1, lambda: now[0], lambda: worked[0])
+    now[0] = 100.0
+    share.become(0.003)
+    worked[0] = 0.012
+    share.note()
+    assert share.wait() == pytest.approx(LONGEST)
+    now[0] += LONGEST
+    assert share.wait() == 0.0

@@ -24,7 +24,7 @@ class Allowance:
     """Agents of a run at most, with those of the flock beside it; and as many that are informed."""
     share: float = 0.15
     """Of a core for the flock's own thread; as much for the thread that draws it."""
-    unseen_share: float = 0.004
+    unseen_share: float = 0.003
     """Of a core for the flock while nobody looks."""
     pictures: float = 16.0
     """Pictures a second at most."""

@@ -16,10 +16,9 @@ from worlds.world import World
 
 FRAMES = 1 / 50
 """Shortest time between two frames, s."""
-AT_ONCE = 0.2
-"""Seconds of a core that a flock may take at once if it took less than its share before."""
 LONGEST = 2.0
-"""Seconds at most for which a flock stands because it has taken more than its share."""
+"""Seconds at most for which a flock stands because it has taken more than its share, and of whose
+share it may take as much at once."""
 BATCH = 1.0
 """Time for which ticks wait for others while nobody looks, s."""
 EDITS_AT_ONCE = 10.0
@@ -46,7 +45,7 @@ class Share:
         worked: Callable[[], float] = time.thread_time,
     ):
         """`worked` says how long the thread has worked, s; it is that thread that asks."""
-        self.limit = RateLimit(share, AT_ONCE, clock)
+        self.limit = RateLimit(share, LONGEST * share, clock)
         self.worked = worked
         self.known = 0.0
 
@@ -63,7 +62,7 @@ class Share:
     def become(self, share: float) -> None:
         """Have it keep to another share from now on."""
         self.limit.fill()
-        self.limit.rate = share
+        self.limit.rate, self.limit.most = share, LONGEST * share
 
 
 class Keeping:
