@@ -65,6 +65,7 @@ def tilt(client) -> float:
 def test_the_buttons_on_the_picture_turn_this_browser_s_camera(own, laboratory):
     page, client = own
     other = next(one for one in laboratory.server.get_clients().values() if one != client)
+    until(lambda: tilt(other) > 1.5, 30, "the other, seen from above")
     before = tilt(other)
     for label, low, high in (
         ("Camera: side (key 3)", 0.1, 0.4),
@@ -74,13 +75,13 @@ def test_the_buttons_on_the_picture_turn_this_browser_s_camera(own, laboratory):
         button = page.get_by_role("button", name=label, exact=True)
         assert button.get_attribute("title") == label
         button.click()
-        until(lambda low=low, high=high: low < tilt(client) < high, 10, label)
+        until(lambda low=low, high=high: low < tilt(client) < high, 30, label)
     page.get_by_label("Camera: side (key 3)").focus()
     page.keyboard.press("Enter")
-    until(lambda: tilt(client) < 0.4, 10, "the side by the keyboard")
+    until(lambda: tilt(client) < 0.4, 30, "the side by the keyboard")
     page.keyboard.press("p")
     page.get_by_label("Camera: perspective (key 2)").click()
-    until(lambda: tilt(client) > 0.6, 10, "while the panels are hidden")
+    until(lambda: tilt(client) > 0.6, 30, "while the panels are hidden")
     page.keyboard.press("p")
     assert tilt(other) == pytest.approx(before)
 
