@@ -33,8 +33,8 @@ ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-"""Pictures are drawn by Mesa where there is one: SwiftShader, Chromium's own way to draw without a
-GPU, takes twice as long for a flock's many small shapes and then stands still for half a minute.
+"""Pictures are drawn by Mesa where there is one: drawn by SwiftShader, Chromium's own way without a
+GPU, the page of a running flock can stand still for longer than a test waits.
 """
 POLICY = "Content Security Policy"
 """Stands in what a browser says of all that a policy forbids but `eval`, which is an error."""
