@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed
 
 from agents.models.declare import declared
 from app.live.laboratory.example import example
+from app.viewer.live.page import KEYS
 from app.viewer.web.server import UNWANTED
 from tests.live.opened_page import arm, opened
 from tests.live.stand_in import CAMERA, StandIn
@@ -101,7 +102,7 @@ def witness(page):
     """A browser that behaves; the cars are safe before and after."""
     page.session.place(0.0, 0.0)
     with StandIn(page.server.get_port()) as browser:
-        until(lambda: browser.found("Trail length"), SOON)
+        until(lambda: len(browser.commands) == len(KEYS), SOON)  # the page has sent these last
         yield browser
         make_safe(page, browser)
 
