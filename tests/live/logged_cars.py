@@ -98,32 +98,30 @@ from app.live.laboratory.lab import read_lab
 if __name__ == "__main__":
     operator = Operator(read_lab({file!r}), ends.{opener}, Path({folder!r}))
     print(operator.process.pid, flush=True)
-    asked, drove = 0.0, None
+    asked = 0.0
     while not operator.trouble:
         status, now = operator.status(), time.monotonic()
-        if status is not None and status.mode == {run}:
-            drove = drove or now
-        settled = {once} and drove is not None and now - drove > 1.5
-        if status is not None and status.arm == "safe" and not status.reasons and not settled:
-            if now - asked > 0.5:
+        if status is not None and status.arm == "safe" and not status.reasons:
+            if now - asked > 0.5 and not Path({settled!r}).exists():
                 operator.ask(OperatorRequest("arm", "test"))
                 asked = now
         time.sleep(0.02)
     print(operator.trouble, flush=True)
 """
-"""Arms, again if a busy machine had the cars held at once; with `once`, who is held later stays so.
-"""
+"""Arms, again if a busy machine had the cars held; once `settled` is there, they stay held."""
 
 
 class LoggedRoom:
     """Used with `with`; `process` is the operator's, `loop` the id of the loop's. The cars drive.
 
-    `opener` is one of `live.told_poses`.
+    `opener` is one of `live.told_poses`. With `once`, cars that are held after
+    that stay so.
     """
 
     def __init__(self, folder, opener="circling", once=True):
         self.folder = folder
         self.recording = folder / "run"
+        self.settled = folder / "settled"
         self.opener = opener
         self.once = once
         self.firmware = LoggedFirmware((1, 2))
@@ -143,6 +141,8 @@ class LoggedRoom:
         try:
             self.operate(text)
             self.until(self.drive, BEGINS)
+            if self.once:
+                self.settled.touch()
         except BaseException:
             self.__exit__()
             raise
@@ -176,8 +176,7 @@ class LoggedRoom:
                 file=str(file),
                 folder=folder,
                 opener=self.opener,
-                once=self.once,
-                run=RUN,
+                settled=str(self.settled),
             )
         )
         self.process = subprocess.Popen(
