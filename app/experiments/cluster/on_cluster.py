@@ -7,11 +7,13 @@ at last the run that kills workers stands by itself, and is `killed`.
 
 from __future__ import annotations
 
+import asyncio
 import pickle
 import queue
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from concurrent.futures import wait
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -83,6 +85,8 @@ class OnCluster:
         """What a run takes, lately."""
         self.chunks: dict[Future, Chunk] = {}
         """What is sent and not yet back."""
+        self.late: list[Future] = []
+        """Chunks that were over, and whose results were lost with their workers."""
         self.suspects: deque[Chunk] = deque()
         self.events: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self.slots = 0
@@ -193,17 +197,11 @@ class OnCluster:
 
         Raises Refusal if a worker cannot make runs, or the scheduler is gone.
         """
-        over = [one for one in found if one in self.chunks]
+        over = [one for one in (*self.late, *found) if one in self.chunks]
         if any(one.status == "cancelled" for one in over):
             raise self.lost()
         done = [one for one in over if one.status == "finished"]
-        try:
-            results = self.client.gather(done, errors="skip") if done else []
-        except (OSError, TimeoutError):
-            raise self.lost() from None
-        if len(results) < len(done):
-            raise self.lost()
-        for future, result in zip(done, results, strict=True):
+        for future, result in self.fetch(done):
             chunk = self.chunks.pop(future)
             future.release()
             for task, outcome in zip(chunk.tasks, pickle.loads(result), strict=True):
@@ -214,6 +212,31 @@ class OnCluster:
                 chunk = self.chunks.pop(future)
                 self.broke(chunk, future.exception(), keep)
                 future.release()
+        self.late = [one for one in over if one in self.chunks]
+
+    def fetch(self, done: list[Future]) -> list[tuple[Future, bytes]]:
+        """Chunks with their results; of none if one is lost with its workers meanwhile.
+
+        Dask has it made again, which is not waited for: that may need a job that is yet to be
+        asked for. Raises Refusal if the scheduler is gone.
+        """
+        if not done:
+            return []
+        loop: Any = self.client.loop
+        gathering = asyncio.run_coroutine_threadsafe(
+            self.client.gather(done, errors="skip", asynchronous=True), loop.asyncio_loop
+        )
+        while not wait([gathering], BEAT).done:
+            if any(one.status != "finished" for one in done):
+                gathering.cancel()
+                return []
+        try:
+            results = gathering.result()
+        except (OSError, TimeoutError):
+            raise self.lost() from None
+        if len(results) < len(done):
+            raise self.lost()
+        return list(zip(done, results, strict=True))
 
     def broke(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
         """Take a chunk that could not be made. Raises Refusal unless workers died of it."""
