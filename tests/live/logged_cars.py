@@ -114,8 +114,7 @@ if __name__ == "__main__":
 class LoggedRoom:
     """Used with `with`; `process` is the operator's, `loop` the id of the loop's. The cars drive.
 
-    `opener` is one of `live.told_poses`. With `once`, cars that are held after
-    that stay so.
+    `opener` is one of `live.told_poses`. With `once`, cars that are held after that stay so.
     """
 
     def __init__(self, folder, opener="circling", once=True):

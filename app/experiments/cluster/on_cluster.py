@@ -215,10 +215,10 @@ class OnCluster:
         self.late = [one for one in over if one in self.chunks]
 
     def fetch(self, done: list[Future]) -> list[tuple[Future, bytes]]:
-        """Chunks with their results; of none if one is lost with its workers meanwhile.
+        """Chunks with their results; of none if one of these is there no more.
 
-        Dask has it made again, which is not waited for: that may need a job that is yet to be
-        asked for. Raises Refusal if the scheduler is gone.
+        One that was lost with its workers is made again, which is not waited for: that may need a
+        job that is yet to be asked for. Raises Refusal if the scheduler is gone.
         """
         if not done:
             return []
@@ -234,9 +234,7 @@ class OnCluster:
             results = gathering.result()
         except (OSError, TimeoutError):
             raise self.lost() from None
-        if len(results) < len(done):
-            raise self.lost()
-        return list(zip(done, results, strict=True))
+        return list(zip(done, results, strict=True)) if len(results) == len(done) else []
 
     def broke(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
         """Take a chunk that could not be made. Raises Refusal unless workers died of it."""
