@@ -7,7 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.live.control.arm import Arm, OperatorRequest
+from app.live.control.pose import MocapFrame
 from app.live.links.link import EMERGENCY, RUN, STOP
+from app.live.sources.axes import Axes
 from live.rooms import Room, lab
 from worlds.refusal import Refusal
 
@@ -29,6 +31,45 @@ def test_arming_is_refused_with_what_is_wrong():
     assert room.step.verdict.mode == STOP
     assert room.events[-1].kind == "refused"
     assert room.events[-1].words == "cannot be armed: red was never seen"
+
+
+def test_what_lies_is_not_armed_and_the_refusal_says_so():
+    room = Room()
+    axes = Axes()
+    lying = axes.sighting("red", (0.0, 0.0, 0.05), (1.0, 0.0, 0.0, 0.0))  # yaw 0, w first
+    blue = axes.sighting("blue body", (1.0, 0.0, 0.05), (0.0, 0.0, 0.0, 1.0))
+    room.control.see(1.0, (), MocapFrame(1, 1.0, (lying, blue)))
+    room.control.act(1.0, None)
+    room.control.see(1.01, (ARM,), MocapFrame(2, 1.01, (lying, blue)))
+    events = room.control.act(1.01, None).events
+    assert [event.words for event in events if event.kind == "refused"] == [
+        "cannot be armed: red was never seen: its axis z, which should point up, is rolled 180 "
+        "degrees about its nose"
+    ]
+
+
+def test_cars_that_jump_are_armed_only_after_two_quiet_seconds():
+    room = Room()
+    room.ticks(0.1)
+    room.at["red"], room.at["blue"] = room.at["blue"], room.at["red"]
+    assert room.arm().verdict.mode == STOP
+    assert room.events[-1].words == (
+        "cannot be armed: red jumped 0.70 m 0.0 s ago, as no car can; "
+        "blue jumped 0.70 m 0.0 s ago, as no car can"
+    )
+    room.ticks(1.9)
+    assert room.tick(ARM).verdict.mode == STOP
+    room.ticks(0.1)
+    assert room.tick(ARM).verdict.mode == RUN
+
+
+def test_a_car_that_is_carried_to_its_place_does_not_jump():
+    room = Room()
+    room.ticks(0.1)
+    for _ in range(50):
+        room.at["red"][1] += 0.03  # 3 m/s
+        room.tick()
+    assert room.tick(ARM).verdict.mode == RUN
 
 
 def test_the_emergency_stop_latches_and_is_armed_again_by_hand():

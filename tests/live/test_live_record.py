@@ -171,7 +171,7 @@ def test_what_was_asked_is_replayed(tmp_path):
         190: ARM,
         250: OperatorRequest("disarm", "terminal"),
     }
-    loop = record(tmp_path / "run", 300, seed=11, requests=asked)
+    loop = record(tmp_path / "run", 300, seed=16, requests=asked)
     assert replay(tmp_path / "run", make).differs == ""
     recorded = read(tmp_path / "run")
     assert {tick.mode for tick in recorded.ticks()} == {STOP, RUN, EMERGENCY}

@@ -35,7 +35,7 @@ def test_a_frame_tells_only_of_what_it_tracks():
         (Axes(), (1, 2, 3), (0, 0, 1, 0), (1, 2, math.pi)),
         (Axes(), (1, 2, 3), (0, 0, -HALF, HALF), (1, 2, -math.pi / 2)),
         (Axes(), (1, 2, 3), tuple(-q for q in ABOUT_Z), (1, 2, math.pi / 2)),
-        (Axes(), (0, 0, 0), ABOUT_X, (0, 0, 0)),  # rolled on its side: the nose still points on
+        (Axes(top="y"), (0, 0, 0), ABOUT_X, (0, 0, 0)),  # a body defined on its side
         (Axes(up="y"), (1, 2, 3), (0, 0, 0, 1), (1, -3, 0)),
         (Axes(up="y"), (1, 2, 3), ABOUT_Y, (1, -3, math.pi / 2)),
         (Axes(up="y"), (0, 0, -1), (0, 0, 0, 1), (0, 1, 0)),
@@ -65,6 +65,11 @@ def test_exact_poses(axes, point, quaternion, pose):
         (Axes(), (math.nan, 2, 3), (0, 0, 0, 1)),
         (Axes(), (1, math.inf, 3), (0, 0, 0, 1)),
         (Axes(), (1, 2, 3), ABOUT_Y),  # on its nose
+        (Axes(), (1, 2, 3), ABOUT_X),  # on its side: the nose still points on
+        (Axes(), (1, 2, 3), (1, 0, 0, 0)),  # on its roof, as yaw 0 looks that is written w first
+        (Axes(top="z"), (1, 2, 3), ABOUT_X),
+        (Axes(top="-z"), (1, 2, 3), (0, 0, 0, 1)),
+        (Axes(up="y"), (1, 2, 3), (1, 0, 0, 0)),
         (Axes(up="y"), (1, 2, 3), ABOUT_Z),
         (Axes(up="y"), (1, 2, math.nan), (0, 0, 0, 1)),
         (Axes(nose="z"), (1, 2, 3), (0, 0, 0, 1)),
@@ -79,6 +84,21 @@ def test_a_nose_is_too_steep_beyond_60_degrees():
         half = math.radians(degrees) / 2
         pose = Axes().pose((0, 0, 0), (0.0, math.sin(half), 0.0, math.cos(half)))
         assert (pose is not None) is told
+
+
+def test_a_car_lies_beyond_a_roll_of_30_degrees_whatever_its_pitch():
+    for degrees, told in ((-31.0, False), (-29.0, True), (29.0, True), (31.0, False)):
+        half = math.radians(degrees) / 2
+        x, w = math.sin(half), math.cos(half)
+        for pitch in (-0.9, 0.0, 0.9):
+            c, s = math.cos(pitch / 2), math.sin(pitch / 2)
+            sighting = Axes().sighting("red", (0, 0, 0), (c * x, s * w, -s * x, c * w))
+            assert sighting.valid is told
+            assert sighting.why == (
+                ""
+                if told
+                else "its axis z, which should point up, is rolled 31 degrees about its nose"
+            )
 
 
 def test_the_yaw_of_a_car_that_looks_back_is_pi_and_not_minus_pi():
@@ -124,6 +144,8 @@ def test_yaw_is_the_angle_about_the_up_axis_whatever_the_pitch(yaw, pitch, up):
         ({"up": "Z"}, r"unknown up axis 'Z' \(known: z, y\)"),
         ({"unit": "millimetres"}, "unknown unit 'millimetres'"),
         ({"nose": "w"}, "unknown nose axis 'w'"),
+        ({"top": "up"}, "unknown top axis 'up'"),
+        ({"nose": "-x", "top": "x"}, "top = x lies along the nose, -x"),
     ],
 )
 def test_axes_that_are_none_are_refused(declared, says):

@@ -72,6 +72,11 @@ OTHERWISE = (
         '--source "emulated cars" --within 300',
         "needs the room's hardware; a busy machine takes long to start what stands for it",
     ),
+    Otherwise(
+        "live check trial.c3d?body=car1,rear,front&unit=mm",
+        None,
+        "no page prints a C3D file: tests/cli/test_live_recordings.py",
+    ),
     Otherwise("live run lab.toml --source", "--seconds 1", "would wait for a key: nobody is at it"),
     Otherwise(
         "live run lab.toml", '--source "emulated cars" --seconds 1', "needs the room's hardware"

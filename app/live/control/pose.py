@@ -6,7 +6,7 @@ nothing is filled in, held or predicted.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +30,8 @@ class Sighting:
     """None where the body is not tracked."""
     valid: bool
     """Whether the body is tracked; only then is there a pose to steer by."""
+    why: str = field(default="", compare=False)
+    """Why it is not tracked, in words, where the source can tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +69,6 @@ def seen(name: str, pose: Pose) -> Sighting:
     return Sighting(name, pose, True)
 
 
-def unseen(name: str) -> Sighting:
-    """A body that is not tracked."""
-    return Sighting(name, None, False)
+def unseen(name: str, why: str = "") -> Sighting:
+    """A body that is not tracked, and why, where that is known."""
+    return Sighting(name, None, False, why)

@@ -31,6 +31,8 @@ from app.live.links.link import EMERGENCY, RUN, STOP
 
 LONGEST_STEP = 0.05
 """Seconds that the steering may change in at most between two commands."""
+STEADY = 2.0
+"""Seconds without a jump of any car that must have passed before the cars are armed."""
 STILL = (0.0, 0.0)
 Command = tuple[float, float]
 """Steering and throttle in [-1, 1]; left and forwards are positive."""
@@ -95,7 +97,7 @@ class Safety:
 
     def ask(self, now: float, request: OperatorRequest) -> bool:
         """Carry out a request; whether it changed anything. Raises Refusal if it cannot arm."""
-        faults = self.faults(now) if request.action == "arm" else []
+        faults = self.faults(now) + self.jumping(now) if request.action == "arm" else []
         changed = self.arm.take(request, [fault.words for fault in faults])
         if changed and request.action == "arm":
             for travel in self.travels.values():
@@ -142,6 +144,8 @@ class Safety:
             age = self.seen.age(name, now)
             if age > self.limits.stale:
                 since = "was never seen" if math.isinf(age) else f"was last seen {age:.2f} s ago"
+                why = self.seen.why.get(name, "")
+                since += f": {why}" if why else ""
                 found.append(Reason("unseen", f"{name} {since}", name, holds=False))
         return found
 
@@ -165,6 +169,14 @@ class Safety:
             )
             for name, far in self.seen.leaps.items()
             if self.seen.age(name, now) > self.limits.stale
+        ]
+
+    def jumping(self, now: float) -> list[Reason]:
+        """Cars that have lately jumped as no car can, also while unarmed: what sees them errs."""
+        return [
+            Reason("leap", f"{name} jumped {far:.2f} m {now - at:.1f} s ago, as no car can", name)
+            for name, (at, far) in self.seen.jumped.items()
+            if now - at <= STEADY
         ]
 
     def beyond(self) -> list[Reason]:

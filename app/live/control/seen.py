@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TypeGuard
 
 from app.live.control.limits import CarLimits
+from app.live.control.plausibility import reachable
 from app.live.control.pose import MocapFrame, Pose, Sighting
 
 
@@ -36,6 +37,11 @@ class Seen:
         self.leaps: dict[str, float] = {}
         """Cars of the newest frame that are further off than they can have come, and how far (m)
         they are from where they were believed."""
+        self.jumped: dict[str, tuple[float, float]] = {}
+        """When (s) a car was last believed where it cannot have come to, and how far (m) that is
+        from where it was."""
+        self.why: dict[str, str] = {}
+        """Why bodies of the newest frame are not tracked, where the source can tell."""
         self.frame: MocapFrame | None = None
         self.fresh: dict[str, Pose] = {}
         """Poses that the newest frame has brought."""
@@ -54,12 +60,16 @@ class Seen:
         self.frame = frame
         received = min(frame.received, now)
         times = Counter(sighting.name for sighting in frame.sightings)
+        self.why = {self.bodies.get(one.name, ""): one.why for one in frame.sightings if one.why}
         for sighting in frame.sightings:
             pose = sighting.pose
             name = self.bodies.get(sighting.name)
             if name is None or times[sighting.name] > 1 or not sighting.valid or not finite(pose):
                 continue
-            if believing or self.can_be(name, pose, received):
+            can_be = self.can_be(name, pose, received)
+            if believing and not can_be:
+                self.jumped[name] = (now, self.leaps[name])
+            if believing or can_be:
                 self.last[name] = LastPose(pose, received)
                 self.leaps.pop(name, None)
                 self.fresh[name] = pose
@@ -71,7 +81,8 @@ class Seen:
         if before is None or name not in self.cars:
             return True
         far = math.hypot(pose.x - before.pose.x, pose.y - before.pose.y)
-        if far <= self.leap + 2.0 * self.cars[name].fastest * max(time - before.time, 0.0):
+        seconds = max(time - before.time, 0.0)
+        if far <= reachable(seconds, self.cars[name].fastest, self.leap):
             return True
         self.leaps[name] = far
         return False

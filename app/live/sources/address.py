@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from app.live.sources.axes import Axes
 from worlds.refusal import Refusal, unknown
 
-AXES = ("up", "unit", "nose")
+AXES = ("up", "unit", "nose", "top")
 """The options that declare the axes of a tracking system."""
 
 
@@ -64,7 +64,12 @@ class Address:
     def axes(self, up: str = "z", unit: str = "m") -> Axes:
         """The axes as declared, or those that this kind of source usually has."""
         try:
-            return Axes(self.word("up", up), self.word("unit", unit), self.word("nose", "x"))
+            return Axes(
+                self.word("up", up),
+                self.word("unit", unit),
+                self.word("nose", "x"),
+                self.word("top", ""),
+            )
         except Refusal as refused:
             raise Refusal(f"{refused} ({self.text})") from None
 

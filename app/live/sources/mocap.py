@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
-from app.live.control.pose import MocapFrame, Sighting, seen, unseen
+from app.live.control.pose import MocapFrame, Sighting
 from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
 from worlds.extra import demand
@@ -113,8 +113,7 @@ class MotionCapture:
 
     def _sighting(self, name: str, body: Any) -> Sighting:
         turn = body.rotation
-        pose = self.axes.pose(body.position, (turn.x, turn.y, turn.z, turn.w))
-        return unseen(name) if pose is None else seen(name, pose)
+        return self.axes.sighting(name, body.position, (turn.x, turn.y, turn.z, turn.w))
 
 
 def _bodies(system: Any) -> Mapping[str, Any]:

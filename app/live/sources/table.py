@@ -2,7 +2,8 @@
 
 Columns, in any order: t (seconds), frame (whole number), name, x, y, z, qx, qy, qz, qw, valid (1 or
 0, true or false). Rows of one frame stand together, with one t; frame and t rise. A row that is not
-valid may leave its pose empty: a gap stays a gap.
+valid may leave its pose empty: a gap stays a gap. Where the file's maker wrote quaternions w first,
+the four columns qx to qw hold w, x, y, z.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from app.live.control.pose import Sighting, seen, unseen
-from app.live.sources.axes import Axes, turned
+from app.live.control.pose import Sighting, unseen
+from app.live.sources.axes import Axes
 from app.live.sources.recording import RecordedFrame
 from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
@@ -24,6 +25,8 @@ POINT = ("x", "y", "z")
 QUATERNION = ("qx", "qy", "qz", "qw")
 COLUMNS = ("t", "frame", "name", *POINT, *QUATERNION, "valid")
 
+ORDERS = ("xyzw", "wxyz")
+"""In which a quaternion may stand in its four columns."""
 TRUTH = {"1": True, "true": True, "0": False, "false": False}
 
 
@@ -33,15 +36,17 @@ class _Row(NamedTuple):
     time: float
     number: int
     sighting: Sighting
+    up: tuple[float, float, float] | None
+    """The room's up in the axes of the body, if the row has a pose."""
 
 
-def read_table(path: Path, axes: Axes) -> list[RecordedFrame]:
-    """The frames of a CSV or Parquet table of poses, in order.
+def read_table(path: Path, axes: Axes, order: str = "xyzw") -> list[RecordedFrame]:
+    """The frames of a CSV or Parquet table of poses, in order; `order` is one of `ORDERS`.
 
     Raises Refusal naming the line (or row) and column of the first thing that is wrong.
     """
     given = _of_parquet(path) if path.suffix.lower() == ".parquet" else _of_csv(path)
-    rows = (_row(values, where, axes) for where, values in given)
+    rows = (_row(values, where, axes, order) for where, values in given)
     frames: list[RecordedFrame] = []
     for number, together in groupby(rows, key=lambda row: row.number):
         frame = _frame(number, list(together), frames[-1] if frames else None)
@@ -72,10 +77,15 @@ def _frame(number: int, rows: list[_Row], before: RecordedFrame | None) -> Recor
         if row.sighting.name in names:
             raise Refusal(f"{row.where}: {row.sighting.name!r} is twice in frame {number}")
         names.add(row.sighting.name)
-    return RecordedFrame(first.time, number, tuple(row.sighting for row in rows))
+    return RecordedFrame(
+        first.time,
+        number,
+        tuple(row.sighting for row in rows),
+        {row.sighting.name: row.up for row in rows if row.up is not None},
+    )
 
 
-def _row(values: dict[str, Any], where: str, axes: Axes) -> _Row:
+def _row(values: dict[str, Any], where: str, axes: Axes, order: str) -> _Row:
     time = _number(values, "t", where)
     number = _number(values, "frame", where)
     if number != int(number):
@@ -86,22 +96,27 @@ def _row(values: dict[str, Any], where: str, axes: Axes) -> _Row:
     word = str(values["valid"]).strip().lower()
     if word not in TRUTH:
         raise Refusal(f"{where}, column valid: {values['valid']!r} is none of {', '.join(TRUTH)}")
-    sighting = _sighting(name, values, where, axes) if TRUTH[word] else unseen(name)
-    return _Row(where, time, int(number), sighting)
+    if not TRUTH[word]:
+        return _Row(where, time, int(number), unseen(name), None)
+    return _Row(where, time, int(number), *_orientation(name, values, where, axes, order))
 
 
-def _sighting(name: str, values: dict[str, Any], where: str, axes: Axes) -> Sighting:
-    """A body that the row says is tracked, which therefore must have a whole pose."""
+def _orientation(
+    name: str, values: dict[str, Any], where: str, axes: Axes, order: str
+) -> tuple[Sighting, tuple[float, float, float]]:
+    """A body that the row says is tracked, which therefore must have a whole pose, and its up."""
     point = [_number(values, column, where) for column in POINT]
     quaternion = [_number(values, column, where) for column in QUATERNION]
-    if turned(axes.nose, quaternion) is None:
+    if order == "wxyz":
+        quaternion = [*quaternion[1:], quaternion[0]]
+    up = axes.up_in_body(quaternion)
+    if up is None:
         length = math.hypot(*quaternion)
         raise Refusal(
             f"{where}, columns qx to qw: a quaternion of length {length:.3g} is no rotation, "
             "which has length 1"
         )
-    pose = axes.pose(point, quaternion)
-    return unseen(name) if pose is None else seen(name, pose)
+    return axes.sighting(name, point, quaternion), up
 
 
 def _number(values: dict[str, Any], column: str, where: str) -> float:

@@ -16,7 +16,7 @@ from app.live.control.pose import Pose, Sighting, seen, unseen
 from app.live.sources.axes import UNITS, Axes
 from app.live.sources.recording import RecordedFrame
 from worlds.extra import demand
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, shortened, unknown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,10 +36,13 @@ class MarkedBody:
     """The marker that says where its nose points."""
 
 
-def read_trial(path: Path, axes: Axes, bodies: tuple[MarkedBody, ...] = ()) -> list[RecordedFrame]:
+def read_trial(
+    path: Path, axes: Axes, bodies: tuple[MarkedBody, ...] = (), unit: str = ""
+) -> list[RecordedFrame]:
     """The frames of a C3D file; its own unit of length counts, not that of `axes`.
 
-    Raises Refusal if the file cannot be read, has no such marker, or nothing makes a body.
+    `unit` is what is declared for a file that has none, or one that is not known; empty if nothing
+    is. Raises Refusal if the file cannot be read, has no such marker, or nothing makes a body.
     """
     demand("ezc3d", "a C3D file", "live")
     import ezc3d
@@ -50,12 +53,18 @@ def read_trial(path: Path, axes: Axes, bodies: tuple[MarkedBody, ...] = ()) -> l
         trial = ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError):
         raise Refusal(f"{path} is not a C3D file") from None
-    axes = replace(axes, unit=_unit(path, trial))
+    axes = replace(axes, unit=_unit(path, trial, unit))
     tracks = _of_markers(path, trial, axes, bodies) if bodies else _of_rotations(path, trial, axes)
+    ups = {} if bodies else _ups(trial, axes)
     rate = _rate(path, trial, "POINT" if bodies else "ROTATION")
     length = len(next(iter(tracks.values())))
     return [
-        RecordedFrame(number / rate, number, tuple(track[number] for track in tracks.values()))
+        RecordedFrame(
+            number / rate,
+            number,
+            tuple(track[number] for track in tracks.values()),
+            {name: up[number] for name, up in ups.items() if math.isfinite(sum(up[number]))},
+        )
         for number in range(length)
     ]
 
@@ -102,24 +111,33 @@ def _of_rotations(path: Path, trial: Any, axes: Axes) -> dict[str, list[Sighting
             f"{path} has no rotations: say which markers make a body, as body=NAME,REAR,FRONT "
             f"(its markers: {markers})"
         )
-    column = "xyz".index(axes.nose[-1])
-    sign = -1.0 if axes.nose.startswith("-") else 1.0
     return {
         name: [
-            _turned(name, matrix[:3, 3], sign * matrix[:3, column], axes)
+            axes.turned_sighting(
+                name,
+                matrix[:3, 3].tolist(),
+                _axis(matrix, axes.nose),
+                _axis(matrix, axes.body_top) if axes.body_top else None,
+            )
             for matrix in matrices[:, :, body].transpose(2, 0, 1)
         ]
         for body, name in enumerate(_labels(trial, "ROTATION"))
     }
 
 
-def _turned(name: str, place: np.ndarray, nose: np.ndarray, axes: Axes) -> Sighting:
-    """A body in one frame, from its place (3,) and the direction of its nose (3,)."""
-    x, y = axes.floor(place)
-    yaw = axes.heading(nose)
-    if yaw is None or not (math.isfinite(x) and math.isfinite(y)):
-        return unseen(name)
-    return seen(name, Pose(x, y, yaw))
+def _axis(matrix: np.ndarray, axis: str) -> list[float]:
+    """Where a rotation (4, 4) turns an axis of the body."""
+    sign = -1.0 if axis.startswith("-") else 1.0
+    return [sign * part for part in matrix[:3, "xyz".index(axis[-1])].tolist()]
+
+
+def _ups(trial: Any, axes: Axes) -> dict[str, list[tuple[float, float, float]]]:
+    """The room's up in the axes of every rotation of the file, frame by frame; NaN in gaps."""
+    rows = trial["data"]["rotations"]["xyz".index(axes.up), :3]  # (3, bodies, frames)
+    return {
+        name: [(x, y, z) for x, y, z in rows[:, body].T.tolist()]
+        for body, name in enumerate(_labels(trial, "ROTATION"))
+    }
 
 
 def _labels(trial: Any, group: str) -> list[str]:
@@ -133,13 +151,18 @@ def _labels(trial: Any, group: str) -> list[str]:
     return labels
 
 
-def _unit(path: Path, trial: Any) -> str:
-    """The unit of length that the file declares."""
+def _unit(path: Path, trial: Any, declared: str) -> str:
+    """The unit of length of the file, or what is declared where that says none that is known."""
     units = trial["parameters"]["POINT"].get("UNITS", {}).get("value", [])
     unit = units[0].strip().lower() if len(units) else ""
-    if unit not in UNITS:
-        raise unknown("unit of length", unit, UNITS, f"{path}, POINT:UNITS")
-    return unit
+    if unit in UNITS and declared not in ("", unit):
+        raise Refusal(f"unit = {declared} is declared, but {path} is in {unit} (POINT:UNITS)")
+    if unit not in UNITS and not declared:
+        says = f"has the unknown unit of length {shortened(unit)}" if unit else "has no unit"
+        raise Refusal(
+            f"{path} {says} (POINT:UNITS): declare that of its numbers, ?unit={', '.join(UNITS)}"
+        )
+    return unit if unit in UNITS else declared
 
 
 def _rate(path: Path, trial: Any, group: str) -> float:
