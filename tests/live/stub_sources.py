@@ -34,6 +34,7 @@ class Stub:
             case "printing":
                 print("hello from the library")
                 os.write(1, b"and from its C part\n")
+                os.write(2, b"\x1b[31mand its errors\n")
         return self._frames(stop)
 
     def _frames(self, stop):

@@ -66,10 +66,9 @@ class Seen:
             name = self.bodies.get(sighting.name)
             if name is None or times[sighting.name] > 1 or not sighting.valid or not finite(pose):
                 continue
-            can_be = self.can_be(name, pose, received)
-            if believing and not can_be:
+            if believing and not self.can_be(name, pose, received):
                 self.jumped[name] = (now, self.leaps[name])
-            if believing or can_be:
+            if believing or self.can_be(name, pose, received):
                 self.last[name] = LastPose(pose, received)
                 self.leaps.pop(name, None)
                 self.fresh[name] = pose

@@ -42,10 +42,15 @@ def serve(source: Source, line: Connection, patience: float) -> None:
 
 
 def silence() -> None:
-    """Libraries print to the terminal that the laboratory uses: let them print nowhere."""
+    """Let libraries print nowhere: they would print to the terminal that the laboratory uses.
+
+    The errors too: one prints each name that a stream tells, which anybody in its network can send.
+    """
     sys.stdout.flush()
+    sys.stderr.flush()
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
     os.close(nowhere)
 
 
