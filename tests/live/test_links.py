@@ -179,7 +179,11 @@ def test_which_links_can_carry_a_hundred_frames_per_second(ends):
 class NoFreeSpace:
     """A port whose buffer still holds what was written before."""
 
+    in_waiting = 0
     out_waiting = 3
+
+    def read(self, count):
+        return bytes(count)
 
 
 def test_a_frame_is_dropped_while_the_one_before_is_on_its_way(ends, monkeypatch):

@@ -78,6 +78,7 @@ class Wire:
         Raises LinkLost if the port is gone or takes nothing any more.
         """
         try:
+            self.port.read(self.port.in_waiting)  # whatever a radio says: it must never wait for us
             self.push()
             if not self.jam.saw(free=not self.left and not self.port.out_waiting):
                 return False

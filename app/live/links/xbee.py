@@ -2,17 +2,20 @@
 
 API mode is what the paper wished for and went without (section IV.A): every car hears the frame
 at once, instead of each passing it on to the next.
+
+The library looks at the radio while it is opened. Then nothing is read from it any more: anybody on
+the channel can have a radio hand over packets, on some of which the library's reader asks back,
+waits, closes the port or dies.
 """
 
 from __future__ import annotations
 
 import logging
-from contextlib import suppress
-from typing import Any
+from collections.abc import Callable
 
 from app.live.links.frame import encode, size
-from app.live.links.link import CarLink, LinkLost
-from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, take_port, why
+from app.live.links.link import CarLink
+from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, open_wire, take_port, why
 from app.live.place import Place
 from worlds.extra import install
 from worlds.refusal import Refusal
@@ -21,36 +24,21 @@ BAUD = 57600
 API = 9
 """Bytes that the radio's own frame puts around the data: delimiter, length, type, id, address,
 options, checksum."""
-READ = 0.1
-"""Time for which the library's reader waits for a byte, s: closing waits for the reader."""
 ANSWER = 2
 """Longest time that the radio may take to answer a question while it is opened, s."""
 
 
 class XBeeLink(CarLink):
-    """Broadcast frames through an XBee that is open; `everyone` is the address of all."""
+    """Broadcast frames through an XBee; `wrap` puts the radio's own frame around the data."""
 
-    def __init__(self, name: str, device: Any, everyone: Any):
-        self.name = name
-        self.device = device
-        self.everyone = everyone
-        self.wire = Wire(device.serial_port, name)
-        device.serial_port.timeout = READ
-        device.serial_port.write_frame = self.write  # the library's own may wait
+    def __init__(self, wire: Wire, wrap: Callable[[bytes], bytes]):
+        self.name = wire.name
+        self.wire = wire
+        self.wrap = wrap
 
     def send(self, seq: int, mode: int, commands: dict[int, tuple[float, float]]) -> None:
         """See CarLink."""
-        from digi.xbee.exception import XBeeException
-
-        frame = encode(seq, mode, commands)
-        try:
-            self.device.send_data_async_16(self.everyone, frame)
-        except XBeeException as error:
-            raise LinkLost(f"the link {self.name!r} is lost: {error}") from None
-
-    def write(self, data: bytearray) -> None:
-        """Write what the library has wrapped a frame in."""
-        self.dropped += not self.wire.offer(bytes(data))
+        self.dropped += not self.wire.offer(self.wrap(encode(seq, mode, commands)))
 
     def occupies(self, cars: int) -> float:
         """See CarLink."""
@@ -58,10 +46,7 @@ class XBeeLink(CarLink):
 
     def close(self) -> None:
         """See CarLink."""
-        with suppress(OSError):  # the port may be gone already
-            self.wire.drain()
-        with suppress(OSError):
-            self.device.close()
+        self.wire.close()
 
 
 def open_xbee(place: Place) -> XBeeLink:
@@ -76,6 +61,9 @@ def open_xbee(place: Place) -> XBeeLink:
         from digi.xbee.devices import Raw802Device
         from digi.xbee.exception import XBeeException
         from digi.xbee.models.address import XBee16BitAddress
+        from digi.xbee.models.mode import OperatingMode
+        from digi.xbee.models.options import TransmitOptions
+        from digi.xbee.packets.raw import TX16Packet
     except ImportError:
         raise Refusal(f"the link {place.text!r} needs digi-xbee: {install('live')}") from None
     # The library writes to the log what is raised as well: without a handler, to the terminal.
@@ -93,4 +81,12 @@ def open_xbee(place: Place) -> XBeeLink:
             f"the link {place.text!r}: the radio at {port} is no XBee for IEEE 802.15.4 in API "
             f"mode at {baud} baud ({error})"
         ) from None
-    return XBeeLink(place.text, device, XBee16BitAddress.BROADCAST_ADDRESS)
+    escaped = device.operating_mode == OperatingMode.ESCAPED_API_MODE
+    device.close()
+
+    def wrap(data: bytes) -> bytes:
+        """The packet that sends data to all; of number 0, so that the radio reports nothing."""
+        everyone, plain = XBee16BitAddress.BROADCAST_ADDRESS, TransmitOptions.NONE.value
+        return bytes(TX16Packet(0, everyone, plain, data).output(escaped))
+
+    return XBeeLink(open_wire(place, baud), wrap)
