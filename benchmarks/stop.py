@@ -187,7 +187,7 @@ def signalled(stack: ExitStack, room, number: int) -> None:
 
 
 CASES = {
-    "emergency stop": lambda stack, room: room.operator.ask(OperatorRequest("emergency", "b")),
+    "emergency stop": lambda _, room: room.operator.ask(OperatorRequest("emergency", "b")),
     "the stream stops": lambda stack, room: (stack.callback(room.server.go), room.server.stop()),
     "the stream freezes, with noise": lambda stack, room: (
         stack.callback(room.server.thaw),
