@@ -3,21 +3,27 @@
 The page of the example laboratory with slow emulated cars, armed; a program of its own presses.
 Time is that from pressing to the tick of the loop that stops the cars, by the machine's clock.
 
-uv run python benchmarks/stop.py [--quick]
+With `--cars`: until emulated cars stand, and how far they come meanwhile, whatever fails.
+
+uv run python benchmarks/stop.py [--quick | --cars]
 """
 
 from __future__ import annotations
 
+import os
+import signal
 import statistics
 import subprocess
 import sys
+import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
+from app.live.control.arm import OperatorRequest  # noqa: E402
 from app.live.laboratory.example import FILE  # noqa: E402
 from app.live.laboratory.lab import lab_from_toml  # noqa: E402
 from app.live.operating.choices import Choices  # noqa: E402
@@ -135,6 +141,91 @@ def measured(page: LivePage, repeats: int, by_message: bool, flooded: bool) -> l
         return [press(page, presser) for _ in range(repeats)]
 
 
+def overload(stack: ExitStack) -> None:
+    """Four programs that do nothing but compute."""
+    for _ in range(4):
+        program(stack, "-c", "while True: pass")
+
+
+def stranger(stack: ExitStack, server, datagram) -> None:
+    """The stream stops, and somebody sends what `datagram(k)` gives every 50 ms."""
+    server.stop()
+    over = threading.Event()
+
+    def sends() -> None:
+        k = 0
+        while not over.wait(0.05):
+            server.intrude(datagram(k))
+            k += 1
+
+    threading.Thread(target=sends, daemon=True).start()
+    stack.callback(server.go)
+    stack.callback(over.set)
+
+
+def flip(stack: ExitStack, server) -> None:
+    """Every yaw is turned by 180 degrees; y is up."""
+    where = server.where
+
+    def turned(seconds: float):
+        return {
+            name: body._replace(quaternion=(-body.quaternion[2], body.quaternion[3],
+                                            body.quaternion[0], -body.quaternion[1]))
+            for name, body in where(seconds).items()
+        }  # fmt: skip
+
+    server.where = turned
+    stack.callback(setattr, server, "where", where)
+
+
+def signalled(stack: ExitStack, room, number: int) -> None:
+    """The loop is killed, or stopped for a while."""
+    loop = room.operator.process.pid
+    os.kill(loop, number)
+    if number == signal.SIGSTOP:
+        stack.callback(os.kill, loop, signal.SIGCONT)
+
+
+CASES = {
+    "emergency stop": lambda _, room: room.operator.ask(OperatorRequest("emergency", "b")),
+    "the stream stops": lambda stack, room: (stack.callback(room.server.go), room.server.stop()),
+    "the stream freezes, with noise": lambda stack, room: (
+        stack.callback(room.server.thaw),
+        room.server.freeze(0.0005),
+    ),
+    "a stranger's empty datagrams": lambda stack, room: stranger(stack, room.server, lambda _: b""),
+    "old frames are sent again": lambda stack, room: stranger(
+        stack, room.server, lambda k, old=list(room.server.sent)[-20:]: old[k % len(old)]
+    ),
+    "every yaw flips": lambda stack, room: flip(stack, room.server),
+    "stream stops, machine overloaded": lambda stack, room: (
+        overload(stack),
+        stack.callback(room.server.go),
+        room.server.stop(),
+    ),
+    "the loop is stopped (SIGSTOP)": lambda stack, room: signalled(stack, room, signal.SIGSTOP),
+    "the loop is killed (kill -9)": lambda stack, room: signalled(stack, room, signal.SIGKILL),
+}
+"""What fails; the last one ends the room."""
+
+
+def measure_cars() -> None:
+    """Print how soon and how far the cars of a whole room stop: slow ones, then fast ones."""
+    from live.full_room import FullRoom
+
+    print(f"{'':34}{'m/s':>6}{'stand after, s':>16}{'run on, m':>12}", flush=True)
+    for speed in (0.16, 1.0):
+        with FullRoom("red", "blue", speed=speed) as room:
+            for case, fails in CASES.items():
+                room.run()
+                with ExitStack() as stack:
+                    fails(stack, room)
+                    seconds, metres = room.stops()
+                    print(f"{case:34}{speed:6.2f}{seconds:16.2f}{metres:12.3f}", flush=True)
+                if case == "emergency stop":
+                    room.operator.ask(OperatorRequest("reset", "benchmark"))
+
+
 def main(quick: bool) -> None:
     """Measure and print."""
     repeats = QUICK if quick else REPEATS
@@ -159,4 +250,7 @@ def main(quick: bool) -> None:
 
 
 if __name__ == "__main__":
-    main("--quick" in sys.argv[1:])
+    if "--cars" in sys.argv[1:]:
+        measure_cars()
+    else:
+        main("--quick" in sys.argv[1:])

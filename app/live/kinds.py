@@ -16,6 +16,8 @@ SIMULATED = "simulated"
 """The text of the source of emulated cars, and the kind of the link to them."""
 DRY = "dry"
 """The kind of the link that sends nothing, and its text."""
+RECORDED = "recorded"
+"""The kind of the source that plays a recording."""
 EMULATED = "emulated cars"
 BUILT_IN_NAMES = {SIMULATED: EMULATED, DRY: "dry run"}
 """The names of a source and a link that may always be chosen, by their texts."""

@@ -38,6 +38,7 @@ CAR = """
 [cars.{name}]
 address = {address}
 body = "{name} car"
+speed = {speed}
 """
 
 
@@ -63,10 +64,11 @@ class Air:
 
 
 class FullRoom:
-    """Used with `with`; the cars stand until `run`."""
+    """Used with `with`; the cars, of `speed` m/s at full throttle, stand until `run`."""
 
-    def __init__(self, *names, recording=None):
+    def __init__(self, *names, recording=None, speed=1.0):
         self.names = names
+        self.speed = speed
         self.recording = recording
         self.random = random.Random(1)
         self.air = Air()
@@ -75,7 +77,8 @@ class FullRoom:
     def __enter__(self):
         terminal = Terminal()
         text = TEXT + "".join(
-            CAR.format(name=name, address=k) for k, name in enumerate(self.names, start=1)
+            CAR.format(name=name, address=k, speed=self.speed)
+            for k, name in enumerate(self.names, start=1)
         )
         self.plant = EmulatedPlant(
             lab_from_toml(text.format(source="mock:", link=terminal.link), "room")
@@ -138,14 +141,14 @@ class FullRoom:
                 asked = time.monotonic()
                 self.operator.ask(OperatorRequest("arm", "test"))
             speeds = [abs(car.speed) for car in self.plant.cars.values()]
-            return min(speeds) > 0.5
+            return min(speeds) > 0.5 * self.speed
 
         self.until(drives)
 
     def stops(self):
         """Seconds and metres until all cars stand."""
         before = self.plant.poses()
-        seconds = self.until(lambda: self.plant.fastest() < STANDS)
+        seconds = self.until(lambda: self.plant.fastest() < STANDS * self.speed)
         after = self.plant.poses()
         return seconds, max(
             math.hypot(after[name].x - at.x, after[name].y - at.y) for name, at in before.items()

@@ -12,6 +12,7 @@ import socket
 import struct
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -103,7 +104,8 @@ class NatNetEmulator:
     `mute`: does not answer, as a server that is down. `stop()` ends the frames, `go()` resumes
     them. `drop(name)` loses one body, `find(name)` finds it again. `freeze(noise)` repeats the
     bodies as they stand, shaken by `noise` (standard deviation, in the stream's unit), `thaw()`
-    ends that.
+    ends that. `intrude(datagram)` is a stranger on the network, who sends to the data port too;
+    `sent` are the newest frames, for one who has listened.
     """
 
     def __init__(
@@ -122,6 +124,7 @@ class NatNetEmulator:
         self.mute = mute
         self.data_port = free_port()
         self.frames_sent = 0
+        self.sent: deque[bytes] = deque(maxlen=200)
         self.requests: list[int] = []
         self._random = random.Random(seed)
         self._lost: set[str] = set()
@@ -166,6 +169,10 @@ class NatNetEmulator:
     def thaw(self) -> None:
         self._frozen = None
 
+    def intrude(self, datagram: bytes) -> None:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+            stranger.sendto(datagram, ("127.0.0.1", self.data_port))
+
     def close(self) -> None:
         self._closed.set()
         for thread in self._threads:
@@ -206,6 +213,7 @@ class NatNetEmulator:
                 for host in hosts:
                     self._data.sendto(frame, (host, self.data_port))
                 self.frames_sent += bool(hosts)
+                self.sent.append(frame)
             number += 1
 
     def _bodies(self, seconds: float) -> dict[str, Body]:

@@ -43,6 +43,8 @@ class Stub:
                 match self.how:
                     case "hung between frames":
                         time.sleep(600.0)
+                    case "holding the interpreter between frames":
+                        ctypes.PyDLL(None).sleep(600)
                     case "broken":
                         raise RuntimeError("the camera is gone")
                     case "killed":

@@ -290,6 +290,25 @@ def test_trouble_of_the_source_is_an_event():
     ]
 
 
+def test_trouble_of_the_source_takes_the_arming_away_though_its_frames_go_on():
+    loop, _, radio = loop_of()
+    loop.tick()
+    loop.ask(ARM)
+    loop.tick()
+    assert loop.control.safety.arm.state == "armed"
+    loop.feed.trouble = "mock: its process was killed (SIGSEGV); it is opened again in 1 s"
+    loop.tick()
+    loop.feed.trouble = ""
+    run(loop, 5)
+    assert loop.control.safety.arm.state == "safe"
+    assert radio.modes[-4:] == [STOP] * 4
+    log = loop.events.since(0)[1]
+    assert [one.words for one in log if one.kind == "hold"] == [
+        "held: mock: its process was killed (SIGSEGV); it is opened again in 1 s"
+    ]
+    assert log[-1].words == "the source works again" or log[-2].words == "the source works again"
+
+
 def test_the_latency_is_from_the_frame_to_the_command():
     loop, _, radio = loop_of()
     radio.takes = 0.002

@@ -18,9 +18,10 @@ from app.live.control.pose import Pose
 from app.live.control.safety import Reason
 from app.live.laboratory.example import example
 from app.live.links.link import RUN
-from app.viewer.live.banner import banner_of
+from app.viewer.live.banner import MOVES, banner_of
 from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.framing import Setting, frame_of
+from app.viewer.live.opening import notice_of
 from app.viewer.live.panels.log import COLUMNS, as_csv, listed
 from app.viewer.live.panels.monitors import cars, numbers
 from app.viewer.live.panels.plots import WINDOW, LivePlots, colours
@@ -65,6 +66,25 @@ def test_the_banner_says_how_the_room_stands(state, status, kind, words):
     assert words in banner_html(now)
     assert f"fs-{kind.replace(' ', '-')}" in banner_html(now)
     assert now.armable == (kind == "safe" and not now.reasons)
+
+
+@pytest.mark.parametrize("arm", ["safe", "armed", "emergency"])
+def test_a_car_that_moves_though_told_to_stand_is_a_large_banner_in_every_state(arm):
+    words = "blue moves though it is told to stand: is it pushed?"
+    more = (Reason("moves", words, "blue"), *[replace(UNSEEN, words=str(k)) for k in range(9)])
+    now = banner_of(OPEN, replace(status_at(arm=arm), mode=0, reasons=more))
+    assert now.alarm == MOVES
+    assert now.reasons[0] == words
+    assert not now.armable
+    assert f'<div class="fs-alarm">{MOVES}</div>' in banner_html(now)
+    assert "fs-alarm" not in banner_html(banner_of(OPEN, status_at(arm=arm)))
+    told = Event(7, 0.07, "moves", words, "blue")
+    assert notice_of(told) == words
+
+
+def test_trouble_of_the_tracking_is_shown_beside_the_cars_that_are_not_seen():
+    status = replace(status_at(), reasons=(UNSEEN,), troubles={"source": "it is opened again"})
+    assert banner_of(OPEN, status).reasons == (UNSEEN.words, "source: it is opened again")
 
 
 def test_what_a_tracking_or_a_link_says_is_no_html():

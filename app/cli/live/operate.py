@@ -182,8 +182,10 @@ def state_line(status: Status) -> str:
     times = (
         f"loop {1000 * status.period.median:.1f} ms, latency {1000 * status.latency.median:.1f} ms"
     )
-    why = f" | {status.reasons[0].words}" if status.reasons else ""
-    return f"{status.arm} {state} | {cars} | {times}{why}"[:200]
+    why = status.reasons[0].words if status.reasons else ""
+    if any(reason.kind == "moves" for reason in status.reasons):  # it comes first, and is read
+        return f"!!! {why} !!! {status.arm} {state} | {cars} | {times}"[:200]
+    return f"{status.arm} {state} | {cars} | {times}{' | ' if why else ''}{why}"[:200]
 
 
 def closing(made: dict[str, Any]) -> str:

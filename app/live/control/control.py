@@ -145,8 +145,9 @@ class Control:
             if key not in self.reasons:
                 happened(reason.kind, reason.words, reason.car)
         for key, reason in self.reasons.items():
-            # what holds is not looked for any more once it has taken the arming away
-            if key not in reasons and not reason.holds:
+            # what holds is not looked for any more once it has taken the arming away, but for cars
+            # that move though told to stand
+            if key not in reasons and (not reason.holds or reason.kind == "moves"):
                 happened("cleared", f"no longer: {reason.words}", reason.car)
         if verdict.held:
             why = "; ".join(reason.words for reason in verdict.reasons if reason.holds)

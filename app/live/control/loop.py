@@ -228,7 +228,11 @@ class Loop:
             for one in self.overtaken
         ]
         self.overtaken = []
-        self.troubles["source"] = self.feed.trouble
+        source = self.feed.trouble
+        if source and not self.troubles.get("source") and self.control.safety.arm.state == "armed":
+            # a source that is opened again may have changed: what it tells is looked at by a person
+            self.ask(OperatorRequest("hold", "source", source))
+        self.troubles["source"] = source
         journal = self.journal
         self.troubles["recording"] = journal.trouble if journal is not None else ""
         for kind, trouble in self.troubles.items():

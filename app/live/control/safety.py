@@ -9,7 +9,9 @@ kind     when                                                             the ca
 unseen   a car was not seen for longer than `stale`                       run on once it is seen
 asleep   a car was unseen, or the loop stood still, longer than long_gap  wait to be armed again
 frozen   a car does not go where its commands take it                     wait to be armed again
-leap     a car is seen where it cannot be, for longer than `stale`        wait to be armed again
+leap     a car is seen where or as it cannot be, for longer than `stale`  wait to be armed again
+yaw      a car goes against its nose for longer than `stale`              wait to be armed again
+moves    a car moves though it is told to stand; judged armed or not      wait to be armed again
 fence    a car is at the fence or beyond it                               wait to be armed again
 rule     the rule failed                                                  wait to be armed again
 ======== ================================================================ =====================
@@ -26,7 +28,7 @@ from app.live.control.arm import Arm, OperatorRequest
 from app.live.control.limits import CarLimits, Limits
 from app.live.control.pose import MocapFrame, Sighting
 from app.live.control.seen import Seen
-from app.live.control.travel import Travel
+from app.live.control.travel import Standstill, Travel
 from app.live.links.link import EMERGENCY, RUN, STOP
 
 LONGEST_STEP = 0.05
@@ -65,7 +67,11 @@ class Verdict:
 
 
 class Safety:
-    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick."""
+    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick.
+
+    `reached`: what is sent reaches the cars that are seen. Else, with a link that sends nothing or
+    poses of a recording, nobody can tell a car to stand, and it may move.
+    """
 
     def __init__(
         self,
@@ -73,6 +79,7 @@ class Safety:
         area: Area,
         cars: Mapping[str, CarLimits],
         bodies: Mapping[str, str] | None = None,
+        reached: bool = True,
     ):
         self.limits = limits
         self.area = area
@@ -80,6 +87,7 @@ class Safety:
         self.arm = Arm()
         self.seen = Seen(bodies or {name: name for name in cars}, self.cars, limits.leap)
         self.travels = {name: Travel(car, limits.frozen) for name, car in self.cars.items()}
+        self.standstills = {name: Standstill(car) for name, car in self.cars.items() if reached}
         self.sent: dict[str, Command] = dict.fromkeys(self.cars, STILL)
         self.before: float | None = None
         """The time of the last verdict, s."""
@@ -93,6 +101,8 @@ class Safety:
             for name, pose in self.seen.fresh.items():
                 if name in self.travels:
                     self.travels[name].see(now, pose)
+                if name in self.standstills:
+                    self.standstills[name].see(now, pose)
         return self.seen.sightings(now, self.limits.stale)
 
     def ask(self, now: float, request: OperatorRequest) -> bool:
@@ -107,7 +117,7 @@ class Safety:
 
     def faults(self, now: float) -> list[Reason]:
         """Why the cars cannot run, as far as their poses show."""
-        return [*self.unseen(now), *self.leaping(now), *self.beyond()]
+        return [*self.moving(), *self.unseen(now), *self.leaping(now), *self.beyond()]
 
     def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> Verdict:
         """What may be sent at `now` (s), given the rule's (steer, throttle) by car.
@@ -117,7 +127,7 @@ class Safety:
         found = self.faults(now)
         found += [Reason("rule", f"the rule failed: {failed}")] if failed else nonsense(wanted)
         if self.arm.state == "armed":
-            found += self.asleep(now) + self.standing(now)
+            found += self.asleep(now) + self.standing(now) + self.turned_round(now)
         held = self.arm.state == "armed" and any(reason.holds for reason in found)
         if held:
             self.arm.take(OperatorRequest("hold", "safety"))
@@ -136,6 +146,23 @@ class Safety:
             steered, _ = self.sent[name]
             self.sent[name] = limited(car, wanted.get(name, (steered, 0.0)), steered, step)
             self.travels[name].drive(now, self.sent[name][1])
+            if self.travels[name].throttle:
+                self.seen.driven.add(name)
+            if name in self.standstills:
+                self.standstills[name].tell(now, self.sent[name][1])
+
+    def moving(self) -> list[Reason]:
+        """Cars that move though they are told to stand."""
+        return [
+            Reason(
+                "moves",
+                f"{name} moves though it is told to stand: is it pushed, or does somebody else "
+                "send to it?",
+                name,
+            )
+            for name, standstill in self.standstills.items()
+            if standstill.moves
+        ]
 
     def unseen(self, now: float) -> list[Reason]:
         """Cars that were not seen for too long; short gaps pass by themselves."""
@@ -146,6 +173,8 @@ class Safety:
                 since = "was never seen" if math.isinf(age) else f"was last seen {age:.2f} s ago"
                 why = self.seen.why.get(name, "")
                 since += f": {why}" if why else ""
+                if name in self.seen.repeated:
+                    since += ": old poses of it come again"
                 found.append(Reason("unseen", f"{name} {since}", name, holds=False))
         return found
 
@@ -162,13 +191,34 @@ class Safety:
         return found
 
     def leaping(self, now: float) -> list[Reason]:
-        """Cars whose body has for too long been seen where they cannot be."""
-        return [
+        """Cars whose body has for too long been seen where, or turned as, they cannot be."""
+        found = [
             Reason(
                 "leap", f"{name} is seen {far:.2f} m from where it was: is it another car?", name
             )
             for name, far in self.seen.leaps.items()
-            if self.seen.age(name, now) > self.limits.stale
+        ] + [
+            Reason(
+                "leap",
+                f"{name} is seen turned by {math.degrees(turned):.0f} degrees at once: is its "
+                "rigid body the wrong way round?",
+                name,
+            )
+            for name, turned in self.seen.turns.items()
+        ]
+        return [reason for reason in found if self.seen.age(reason.car, now) > self.limits.stale]
+
+    def turned_round(self, now: float) -> list[Reason]:
+        """Cars that have for too long gone against their nose."""
+        return [
+            Reason(
+                "yaw",
+                f"{name} goes against its nose: its rigid body is the wrong way round, or its "
+                "motor turns backwards",
+                name,
+            )
+            for name, travel in self.travels.items()
+            if travel.against is not None and now - travel.against > self.limits.stale
         ]
 
     def jumping(self, now: float) -> list[Reason]:

@@ -16,7 +16,7 @@ from app.live.control.injected import INJECTED, Injection
 from app.live.control.limits import CarLimits, Limits
 from app.live.control.loop import RATE
 from app.live.control.safety import Safety
-from app.live.kinds import FILE, kind_of
+from app.live.kinds import DRY, FILE, RECORDED, kind_of
 from app.live.laboratory.lines import line_of
 from app.live.laboratory.misfit import Misfit, demand_choices, demand_matching_ends
 from app.live.laboratory.parts import RecordingLimits
@@ -159,7 +159,8 @@ class Lab(Strict):
 
     def safety(self) -> Safety:
         """The safety of this laboratory, unarmed."""
-        return Safety(self.limits, self.area, self.cars, self.bodies)
+        reached = kind_of(self.link) != DRY and kind_of(self.source) != RECORDED
+        return Safety(self.limits, self.area, self.cars, self.bodies, reached)
 
     def altered(self, origin: str, **values: Any) -> Lab:
         """The laboratory with other values, which are checked as those of a file are.

@@ -23,8 +23,11 @@ from app.live.sources.source import Source
 GRACE = 0.5
 """Seconds that a source has to end by itself once it is told to."""
 
+BEAT = 1.0
+"""Seconds between two signs of life, where the library leaves the interpreter free meanwhile."""
+
 type Message = (
-    tuple[Literal["connected", "ended"], None]
+    tuple[Literal["connected", "ended", "alive"], None]
     | tuple[Literal["trouble"], str]
     | tuple[Literal["frame"], MocapFrame]
 )
@@ -36,9 +39,32 @@ def serve(source: Source, line: Connection, patience: float) -> None:
     silence()
     stop = threading.Event()
     threading.Thread(target=_heed, args=(line, stop), daemon=True).start()
-    outcome = _outcome(source, stop, line, patience)
+    to_parent = _ToParent(line)
+    threading.Thread(target=_beat, args=(to_parent,), daemon=True).start()
+    outcome = _outcome(source, stop, to_parent, patience)
     with suppress(OSError):  # the parent is gone
-        line.send(outcome)
+        to_parent.send(outcome)
+
+
+class _ToParent:
+    """The way to the parent, for several threads."""
+
+    def __init__(self, line: Connection) -> None:
+        self.line = line
+        self.lock = threading.Lock()
+
+    def send(self, message: Message) -> None:
+        """Send a message whole. Raises OSError if the parent is gone."""
+        with self.lock:
+            self.line.send(message)
+
+
+def _beat(line: _ToParent) -> None:
+    """Give signs of life. A library that hangs while it holds the interpreter stops them."""
+    with suppress(OSError):
+        while True:
+            time.sleep(BEAT)
+            line.send(("alive", None))
 
 
 def silence() -> None:
@@ -54,7 +80,7 @@ def silence() -> None:
     os.close(nowhere)
 
 
-def _outcome(source: Source, stop: threading.Event, line: Connection, patience: float) -> Message:
+def _outcome(source: Source, stop: threading.Event, line: _ToParent, patience: float) -> Message:
     """Pass on the frames until there are no more; how that came about."""
     try:
         frames = _connected(source, stop, patience)

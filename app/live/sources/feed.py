@@ -2,7 +2,8 @@
 
 A thread takes what the child sends and keeps it; the control loop looks at what is kept. A source
 that hangs, dies or falls silent therefore costs the loop nothing: its newest frame grows old, and
-`trouble` says in one line what is known.
+`trouble` says in one line what is known. One that dies is opened again, ever more rarely while it
+goes on dying: a stranger's datagram may end a library, but not the tracking.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import threading
 import time
 from collections import deque
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.live.control.pose import MocapFrame, Pose
@@ -24,7 +25,15 @@ from worlds.refusal import Refusal
 KEPT = 2048
 """Frames that are kept: 20 s at 100 Hz."""
 
-State = Literal["connecting", "waiting", "streaming", "ended", "failed", "closed"]
+PAUSE, LONGEST_PAUSE = 1.0, 30.0
+"""Seconds before a source is opened again: at first, and at most, doubled each time between."""
+SILENT = 10.0
+"""Seconds without frame or sign of life after which a child is ended: its library hangs, as some do
+on a forged count, or waits in vain for cameras, and then nothing is lost."""
+STEADY = 10.0
+"""Seconds of frames after which the pauses begin again with the shortest."""
+
+State = Literal["connecting", "waiting", "streaming", "pausing", "ended", "failed", "closed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +54,10 @@ class Feed:
 
     No method but `first` and `close` ever waits. `patience` is how many seconds the source has to
     connect, the start of the process included; one that hangs longer is ended.
+
+    A source that was connected, or whose process was killed, is opened again after a pause if it
+    fails: the numbers of its frames go on, and `trouble` stays until its next frame. One that fails
+    as it connects for the first time was asked for wrongly, and fails for good.
     """
 
     def __init__(self, source: Source, patience: float = 10.0) -> None:
@@ -58,21 +71,32 @@ class Feed:
         self._frames: deque[MocapFrame] = deque(maxlen=KEPT)
         self._seen: dict[str, LastSeen] = {}
         self._arrived = threading.Event()
-        self._closing = False
+        self._closing = threading.Event()
         self._ending = threading.Lock()  # only one thread at a time may wait for the process
+        self._first_number = 0
+        """What is added to the numbers of this child's frames, so that they always rise."""
+        self._began: float | None = None
+        """When this child brought its first frame, s."""
+        self._pause = PAUSE
+        self._open()
+        self._reader = threading.Thread(target=self._read, name="feed", daemon=True)
+        self._reader.start()
+
+    def _open(self) -> None:
+        """Start a child that opens the source."""
         spawn = multiprocessing.get_context("spawn")
         self._line, theirs = spawn.Pipe(duplex=True)
         self._process = spawn.Process(
             target=serve,
-            args=(source, theirs, patience),
-            name=f"flockscope {source.name}",
+            args=(self.source, theirs, self.patience),
+            name=f"flockscope {self.source.name}",
             daemon=True,
         )
-        self._deadline = time.monotonic() + patience
+        self._deadline = time.monotonic() + self.patience
+        self._began = None
+        self._state = "connecting"
         self._process.start()
         theirs.close()
-        self._reader = threading.Thread(target=self._read, name="feed", daemon=True)
-        self._reader.start()
 
     def latest(self) -> MocapFrame | None:
         """The newest frame; None before the first."""
@@ -96,13 +120,14 @@ class Feed:
 
     @property
     def state(self) -> State:
-        """connecting, waiting (for the first frame), streaming, ended, failed or closed."""
+        """connecting, waiting (for the first frame), streaming, pausing (before it is opened
+        again), ended, failed or closed."""
         return self._state
 
     @property
     def alive(self) -> bool:
         """Whether frames can still come."""
-        return self._state in ("connecting", "waiting", "streaming")
+        return self._lives or self._state == "pausing"
 
     @property
     def process_id(self) -> int:
@@ -124,10 +149,10 @@ class Feed:
 
     def close(self) -> None:
         """End the child, which is killed if it does not end by itself."""
-        self._closing = True
-        with suppress(OSError):  # it is gone
-            self._line.send(None)
+        self._closing.set()
         with self._ending:
+            with suppress(OSError):  # it is gone
+                self._line.send(None)
             self._process.join(2.0 * GRACE)
             self._kill()
         self._reader.join()
@@ -141,34 +166,59 @@ class Feed:
         self.close()
 
     def _read(self) -> None:
+        """Take what the child sends until it is gone, and that of the next, until one is not."""
+        while True:
+            self._take_all()
+            self._line.close()
+            if self._state != "pausing" or self._closing.wait(self._pause):
+                break
+            self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
+            with self._ending:  # whoever closes sees either no child or one that is whole
+                if self._closing.is_set():
+                    break
+                self._open()
+        self._arrived.set()
+
+    def _take_all(self) -> None:
         """Take what the child sends until it is gone."""
         while True:
             try:
                 if not self._line.poll(self._left()):
                     self._give_up()
-                    break
+                    return
                 self._take(self._line.recv())
+                if not self._lives:
+                    self._lost()
+                    return
             except (EOFError, OSError):
                 self._lost()
-                break
-        self._line.close()
-        self._arrived.set()
+                return
 
-    def _left(self) -> float | None:
-        """Seconds until the source is given up; None once it is connected."""
+    @property
+    def _lives(self) -> bool:
+        """Whether this child has not come to its end yet."""
+        return self._state in ("connecting", "waiting", "streaming")
+
+    def _left(self) -> float:
+        """Seconds until the child is given up: to connect, then to its next sign of life."""
         if self._state != "connecting":
-            return None
+            return SILENT
         return max(0.0, self._deadline - time.monotonic())
 
     def _take(self, message: Message) -> None:
         match message:
             case ("frame", MocapFrame() as frame):
+                if self._began is None:
+                    self._begin(frame)
+                frame = replace(frame, number=frame.number + self._first_number)
                 for sighting in frame.sightings:
                     if sighting.valid and sighting.pose is not None:
                         self._seen[sighting.name] = LastSeen(sighting.pose, frame.received)
                 self._frames.append(frame)
                 self._state = "streaming"
                 self._arrived.set()
+            case ("alive", _):
+                pass
             case ("connected", _):
                 self._state = "waiting"
             case ("ended", _):
@@ -176,24 +226,40 @@ class Feed:
             case ("trouble", str(text)):
                 self._fail(text)
 
-    def _fail(self, text: str) -> None:
-        self.trouble = f"{self.source.describe()}: {text}"
-        self._state = "failed"
+    def _begin(self, frame: MocapFrame) -> None:
+        """The first frame of a child: all is well from now on."""
+        last = self.latest()
+        self._first_number = 0 if last is None else last.number + 1 - frame.number
+        self._began = time.monotonic()
+        self.trouble = ""
+
+    def _fail(self, text: str, crashed: bool = False) -> None:
+        """Note what went wrong; whether it is opened again depends on how far it had come."""
+        if self._began is not None and time.monotonic() - self._began > STEADY:
+            self._pause = PAUSE
+        again = crashed or self._state != "connecting" or self.latest() is not None
+        then = f"; it is opened again in {self._pause:g} s" if again else ""
+        self.trouble = f"{self.source.describe()}: {text}{then}"
+        self._state = "pausing" if again else "failed"
 
     def _give_up(self) -> None:
         with self._ending:
             self._kill()
-        self._fail(f"no connection within {self.patience:g} s, given up")
+        if self._state == "connecting":
+            self._fail(f"no connection within {self.patience:g} s, given up")
+        else:
+            self._fail(f"no frame and no sign of life for {SILENT:g} s, ended")
 
     def _lost(self) -> None:
         """The child is gone: by its own end, by ours, or by something that nobody asked for."""
         with self._ending:
             self._process.join(2.0 * GRACE)
+            self._kill()
             code = self._process.exitcode
-        if not self.alive or self._closing:
+        if not self._lives or self._closing.is_set():
             return
         if code is not None and code < 0:
-            self._fail(f"its process was killed ({signal.Signals(-code).name})")
+            self._fail(f"its process was killed ({signal.Signals(-code).name})", crashed=True)
         else:
             self._fail(f"its process ended by itself (exit code {code})")
 

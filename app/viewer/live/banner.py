@@ -10,6 +10,8 @@ from app.live.links.link import RUN
 from app.viewer.live.arming_code import TRIES
 from app.viewer.live.session_state import SessionState
 
+MOVES = "A CAR MOVES THOUGH TOLD TO STAND"
+"""The alarm of a car that moves in whatever state; what to do follows in the reasons."""
 NO_BROWSER = f"no browser arms after {TRIES} wrong codes; the key a in the terminal does"
 MOST = 4
 """Reasons that are listed one by one."""
@@ -26,6 +28,8 @@ class Banner:
     """One sentence."""
     reasons: tuple[str, ...] = ()
     """Why the cars do not run, or cannot be armed, and what else is wrong."""
+    alarm: str = ""
+    """What a person must act on at once, in large letters above all else; empty: nothing."""
 
     @property
     def armable(self) -> bool:
@@ -54,21 +58,21 @@ def banner_of(state: SessionState, status: Status | None) -> Banner:
 
 def banner_of_open(status: Status, browsers_arm: bool = True) -> Banner:
     """The banner of an open session."""
-    reasons = [reason.words for reason in status.reasons]
+    moves = [reason.words for reason in status.reasons if reason.kind == "moves"]
+    others = [reason.words for reason in status.reasons if reason.kind != "moves"]
     wrong = [f"{what}: {words}" for what, words in status.troubles.items()]
+    alarm = MOVES if moves else ""
     if status.arm == "emergency":
-        return Banner("emergency", "EMERGENCY STOP", "All cars are told to stop.", shown(wrong))
+        title, words = "EMERGENCY STOP", "All cars are told to stop."
+        return Banner("emergency", title, words, shown(moves + wrong), alarm)
     if status.arm == "safe":
-        reasons = [] if browsers_arm else [NO_BROWSER]
-        reasons += [reason.words for reason in status.reasons]
+        reasons = moves + ([] if browsers_arm else [NO_BROWSER]) + others
         words = "Cannot be armed:" if reasons else "No car is driven. Ready to be armed."
-        found = shown(reasons) if reasons else ()
-        return Banner("safe", "SAFE", words, found or shown(wrong))
+        return Banner("safe", "SAFE", words, shown(reasons + wrong), alarm)
     if status.mode == RUN:
         return Banner("running", "ARMED", "The cars run.", shown(wrong))
-    return Banner(
-        "held up", "ARMED, but stopped", "They go on by themselves once it is over:", shown(reasons)
-    )
+    words = "They go on by themselves once it is over:"
+    return Banner("held up", "ARMED, but stopped", words, shown(moves + others + wrong), alarm)
 
 
 def shown(reasons: list[str]) -> tuple[str, ...]:

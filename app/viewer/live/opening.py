@@ -179,4 +179,6 @@ def notice_of(event: Event, armed_by: str = "") -> str:
         return f"{event.car} is not seen: the cars stop" if armed_by else ""
     if event.kind in TROUBLES:
         return "" if event.words.endswith("works again") else f"{event.kind}: {event.words}"
+    if event.kind == "moves":
+        return event.words
     return event.words if event.kind == "refused" and event.asked != "tune" else ""

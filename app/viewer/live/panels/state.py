@@ -110,9 +110,10 @@ def banner_html(now: Banner) -> str:
     """A banner as HTML, in the colour of its kind."""
     reasons = "".join(f"<li>{html.escape(reason)}</li>" for reason in now.reasons)
     listed = f"<ul>{reasons}</ul>" if reasons else ""
+    alarm = f'<div class="fs-alarm">{html.escape(now.alarm)}</div>' if now.alarm else ""
     return (
-        f'<div class="fs-banner fs-{now.kind.replace(" ", "-")}"><b>{html.escape(now.title)}</b>'
-        f"<span>{html.escape(now.words)}</span>{listed}</div>"
+        f'<div class="fs-banner fs-{now.kind.replace(" ", "-")}">{alarm}'
+        f"<b>{html.escape(now.title)}</b><span>{html.escape(now.words)}</span>{listed}</div>"
     )
 
 
