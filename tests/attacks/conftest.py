@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 
 
 @pytest.fixture
 def server():
     opened = open_server(port=0)
+    admit_browsers(opened)
     yield opened
     close_server(opened)
 

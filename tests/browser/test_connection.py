@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.viewer.panels.shell import dress
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.waiting import until
 
 AWAY = (5.0, 30.0, 150.0)
@@ -22,6 +22,7 @@ def opened(port: int = 0):
     server = open_server(port=port)
     dress(server.gui, "flockscope")
     server.gui.add_button("Here")
+    admit_browsers(server)
     return server
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.viewer.web.origin import allowed
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from app.viewer.web.serving.front import Front
 from tests.browser.proxy import PREFIX, Proxy
 
@@ -19,6 +19,7 @@ def test_a_page_behind_an_allowed_proxy_works_and_can_be_loaded_again(chromium, 
     front = Front()
     server = open_server(port=0, front=front)
     server.gui.add_html('<div id="here">a flock</div>')
+    admit_browsers(server)
     page = chromium.new_page(viewport={"width": 900, "height": 600})
     lines: list[str] = []
     page.on("websocket", lambda line: lines.append(line.url))

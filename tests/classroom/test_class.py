@@ -308,3 +308,31 @@ def test_results_stay_with_who_handed_them_in(tmp_path):
         teacher.do("remove", students=[number_of(teacher, "Ada")])
         assert ours.student("Ada").told("/class/mine")["name"] == "Ada 2"
         assert [one[1] for one in roster(teacher)["question"]["points"]] == ["Ada"]
+
+
+@pytest.mark.parametrize("path", ["/", "/index.html", "/alive", "/gallery.json", "/nothing"])
+@pytest.mark.parametrize("who", ["teacher", "student", "stranger"])
+def test_head_gets_the_headers_of_get_and_no_body(ours, teacher, who, path):
+    student = ours.student("Hedy") if who == "student" else None
+    person = {"teacher": teacher, "student": student, "stranger": ours.stranger()}[who]
+    got, head = person.ask(path), person.ask(path, "HEAD")
+    assert (head.status, head.text) == (got.status, "")
+    for name in ("Content-Type", "Content-Length", "Content-Security-Policy", "Cache-Control"):
+        assert head.headers[name] == got.headers[name], name
+    assert int(head.headers["Content-Length"]) == len(got.text.encode())
+
+
+def test_head_of_what_never_ends_does(ours, teacher):
+    for person, path in ((teacher, "/class/roster"), (ours.student("Hedy"), "/class/mine")):
+        head = person.ask(path, "HEAD")
+        assert (head.status, head.headers["Content-Type"]) == (200, "text/event-stream")
+        assert head.text == ""
+
+
+def test_other_methods_are_told_which_are_answered(teacher):
+    for method in ("PUT", "DELETE", "OPTIONS", "PATCH"):
+        answer = teacher.ask("/", method)
+        assert answer.status == 405
+        assert set(answer.headers["Allow"].replace(",", " ").split()) == {"GET", "HEAD", "POST"}
+    headers = {"Content-Type": "text/plain"}
+    assert "HEAD" in teacher.ask("/", "POST", "x", headers).headers["Allow"]

@@ -37,7 +37,8 @@ def ask(port: int, path: str = "/", headers: dict[str, str] | None = None, metho
 
 
 def tell(port: int, request: bytes) -> Answer | None:
-    """Send these bytes, and read the answer to its end or, of a websocket, to its first frame."""
+    """Send these bytes, and read the answer to its end (to HEAD: whatever comes until the line is
+    closed) or, of a websocket, to its first frame."""
     with socket.create_connection(("127.0.0.1", port), timeout=20) as line:
         line.sendall(request)
         got = b""
@@ -53,8 +54,12 @@ def tell(port: int, request: bytes) -> Answer | None:
             name, _, value = one.partition(": ")
             found.setdefault(name.lower(), []).append(value)
         status = int(first.split(" ")[1])
-        while status != 101 and len(body) < int(found.get("content-length", ["0"])[0]):
-            body += line.recv(65536)
+        expected = int(found.get("content-length", ["0"])[0])
+        while status != 101 and (len(body) < expected or request.startswith(b"HEAD ")):
+            more = line.recv(65536)
+            if not more:
+                break
+            body += more
         return Answer(status, found, body)
 
 

@@ -16,7 +16,7 @@ from agents.models.declare import Parameters, declared, parameter
 from agents.models.proposed import is_wide, still_proposed
 from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
 from app.viewer.panels.parameters import add_control
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
 
@@ -24,6 +24,7 @@ EVERY_MODEL = pytest.mark.parametrize("model", MODELS.values(), ids=lambda model
 @pytest.fixture(scope="module")
 def gui():
     server = open_server(port=0)
+    admit_browsers(server)
     yield server.gui
     close_server(server)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.test_server import join, say
 from tests.viewer.waiting import until
 
@@ -17,6 +17,7 @@ STRAIGHT = [1.0, 0.0, 0.0, 0.0]
 @pytest.fixture(scope="module")
 def server():
     opened = open_server(port=0)
+    admit_browsers(opened)
     yield opened
     close_server(opened)
 

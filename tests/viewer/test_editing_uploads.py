@@ -11,7 +11,7 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from app.viewer.web.uploads import accept_uploads
 from tests.viewer.test_laboratory import CAMERA
 from tests.viewer.waiting import until
@@ -23,6 +23,7 @@ LARGEST = 100
 def server():
     made = open_server(port=0)
     accept_uploads(made, LARGEST)
+    admit_browsers(made)
     yield made
     close_server(made)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.viewer.web.origin import allowed, trusted
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from app.viewer.web.serving.front import Front
 from tests.viewer.http_client import ask, upgrade
 
@@ -18,6 +18,7 @@ FRAME = {"Sec-Fetch-Site": "same-site", "Sec-Fetch-Mode": "navigate", "Sec-Fetch
 def port():
     front = Front(secret=SECRET, framed_by=(NOTEBOOK, "http://127.0.0.1:8888"))
     server = open_server(port=0, front=front)
+    admit_browsers(server)
     yield server.get_port()
     close_server(server)
 
@@ -25,6 +26,7 @@ def port():
 @pytest.fixture(scope="module")
 def plain():
     server = open_server(port=0)
+    admit_browsers(server)
     yield server.get_port()
     close_server(server)
 

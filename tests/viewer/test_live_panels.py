@@ -30,7 +30,7 @@ from app.viewer.live.panels.state import banner_html
 from app.viewer.live.readings import RoomReadings
 from app.viewer.live.session_state import SessionState
 from app.viewer.scene.draw import palette
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at
 
 OPEN = SessionState("emulated cars", "dry run", "squashing", phase="open")
@@ -40,6 +40,7 @@ UNSEEN = Reason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
 @pytest.fixture
 def server():
     made = open_server(port=0)
+    admit_browsers(made)
     yield made
     close_server(made)
 

@@ -26,7 +26,7 @@ from app.viewer.panels.chart import Chart, Curve, Shown
 from app.viewer.panels.plotted import KINDS
 from app.viewer.panels.sending import Sender
 from app.viewer.run.beside import companion
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 
 ORDER = ("polarisation", "angular-momentum")
 
@@ -34,6 +34,7 @@ ORDER = ("polarisation", "angular-momentum")
 @pytest.fixture
 def server():
     made = open_server(port=0)
+    admit_browsers(made)
     yield made
     close_server(made)
 

@@ -12,7 +12,7 @@ import viser
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from app.viewer.web.server import UNWANTED, close_server, listening, open_server
+from app.viewer.web.server import UNWANTED, admit_browsers, close_server, listening, open_server
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 from worlds.refusal import Refusal
@@ -21,6 +21,7 @@ from worlds.refusal import Refusal
 @pytest.fixture(scope="module")
 def server():
     opened = open_server(port=0)
+    admit_browsers(opened)
     yield opened
     close_server(opened)
 

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import os
 import re
+import socket
 import subprocess
 import sys
 from http import HTTPStatus
@@ -14,7 +15,7 @@ import pytest
 import viser
 
 from app.viewer.web.origin import allowed
-from app.viewer.web.server import close_server, open_server
+from app.viewer.web.server import admit_browsers, close_server, open_server
 from app.viewer.web.serving.client_page import (
     ALPHABET,
     SCRIPTS,
@@ -41,6 +42,7 @@ def front():
 @pytest.fixture(scope="module")
 def port(front):
     server = open_server(port=0, front=front)
+    admit_browsers(server)
     yield server.get_port()
     close_server(server)
 
@@ -103,13 +105,48 @@ def test_a_websocket_has_them_too_and_only_our_own_pages_get_one(port):
     assert upgrade(port, f"http://localhost:{port}", path="/?websocket=ws://x").status == 400
 
 
-def test_what_is_no_get_or_no_http_is_not_answered_at_all(port):
-    requests = [
-        f"{method} / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
-        for method in ("HEAD", "OPTIONS", "get")
-    ]
-    for request in (*requests, b"nonsense\r\n\r\n", b"GET / HTTP/1.0\r\n\r\n"):
+def test_what_is_no_http_is_not_answered_at_all(port):
+    small = f"get / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
+    for request in (small, b"nonsense\r\n\r\n", b"GET / HTTP/2.0\r\n\r\n"):
         assert tell(port, request) is None
+
+
+@pytest.mark.parametrize("version", ["1.0", "1.1"])
+@pytest.mark.parametrize("path", ["/", "/?a=b", "/index.html", "/alive", "/logo.svg", "/nothing"])
+@pytest.mark.parametrize("extra", [{}, {"Accept-Encoding": "gzip"}, {"Origin": "http://b.org"}])
+def test_head_gets_the_headers_of_get_and_no_body(port, path, version, extra):
+    lines = "".join(f"{name}: {value}\r\n" for name, value in extra.items())
+    rest = f" {path} HTTP/{version}\r\nHost: localhost:{port}\r\n{lines}\r\n".encode()
+    got, head = tell(port, b"GET" + rest), tell(port, b"HEAD" + rest)
+    for one in (got, head):
+        one.headers.pop("date", None)
+    assert (head.status, head.headers) == (got.status, got.headers)
+    assert int(head.header("Content-Length")) == len(got.body)
+    assert head.body == b""
+
+
+@pytest.mark.parametrize("method", ["OPTIONS", "DELETE", "PUT", "PATCH", "TRACE", "GETS", "HEADS"])
+def test_other_methods_are_told_which_are_answered(port, method):
+    answer = ask(port, "/alive", method=method)
+    assert answer.status == 405
+    assert answer.header("Allow").startswith("GET, HEAD")
+    assert "GET and HEAD" in answer.text
+
+
+def test_no_websocket_is_opened_by_head(port):
+    wanted = {"Upgrade": "websocket", "Connection": "Upgrade"}
+    answer = ask(port, headers=wanted, method="HEAD")
+    assert answer.status == 405
+    assert answer.header("Allow") == "GET"
+
+
+def test_a_request_may_come_byte_by_byte(port):
+    whole = f"HEAD /alive HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
+    with socket.create_connection(("127.0.0.1", port), timeout=20) as line:
+        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for at in range(len(whole)):
+            line.sendall(whole[at : at + 1])
+        assert line.makefile("rb").readline() == b"HTTP/1.1 200 OK\r\n"
 
 
 @pytest.mark.parametrize(("method", "status"), [("POST", 404), ("PUT", 405)])
@@ -247,6 +284,7 @@ def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, 
 def test_an_allowed_name_reaches_the_page_and_its_websocket():
     front = Front(allow=(allowed("hub.example.org"), allowed("[::1]:7")))
     server = open_server(port=0, front=front)
+    admit_browsers(server)
     try:
         port, inner = server.get_port(), f"localhost:{server.get_port()}"
         for host in ("hub.example.org", f"hub.example.org:{port}", inner):

@@ -17,6 +17,8 @@ from worlds.refusal import Refusal
 
 MARK, WORD = "X-Flockscope", "class"
 """A header that no foreign page can send: a browser would ask first whether it may."""
+READING = ("GET", "HEAD")
+"""The methods that only read: HEAD is answered as GET is, without a body."""
 LARGEST = 64 * 1024
 """Bytes of what a page sends by POST."""
 COMES = 10.0

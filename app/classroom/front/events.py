@@ -26,6 +26,8 @@ async def stream(
     """
     response = web.StreamResponse(headers={"Content-Type": "text/event-stream"})
     await response.prepare(request)
+    if request.method == "HEAD":
+        return response
     changed = asyncio.Event()
     classroom.listeners.add(changed.set)
     before = None

@@ -14,7 +14,7 @@ from aiohttp import web
 
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.asked import LARGEST, refused
+from app.classroom.front.asked import LARGEST, READING, refused
 from app.classroom.front.connections import Connections
 from app.classroom.front.entrance import Entrance
 from app.classroom.front.limits import MOST_AT_ONCE, MOST_PAGES, Limits
@@ -40,7 +40,7 @@ READS = 60.0
 """Seconds in which an answer is to be read."""
 CHANGES_OVER = 3.0
 """Seconds that a page has to change over by itself, after which its connection is ended."""
-METHODS = ("GET", "HEAD", "POST")
+METHODS = (*READING, "POST")
 PLAIN = re.compile(r"[\w./~-]+", re.ASCII)
 """The paths that a laboratory serves, none of which is encoded."""
 PAGES = ("/", "/index.html")
@@ -126,12 +126,14 @@ class ClassFront:
         """What opens it once, for the browser that the command begins."""
         return f"{self.teachers_link.rpartition('/')[0]}/{self.classroom.first_key}"
 
-    async def finish(self, _request: web.Request, response: web.StreamResponse) -> None:
+    async def finish(self, request: web.Request, response: web.StreamResponse) -> None:
         """Give an answer, whoever made it, the headers that every one has."""
         response.headers["Server"] = "flockscope"
         for name, value in FIXED.items():
             response.headers.setdefault(name, value)
         response.headers.setdefault(POLICY, CLOSED)
+        if request.method == "HEAD" and isinstance(response, web.Response):
+            response.headers.setdefault("Content-Length", "0")  # which aiohttp says to GET alone
 
     # Who asks for what.
 
@@ -309,8 +311,8 @@ class ClassFront:
             return await self.relay.connect(request, place, limits)
         if path == "/alive":
             return web.Response(text=f"{self.name}\n")
-        if request.method != "GET":
-            raise web.HTTPMethodNotAllowed(request.method, ["GET"])
+        if request.method not in READING:
+            raise web.HTTPMethodNotAllowed(request.method, READING)
         if path in PAGES:
             return self.page(request, client_page((*SCRIPTS, *script), STYLES))
         if place is None or not PLAIN.fullmatch(path):

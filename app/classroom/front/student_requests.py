@@ -7,7 +7,7 @@ from typing import Any
 from aiohttp import web
 
 from app.classroom.classroom import Classroom
-from app.classroom.front.asked import values_of
+from app.classroom.front.asked import READING, values_of
 from app.classroom.front.events import stream
 from app.classroom.front.limits import MOST_STREAMS, Limits
 from app.classroom.student import Role, Student
@@ -23,7 +23,7 @@ class StudentRequests:
         self, request: web.Request, student: Student, limits: Limits
     ) -> web.StreamResponse | None:
         """What a student is answered."""
-        if request.path == "/class/mine" and request.method == "GET":
+        if request.path == "/class/mine" and request.method in READING:
             return await self.listen(request, student, limits)
         if request.method != "POST":
             if request.path.startswith("/class"):

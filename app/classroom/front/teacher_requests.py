@@ -13,7 +13,7 @@ from aiohttp import web
 
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.asked import numbers_in, text_in, values_of
+from app.classroom.front.asked import READING, numbers_in, text_in, values_of
 from app.classroom.front.events import stream
 from app.classroom.front.pages import own_page
 from app.classroom.keeping import state_of
@@ -60,7 +60,7 @@ class TeacherRequests:
 
     async def answer(self, request: web.Request) -> web.StreamResponse | None:
         """What the teacher is answered."""
-        path, get = request.path, request.method == "GET"
+        path, get = request.path, request.method in READING
         if path == "/class" and get:
             headers = {POLICY: self.page.policy(("'self'",))}
             return web.Response(text=self.page.filled(), content_type="text/html", headers=headers)

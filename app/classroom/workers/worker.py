@@ -85,7 +85,6 @@ class Laboratories:
         self.watching = Watching(
             self.all[whose], "the teacher", HOST, secret=self.secret, limits=BEHIND_A_FRONT
         )
-        self.watching.server.on_client_connect(self.all[whose].welcome)
         return self.at(self.watching.port)
 
     def close(self, whose: int) -> None:

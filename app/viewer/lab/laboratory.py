@@ -58,7 +58,13 @@ from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
 from app.viewer.web.origin import Allowed
-from app.viewer.web.server import close_server, front_of, open_server, when_heard
+from app.viewer.web.server import (
+    admit_browsers,
+    close_server,
+    front_of,
+    open_server,
+    when_heard,
+)
 from app.viewer.web.serving.front import Front
 from app.viewer.web.uploads import accept_uploads
 from app.viewer.web.values import show
@@ -153,7 +159,6 @@ class Laboratory:
         self.take_uploads()
         if scene is not None:
             self.look_at(scene)
-        self.listen()
         self.drawing = Drawing(
             self.scene,
             self.latest,
@@ -167,7 +172,9 @@ class Laboratory:
         )
         when_heard(self.server, self.simulation.news.set)
         self.taking = Taking(self, self.making)
+        self.listen()
         self.drawing.start()
+        admit_browsers(self.server)  # last: browsers find all of the above
 
     @property
     def port(self) -> int:
@@ -270,8 +277,12 @@ class Laboratory:
     # What browsers ask for.
 
     async def welcome(self, _client: viser.ClientHandle) -> None:
-        """Somebody watches: a flock that waited for that begins."""
+        """Somebody watches, here or on the page of those who only watch: see `begin`."""
+        self.begin()
         self.drawing.welcome()
+
+    def begin(self) -> None:
+        """Let a flock begin that waited for somebody to watch."""
         if self.waits:
             self.waits = False
             self.simulation.go()

@@ -32,7 +32,7 @@ from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
 from app.viewer.web.origin import Allowed
-from app.viewer.web.server import close_server, open_server, stops
+from app.viewer.web.server import admit_browsers, close_server, open_server, stops
 from app.viewer.web.serving.front import Front
 
 BANNER = 0.1
@@ -92,6 +92,7 @@ class LivePage:
         self.listen()
         self.drawing = Drawing(self.scene, self.latest, self.browsers, self.refresh, self.measure)
         self.drawing.start()
+        admit_browsers(self.server)  # last: browsers find all of the above
 
     @property
     def port(self) -> int:

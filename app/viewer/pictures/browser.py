@@ -23,7 +23,7 @@ from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import Look
 from app.viewer.web.renders import LEAST, Eye
-from app.viewer.web.server import close_server, open_server, renders_of
+from app.viewer.web.server import admit_browsers, close_server, open_server, renders_of
 from app.viewer.web.serving.front import Front
 from worlds.refusal import Refusal
 
@@ -109,6 +109,7 @@ class Browser:
         self.process: Any = None
         try:
             self.scene = Scene(self.server)
+            admit_browsers(self.server)
             self.start()
         except BaseException:
             self.close()

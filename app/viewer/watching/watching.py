@@ -29,7 +29,7 @@ from app.viewer.watching.words import standing, values
 from app.viewer.web.addresses import here
 from app.viewer.web.incoming.kinds import CAMERA, Kind
 from app.viewer.web.incoming.visitors import USUAL, Limits
-from app.viewer.web.server import close_server, open_server, when_heard
+from app.viewer.web.server import admit_browsers, close_server, open_server, when_heard
 from app.viewer.web.serving.front import Front
 
 SCRIPTS = ("card.js",)
@@ -95,6 +95,7 @@ class Watching:
         when_heard(self.server, self.news.set)
         self.server.on_client_connect(self.welcome)
         self.server.on_client_disconnect(self.farewell)
+        admit_browsers(self.server)  # last: browsers find all of the above
 
     @property
     def port(self) -> int:
@@ -141,7 +142,9 @@ class Watching:
     # What browsers ask for, on viser's loop.
 
     async def welcome(self, client: viser.ClientHandle) -> None:
-        """A browser has come: it gets what it has alone, and the first begins the drawing."""
+        """A browser has come: it gets what it has alone, and the first begins the drawing, and the
+        flock if that waited for somebody."""
+        self.laboratory.begin()
         self.watchers[client.client_id] = Watcher(client, self.left, self.right, self.point)
         async with self.switching:
             if self.drawing is None and self.watchers and not self.closed:

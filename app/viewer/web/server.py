@@ -15,6 +15,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from http import HTTPStatus
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -34,9 +35,10 @@ from app.viewer.web.incoming.heard import Heard
 from app.viewer.web.incoming.kinds import KINDS, LARGEST, Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.visitors import USUAL, Limits, Visitors
+from app.viewer.web.incoming.waiting import BEGINS, Admission
 from app.viewer.web.property_kinds import find_kinds_once
 from app.viewer.web.renders import Renders, accept_renders
-from app.viewer.web.serving.front import Front
+from app.viewer.web.serving.front import BEGINNING, Front, is_websocket, words
 from worlds.refusal import Refusal
 
 UNWANTED = (
@@ -65,6 +67,7 @@ class Entrance:
     log: Log = field(default_factory=Log)
     renders: Renders = field(default_factory=Renders)
     heard: Heard = field(default_factory=Heard)
+    admission: Admission | None = None
     inner: Any = None
     """The server of websockets, which takes no connections itself."""
     door: Door | None = None
@@ -82,6 +85,9 @@ def open_server(
     limits: Limits = USUAL,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
+
+    Its page can be loaded at once, but nothing that browsers say or ask for arrives before
+    `admit_browsers`: whoever opens a server first makes whole what it serves.
 
     `front` answers what comes by HTTP; by default one with viser's page alone. `kinds`: of which
     kinds of messages it hears, and how often; all others are dropped before anybody decodes them.
@@ -107,6 +113,15 @@ def open_server(
     return server
 
 
+def admit_browsers(server: viser.ViserServer) -> None:
+    """Let browsers use what a server serves: the last step of whoever makes what it serves."""
+    entrance = entrances[server]
+    assert entrance.admission is not None
+    assert entrance.door is not None
+    entrance.admission.decide(True)
+    entrance.door.settled.set()
+
+
 def front_of(server: viser.ViserServer) -> Front:
     """What answers for a server by HTTP."""
     return entrances[server].front
@@ -127,6 +142,7 @@ def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
     door = entrances[server].door
     assert door is not None
     door.stop = stop
+    door.settled.set()
 
 
 def close_server(server: viser.ViserServer) -> None:
@@ -134,6 +150,8 @@ def close_server(server: viser.ViserServer) -> None:
     entrance = entrances.pop(server, None)
     if entrance is not None and entrance.door is not None:
         entrance.door.close()
+    if entrance is not None and entrance.admission is not None:
+        entrance.admission.decide(False)
     with starting, quiet():
         server.stop()
     if entrance is not None:
@@ -178,18 +196,25 @@ def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
     }
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
-        def answer(connection: Any, request: Request) -> Response | None:
-            return front.answer(request, lambda: process_request(connection, request))
+        entrance.admission = admission = Admission(asyncio.get_running_loop())
 
-        def finish(_connection: Any, _request: Request, response: Response) -> None:
-            front.finish(response)
+        async def answer(connection: Any, request: Request) -> Response | None:
+            early = front.loads_page(request.path) or is_websocket(request)
+            if not (early or await admission.admits(connection, BEGINS)):
+                return words(HTTPStatus.SERVICE_UNAVAILABLE, BEGINNING)
+            return front.answer(
+                request, lambda: process_request(connection, request), connection.method
+            )
+
+        def finish(connection: Any, _request: Request, response: Response) -> None:
+            front.finish(response, connection.method)
 
         log_failures(asyncio.get_running_loop(), log)
         ours = {
             "sock": sock,
             "start_serving": False,
             "max_size": LARGEST,
-            "create_connection": partial(Connection, **own),
+            "create_connection": partial(Connection, **own, admission=admission),
             "process_request": answer,
             "process_response": finish,
             "logger": logger(log),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -17,7 +18,7 @@ from app.viewer.web.incoming.kinds import Kind
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
-from app.viewer.web.incoming.waiting import in_turn
+from app.viewer.web.incoming.waiting import Admission, in_turn
 from app.viewer.web.renders import Renders
 
 SLICE = 16 * 1024
@@ -25,6 +26,9 @@ SLICE = 16 * 1024
 FAREWELL = 0.5
 """Seconds that a browser has to read why it is cut off."""
 PROTOCOL = f"viser-v{viser.__version__}"
+REQUEST_LINE = re.compile(rb"([A-Z]{1,20}) (\S+) HTTP/1\.[01]\r?\n")
+LONGEST_LINE = 8192
+"""Bytes of a request line, as websockets has it."""
 
 
 class Connection(ServerConnection):
@@ -38,15 +42,21 @@ class Connection(ServerConnection):
         renders: Renders,
         kinds: Mapping[str, Kind],
         heard: Heard,
+        admission: Admission,
         **options: Any,
     ):
         super().__init__(*args, **options)
         self.kinds = kinds
         self.heard = heard
+        self.admission = admission
         self.visitors = visitors
         self.renders = renders
         self.log = log
         self.cut_off = False
+        self.method = ""
+        """How it asks; empty until its request line is there."""
+        self.line = b""
+        """What there is of it so far."""
 
     def connection_made(self, transport: Any) -> None:
         self.address = address_of(transport.get_extra_info("peername"))
@@ -78,10 +88,26 @@ class Connection(ServerConnection):
         return answer
 
     def data_received(self, data: bytes) -> None:
+        if not self.method:
+            self.line += data
+            if b"\n" not in self.line and len(self.line) <= LONGEST_LINE:
+                return
+            data = self.as_get()
         for begin in range(0, len(data), SLICE):
             if self.cut_off:
                 return
             super().data_received(data[begin : begin + SLICE])
+
+    def as_get(self) -> bytes:
+        """What has come, as a GET of HTTP/1.1 whatever it is: websockets closes the line upon all
+        else without an answer. By `method` it is answered as what it is."""
+        data, self.line = self.line, b""
+        found = REQUEST_LINE.match(data)
+        if found is None:
+            self.method = "GET"
+            return data  # what is no request gets no answer
+        self.method = found[1].decode()
+        return b"GET %b HTTP/1.1\r\n%b" % (found[2], data[found.end() :])
 
     def process_event(self, event: Event) -> None:
         if isinstance(event, Frame):
@@ -93,10 +119,16 @@ class Connection(ServerConnection):
         super().process_event(event)
 
     async def recv(self, decode: bool | None = None) -> Any:
-        """The next message that viser may have."""
+        """The next message that viser may have; none before the page is there whole.
+
+        viser calls a browser connected, and begins to call what is registered for browsers, at
+        their first message: so it is here that they wait. What it sends them meanwhile they get.
+        """
         while True:
             data = await super().recv(decode)
             if self.messages.pass_on(data):
+                if not await self.admission.admits(self):
+                    continue  # it is gone, or the server closes: the next look says so
                 self.heard.note(self.loop)
                 return data
             self.end_if_told()

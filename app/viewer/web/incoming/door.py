@@ -14,8 +14,10 @@ import threading
 from collections.abc import Awaitable, Callable
 from typing import Any
 
+from app.viewer.web.incoming.handed_over import HandedOver
 from app.viewer.web.incoming.stop_request import LONGEST, answered
 from app.viewer.web.incoming.visitors import Visitors, address_of
+from app.viewer.web.incoming.waiting import BEGINS
 from app.viewer.web.origin import Allowed
 
 UNDECIDED = 256
@@ -57,6 +59,8 @@ class Door:
         self.undecided: dict[socket.socket, asyncio.Task[None]] = {}
         self.passing: set[Any] = set()
         self.loop = asyncio.new_event_loop()
+        self.settled = HandedOver(self.loop)
+        """Set once it is known whether there is anything to stop: a stop waits for that."""
         self.thread = threading.Thread(target=self.stand, name="door", daemon=True)
         self.thread.start()
 
@@ -136,10 +140,14 @@ class Door:
                 if not more:
                     return
                 head += more
-            whole = head.partition(b"\r\n\r\n")[0] + b"\r\n\r\n"
-            answer = answered(whole, self.stop is not None, self.allow)
-            if answer.stops and self.stop is not None:
-                self.stop(f"browser at {address}")
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(BEGINS):
+                await self.settled.wait()
+        whole = head.partition(b"\r\n\r\n")[0] + b"\r\n\r\n"
+        answer = answered(whole, self.stop is not None, self.allow)
+        if answer.stops and self.stop is not None:
+            self.stop(f"browser at {address}")
+        async with asyncio.timeout(HEAD):
             await self.loop.sock_sendall(line, answer.to_bytes())
 
     async def pass_on(self, line: socket.socket, address: str) -> bool:

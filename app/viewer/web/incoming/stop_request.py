@@ -16,12 +16,13 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request
 
 from app.viewer.web.origin import Allowed
-from app.viewer.web.serving.front import refusal
+from app.viewer.web.serving.front import METHODS, refusal
 from app.viewer.web.serving.headers import secure
 
 PATH = "/emergency"
 MARK, WORD = "X-Flockscope", "stop"
 """A header that no foreign page can send: a browser would ask first whether it may."""
+NOT_ALLOWED = "only GET and HEAD, and POST of an emergency stop"
 LONGEST = 8 * 1024
 """Bytes of a request."""
 
@@ -41,6 +42,8 @@ class Answer:
         headers["Content-Length"] = str(len(body))
         headers["Connection"] = "close"
         secure(headers)
+        if self.status is HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = ", ".join((*METHODS, "POST"))
         line = f"HTTP/1.1 {self.status.value} {self.status.phrase}\r\n"
         return line.encode() + headers.serialize() + body
 
@@ -58,7 +61,7 @@ def answered(head: bytes, stops: bool, allow: tuple[Allowed, ...] = ()) -> Answe
     except (ValueError, http.client.HTTPException):
         return Answer(HTTPStatus.BAD_REQUEST, "this is no request")
     if method != "POST" or not version.startswith("HTTP/1."):
-        return Answer(HTTPStatus.METHOD_NOT_ALLOWED, "only GET, and POST of an emergency stop")
+        return Answer(HTTPStatus.METHOD_NOT_ALLOWED, NOT_ALLOWED)
     if path != PATH or not stops:
         return Answer(HTTPStatus.NOT_FOUND, "there is nothing to stop here")
     headers = Headers([(name, str(value)) for name, value in found.items()])

@@ -30,6 +30,8 @@ FRAMED = ("navigate", "iframe")
 """The same of a page that another page shows in a frame."""
 ONCE = ("Host", "Origin", "Upgrade", "Sec-Fetch-Site", "Sec-Fetch-Mode", "Sec-Fetch-Dest")
 """Headers that may stand there once."""
+BEGINNING = "flockscope is just beginning: try again in a moment"
+METHODS = ("GET", "HEAD")
 Answering = Callable[[Request], Response]
 
 
@@ -66,10 +68,18 @@ class Front:
         """
         self.routes[path] = answering
 
-    def answer(self, request: Request, viser: Callable[[], Response | None]) -> Response | None:
+    def loads_page(self, path: str) -> bool:
+        """Whether it is of the page alone, which can be loaded before anything is behind it."""
+        inner = without(self.secret, path) if self.secret else path
+        return inner is None or inner.partition("?")[0] in (*PAGES, ALIVE)
+
+    def answer(
+        self, request: Request, viser: Callable[[], Response | None], method: str = "GET"
+    ) -> Response | None:
         """What a request is answered; None for a websocket, which may be opened.
 
-        `viser` gives its own answer, for what is nobody else's.
+        `viser` gives its own answer, for what is nobody else's. HEAD is answered as GET is, and
+        loses its body at the end.
         """
         if self.secret:
             inner = without(self.secret, request.path)
@@ -79,8 +89,11 @@ class Front:
         refused = refusal(request, self.allow, bool(self.secret), bool(self.framed_by))
         if refused is not None:
             return refused
+        if method not in METHODS:
+            return not_allowed(f"{method[:20]} is not answered here, only GET and HEAD", METHODS)
         if is_websocket(request):
-            return viser()
+            only = not_allowed("a websocket is opened by GET", ("GET",))
+            return viser() if method == "GET" else only
         path = request.path.partition("?")[0]
         if path in self.routes:
             return self.routes[path](request)
@@ -100,9 +113,14 @@ class Front:
         headers[POLICY] = policy(self.page.hashes, places, self.framed_by)
         return Response(HTTPStatus.OK, "OK", headers, body)
 
-    def finish(self, response: Response) -> None:
-        """Give an answer, whoever made it, the headers that every one has."""
+    def finish(self, response: Response, method: str = "GET") -> None:
+        """Give an answer, whoever made it, the headers that every one has; to HEAD no body."""
         secure(response.headers)
+        if response.status_code != HTTPStatus.SWITCHING_PROTOCOLS:
+            if "Content-Length" not in response.headers:
+                response.headers["Content-Length"] = str(len(response.body or b""))
+            if method == "HEAD":
+                response.body = b""
 
 
 def without(secret: str, path: str) -> str | None:
@@ -165,6 +183,13 @@ def lines(request: Request, allow: tuple[Allowed, ...], invited: bool = False) -
 def words(status: HTTPStatus, text: str) -> Response:
     """An answer of one line."""
     return content(f"{text}\n".encode(), "text/plain; charset=utf-8", status)
+
+
+def not_allowed(text: str, methods: tuple[str, ...]) -> Response:
+    """What a request gets whose method is not one of these."""
+    answer = words(HTTPStatus.METHOD_NOT_ALLOWED, text)
+    answer.headers["Allow"] = ", ".join(methods)
+    return answer
 
 
 def content(body: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> Response:
