@@ -22,12 +22,14 @@ from app.classroom.workers.process import Gone
 from app.classroom.workers.task_process import TaskProcess, TimeUp
 from worlds.refusal import Refusal
 
-NICENESS = 10
-"""Of the process for runs that are not usual: beside others it gets a tenth of a core."""
+NICENESS = 15
+"""Of the process for runs that are not usual: even flocks go before it."""
 USUAL_SECONDS, USUAL_TIMES = 0.3, 3.0
 """Processor time of a usual run at most: seconds, and times what the question's dearest took."""
 PAUSE, LONGEST_PAUSE = 10.0, 300.0
 """Seconds that a student waits after a run that was ended; twice as many after each further one."""
+REFUSED_PAUSE = 3.0
+"""Seconds after a run that was refused: to read what is wrong with it takes time as well."""
 
 
 @dataclass
@@ -96,7 +98,7 @@ class RunQueue:
         left = record.free_at - time.monotonic()
         if left > 0.0:
             raise Refusal(
-                f"your last run took too long and was ended: hand in again in {math.ceil(left)} s"
+                f"your last run was refused or ended: hand in again in {math.ceil(left)} s"
             )
 
     async def make(self, student: str, question: Question, ran: str, scene: Spec) -> Point:
@@ -108,6 +110,9 @@ class RunQueue:
                 made = await self.make_slow(record, question, student, ran, scene)
             record.seconds += made.seconds
             return made.point
+        except Refusal:
+            record.free_at = max(record.free_at, time.monotonic() + REFUSED_PAUSE)
+            raise
         finally:
             record.busy = False
 

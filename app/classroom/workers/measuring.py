@@ -6,7 +6,6 @@ its picture from being drawn.
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from app.classroom.collect.curve import Curve, CurveAsked, curve_of, find_curve
 from app.classroom.collect.hand_in import Point, demand_answer, hand_in, run_of, warm_up
 from app.classroom.collect.picture import picture
 from app.classroom.collect.question import Question
+from app.classroom.workers.worker import lower_priority
 from app.results import make_folder
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.sweeps.sweeps import Sweeps
@@ -48,8 +48,7 @@ class RunWorker:
     """
 
     def __init__(self, niceness: int = 0):
-        if niceness and hasattr(os, "nice"):
-            os.nice(niceness)
+        lower_priority(niceness)
 
     def warm_up(self, question: Question, scene: Spec) -> None:
         """Compile what the runs of a question call."""
