@@ -7,9 +7,9 @@ Honest students hand in their run every three seconds. Dishonest ones open runs 
 they can and hand them in as often as they are let, all the time: agents of whom each pair takes a
 thousand times what it usually does; as many pairs as may be handed in; and 2 000 agents on a side
 of 1. One more student is honest and slow. Before they begin, all of them look at flocks of theirs
-for as long. Prints for each number of dishonest ones how long the honest waited before and then, and how many times that is of what they waited while nobody else was there; what became of
-the runs of the others; how long the teacher waited for a picture and for the class's file, and how
-often the class was not kept.
+for as long. Prints for each number of dishonest ones how long the honest waited before and then;
+what became of the runs of the others; how long the teacher waited for a picture and for the class's
+file, and how often the class was not kept.
 """
 
 from __future__ import annotations
