@@ -62,7 +62,7 @@ class Student:
         self.pictures = 0
         self.began = 0.0
         """When the first picture was there, s since it entered."""
-        self.button = ""
+        self.button = self.cookies = ""
         self.pressed = self.paused = self.stood = 0.0
         """When it pressed last, s; since when its flock is paused, and how long it was so far."""
         self.answers: list[float] = []
@@ -77,11 +77,11 @@ class Student:
             f"{base}/join", data=values, headers=headers, allow_redirects=False
         ) as answer:
             assert answer.status == 303, await answer.text()
-            cookies = "; ".join(f"{one.key}={one.value}" for one in answer.cookies.values())
+            self.cookies = "; ".join(f"{one.key}={one.value}" for one in answer.cookies.values())
         self.line = await session.ws_connect(
             base,
             protocols=(f"viser-v{viser.__version__}",),
-            headers={"Cookie": cookies},
+            headers={"Cookie": self.cookies},
             max_msg_size=0,
             compress=15,
         )
@@ -151,19 +151,20 @@ class Counted(ResponseHandler):
 class Class:
     """The command, from outside."""
 
-    def __init__(self, folder: str, agents: int, seats: int):
+    def __init__(self, folder: str, agents: int, seats: int, said: Any = None):
         (Path(folder) / "scene.toml").write_text(SCENE.format(agents=agents))
         command = [sys.executable, "-m", "flockscope", "class", "scene.toml", "--port", "0"]
         self.process = subprocess.Popen(
             [*command, "--no-open", "--students", str(seats)],
             cwd=folder,
             stdout=subprocess.PIPE,
+            stderr=said,
             text=True,
         )
-        said = [self.process.stdout.readline() for _ in range(2)]
-        self.link = said[0].split()[-1]
-        found = re.search(r"alone: (\S+)", said[1])
-        assert found is not None, said
+        lines = [self.process.stdout.readline() for _ in range(2)]
+        self.link = lines[0].split()[-1]
+        found = re.search(r"alone: (\S+)", lines[1])
+        assert found is not None, lines
         self.teachers = found[1]
         self.all = [psutil.Process(self.process.pid)]
         self.all += self.all[0].children(recursive=True)

@@ -7,13 +7,15 @@ that they lead to.
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import secrets
 import stat
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from worlds.refusal import Refusal
 
@@ -146,3 +148,36 @@ def take_place(beside: Path, place: Path) -> None:
 def cannot(named: str, error: OSError) -> Refusal:
     """The refusal for what cannot be written."""
     return Refusal(f"{named} cannot be written: {error.strerror or error}")
+
+
+FORMULA = "=+-@\t\r"
+"""With what a text begins that a spreadsheet takes for a formula."""
+
+
+def csv_text(header: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """A table as CSV, in which no text is a formula: every table of ours is written by this.
+
+    >>> csv_text(["a", "=b"], [[1.5, "-x"], [None, "-2"]])
+    "a,'=b\\n1.5,'-x\\n,-2\\n"
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(map(guarded_cell, header))
+    writer.writerows(map(guarded_cell, row) for row in rows)
+    return text.getvalue()
+
+
+def guarded_cell(cell: Any) -> Any:
+    """A cell with a mark before a text that a spreadsheet would calculate; numbers as they are."""
+    if not isinstance(cell, str) or not cell.startswith((*FORMULA, "'")):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
+
+
+def unguarded_cell(cell: str) -> str:
+    """What `guarded_cell` made a cell of."""
+    return cell[1:] if cell.startswith("'") else cell

@@ -1,7 +1,7 @@
 """The questions of a class: asked, answered by runs, and shown.
 
-What takes long is done in a process of its own, one run after the other; one that takes too long
-ends with that process, and another is begun.
+What takes long is done in processes: runs by those of `RunQueue`, pictures and files by another,
+curves by a third. So none of them waits for what another is at.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from agents.spec import Spec
 from app.classroom.collect.choices import measures_of, parameters_of, ready_for
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.curve import Curve
-from app.classroom.collect.hand_in import SECONDS, Point
+from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, question_of
 from app.classroom.collect.table import to_csv, to_json
 from app.classroom.lessons.lessons import lesson_of
-from app.classroom.workers.measuring import Measuring
-from app.classroom.workers.process import Gone, WorkerProcess
+from app.classroom.run_queue import RunQueue
+from app.classroom.workers.measuring import CurveWorker, DrawWorker
+from app.classroom.workers.process import Gone
+from app.classroom.workers.task_process import TaskProcess, finish
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.refusal import Refusal
 
-COMPILES = 180.0
-"""Seconds that the first run of a model may take, on a busy machine."""
 CURVE = 2.0
 """Seconds between two looks at a sweep that makes a curve."""
 MOST_QUESTIONS = 50
@@ -44,10 +44,11 @@ class Asking:
         self.curve: Curve | None = None
         self.told = ""
         """What is to be said of the curve that is being made."""
-        self.worker: WorkerProcess | None = None
-        self.beginning = asyncio.Lock()
-        self.busy: set[str] = set()
-        """Students whose run is being made."""
+        self.runs = RunQueue()
+        self.drawing = TaskProcess(DrawWorker)
+        self.sweeping = TaskProcess(CurveWorker, results)
+        self.handed: set[asyncio.Task[Point]] = set()
+        """What is being made, whether or not the page that handed it in still waits."""
         self.curves: asyncio.Task[None] | None = None
 
     @property
@@ -61,32 +62,22 @@ class Asking:
         return self.latest if self.is_open else None
 
     async def close(self) -> None:
-        """End the process."""
+        """End the processes."""
         self.is_open = False
-        if self.curves is not None:
-            self.curves.cancel()
-        if self.worker is not None:
-            worker, self.worker = self.worker, None
-            await worker.close()
+        for task in (*self.handed, *([self.curves] if self.curves is not None else [])):
+            task.cancel()
+        await asyncio.gather(self.runs.close(), self.drawing.close(), self.sweeping.close())
 
-    async def have(self, name: str, *given: Any, patience: float = COMPILES) -> Any:
-        """What the process answers. Raises Refusal."""
-        async with self.beginning:
-            if self.worker is None:
-                self.worker = await WorkerProcess(self.has_ended, Measuring, self.results).begin()
-        worker = self.worker
+    async def draw(self, name: str, *given: Any) -> Any:
+        """What the process that draws and writes files answers. Raises Refusal."""
+        return await self.have(self.drawing, name, *given)
+
+    async def have(self, process: TaskProcess, name: str, *given: Any) -> Any:
+        """What a process answers. Raises Refusal."""
         try:
-            return await worker.ask(name, *given, patience=patience)
+            return await process.do(name, *given)
         except Gone:
-            if self.worker is worker:
-                self.worker = None
-                worker.process.kill()
             raise Refusal("this took too long, or its process was ended: try again") from None
-
-    def has_ended(self, worker: WorkerProcess) -> None:
-        """The process has died: the next that is asked of it begins another."""
-        if self.worker is worker:
-            self.worker = None
 
     def take_over(self, questions: list[Collection], scene: SavedScene) -> None:
         """Go on with the questions of a class that is opened again; the latest stays shown."""
@@ -118,16 +109,16 @@ class Asking:
         question = await asyncio.to_thread(question_of, values, scene.spec)
         self.all.append(Collection(question))
         self.is_open, self.scene, self.curve, self.told = True, scene, None, ""
+        self.runs.begin(question, scene.spec)
         if self.curves is not None:
             self.curves.cancel()
         self.curves = asyncio.create_task(self.look_for_curve(question, scene.spec))
         return question
 
     async def look_for_curve(self, question: Question, scene: Spec) -> None:
-        """Have the runs compiled, and find the curve that a sweep has made of the question."""
+        """Find the curve that a sweep has made of the question."""
         try:
-            await self.have("warm_up", question, scene)
-            self.curve = await self.have("find_curve", question, scene)
+            self.curve = await self.have(self.sweeping, "find_curve", question, scene)
         except Refusal as refusal:
             self.told = str(refusal)
 
@@ -136,7 +127,7 @@ class Asking:
         if self.latest is None or self.scene is None:
             raise Refusal("no question has been asked")
         question, scene = self.latest.question, self.scene.spec
-        name: str = await self.have("begin_curve", question, scene)
+        name: str = await self.have(self.sweeping, "begin_curve", question, scene)
         if self.curves is not None:
             self.curves.cancel()
         self.curves = asyncio.create_task(self.follow(name, question, scene))
@@ -148,7 +139,7 @@ class Asking:
         try:
             while self.told:
                 await asyncio.sleep(CURVE)
-                curve, self.told = await self.have("curve", name, question, scene)
+                curve, self.told = await self.have(self.sweeping, "curve", name, question, scene)
                 self.curve = curve or self.curve
         except Refusal as refusal:
             self.told = str(refusal)
@@ -165,24 +156,33 @@ class Asking:
             return None
         return replace(scene, spec=self.open.begins(student, scene.spec))
 
-    async def hand_in(self, student: str, ran: str) -> Point:
-        """Take a student's run, the scene `ran` as TOML, as an answer. Raises Refusal."""
-        collection = self.open
-        if collection is None or self.scene is None:
+    def demand_turn(self, student: str) -> Collection:
+        """The question that is asked now, to which a student may hand in. Raises Refusal."""
+        if self.open is None:
             raise Refusal("no question is asked now")
-        if student in self.busy:
-            raise Refusal("your last result is still being made")
-        collection.demand_room(student)
-        self.busy.add(student)
-        try:
-            patience = SECONDS + 1.0 if collection.points else COMPILES
-            point: Point = await self.have(
-                "hand_in", collection.question, student, ran, self.scene.spec, patience=patience
-            )
-            collection.add(point)
-            return point
-        finally:
-            self.busy.discard(student)
+        self.runs.demand_turn(student)
+        self.open.demand_room(student, self.runs.record(student).ended)
+        return self.open
+
+    async def hand_in(self, student: str, ran: str) -> Point:
+        """Take a student's run, the scene `ran` as TOML, as an answer. Raises Refusal.
+
+        It is made to its end and taken even if the page that handed it in waits no more: a student
+        who leaves and comes back has not two runs at a time.
+        """
+        collection = self.demand_turn(student)
+        assert self.scene is not None
+        self.runs.record(student).busy = True
+        work = self.make_point(collection, student, ran, self.scene.spec)
+        return await finish(self.handed, work)
+
+    async def make_point(
+        self, collection: Collection, student: str, ran: str, scene: Spec
+    ) -> Point:
+        """Have a run made, and take its result. Raises Refusal."""
+        point = await self.runs.make(student, collection.question, ran, scene)
+        collection.add(point)
+        return point
 
     # What is shown.
 
@@ -211,7 +211,7 @@ class Asking:
 
     async def picture(self, kind: str) -> bytes:
         """The picture of the latest question. Raises Refusal."""
-        made: bytes = await self.have("picture", self.demand(), kind, self.curve)
+        made: bytes = await self.draw("picture", self.demand(), kind, self.curve)
         return made
 
     def point(self, number: int) -> SavedScene:

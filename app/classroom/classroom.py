@@ -269,11 +269,13 @@ class Classroom:
         """Take a student's run as an answer; the result in a sentence. Raises Refusal."""
         if student.role is not Role.OWN:
             raise Refusal("only who has a flock of their own hands in a result")
+        question = self.asking.demand_turn(student.name).question
         student.scene = ran = await self.flocks.tell_own(student, "scene")
-        collection = self.asking.demand()
-        point = await self.asking.hand_in(student.name, ran)
-        self.tell()
-        return point.told(collection.question)
+        try:
+            point = await self.asking.hand_in(student.name, ran)
+        finally:
+            self.tell()
+        return point.told(question)
 
     async def open_point(self, number: int) -> str:
         """Open the run of a result in the teacher's laboratory. Raises Refusal."""

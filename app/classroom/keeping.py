@@ -128,7 +128,7 @@ class Keeping:
         if now == self.kept or not self.classroom.students:
             return
         keep_keys(self.classroom, keys_of(self.path))
-        await self.classroom.asking.have("save", state_of(self.classroom), self.path)
+        await self.classroom.asking.draw("save", state_of(self.classroom), self.path)
         self.kept = now
 
     def forget_keys(self) -> None:

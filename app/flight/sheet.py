@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from app.results import make_folder
-from worlds.writing import write_text
+from worlds.writing import csv_text, write_text
 
 
 def write_sheet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
     """Write columns of one length under their names; None stays empty. Raises Refusal."""
-    text = io.StringIO()
-    out = csv.writer(text, lineterminator="\n")
-    out.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        out.writerow("" if one is None else f"{float(one):.9g}" for one in row)
+    rows = (
+        ["" if one is None else f"{float(one):.9g}" for one in row]
+        for row in zip(*columns.values(), strict=True)
+    )
     make_folder(path.parent)
-    write_text("table", path, text.getvalue())
+    write_text("table", path, csv_text(columns, rows))
 
 
 def beat_columns(beat: Any, frequency: float) -> dict[str, Any]:

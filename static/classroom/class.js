@@ -62,7 +62,7 @@
     Object.assign(canvas, { width: 312, height: 208 });
     canvas.setAttribute("aria-hidden", "true");
     const parts = { card, canvas, name: make("b"), model: make("span"), stands: make("span"),
-      numbers: make("span", "fs-numbers"), acts: make("div", "fs-acts"), open: make("a", "fs-button", "Open") };
+      numbers: make("span", "fs-numbers"), note: make("span", "fs-note"), acts: make("div", "fs-acts"), open: make("a", "fs-button", "Open") };
     parts.open.target = `flockscope-${number || "mine"}`;
     parts.open.href = number ? `at/${number}/` : "./";
     parts.role = button("", () => say({ do: "role", students: [number],
@@ -76,7 +76,7 @@
     });
     parts.acts.append(parts.open, ...(number ? [parts.role, parts.hold, parts.remove] : []));
     card.classList.toggle("fs-mine", !number);
-    inner.append(parts.name, parts.model, parts.stands, parts.numbers, parts.acts);
+    inner.append(parts.name, parts.model, parts.stands, parts.numbers, parts.note, parts.acts);
     card.append(canvas, inner);
     return parts;
   };
@@ -93,6 +93,8 @@
       one.frozen ? `frozen, ${stands(one)}` : stands(one);
     parts.numbers.textContent = own && one.seen ?
       one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join("\n") : "";
+    parts.note.textContent = one.note || "";
+    parts.note.hidden = !one.note;
     parts.role.textContent = own ? "Watch mine" : "Own flock";
     parts.hold.textContent = one.frozen ? "Go on" : "Freeze";
     parts.hold.hidden = parts.open.hidden = parts.canvas.hidden = !own;

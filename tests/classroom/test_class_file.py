@@ -21,6 +21,7 @@ from app.classroom.class_file.state import ClassState, SavedStudent
 from app.classroom.collect.collection import Collection, Given
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
+from app.classroom.collect.table import points_from_csv, to_csv
 from app.classroom.names import same, student_name
 from app.classroom.student import Role
 from app.viewer.gallery.collection import find_scene
@@ -319,3 +320,14 @@ def test_a_class_that_is_too_large_is_not_saved(tmp_path):
     with pytest.raises(Refusal, match="at most 2,097,152"):
         save(whole, tmp_path / "class.zip")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_result_that_no_run_has_is_refused_and_no_text_is_a_formula():
+    point = told(0.0, 0.5, reason="=1+1", differs=("-x", "@y"))
+    text = to_csv(Collection(ORDER, [point]))
+    assert ",'-x; @y,'=1+1," in text
+    spec = {1: point.spec}
+    assert points_from_csv(text, ORDER, spec.get, "a table") == [point]
+    for result in ("-5", "1.1"):
+        with pytest.raises(Refusal, match=rf"polarisation = {result} is not allowed: .* \[0, 1\]"):
+            points_from_csv(text.replace(",0.5,", f",{result},"), ORDER, spec.get, "a table")

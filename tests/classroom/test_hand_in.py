@@ -13,6 +13,7 @@ import pytest
 import flockscope
 from agents.flock import Flock
 from agents.spec import Spec
+from app.classroom.collect.bounds import mean_neighbours
 from app.classroom.collect.hand_in import hand_in, warm_up
 from app.classroom.collect.question import question_of
 from app.viewer.lab.laboratory import Laboratory
@@ -194,6 +195,31 @@ def test_what_takes_too_long_is_refused_with_numbers():
                                  "ticks": 400}, SCENE)  # fmt: skip
     with pytest.raises(Refusal, match="connectivity of 1,000 agents at each of 400 ticks"):
         hand_in(slow, "Ada", SCENE.but(agents=1000), SCENE)
+
+
+@pytest.mark.parametrize(
+    ("agents", "size", "refused"),
+    [(2000, 1.0, "look at 2,001 take too long for 500 ticks: 2e.09 pairs"), (2000, 100.0, "")],
+)
+def test_what_it_costs_goes_by_pairs_and_not_by_agents_alone(agents, size, refused):
+    question = question_of(
+        {"title": "t", "parameter": "agents", "measure": {"observe": "polarisation"}, "ticks": 500},
+        LED,
+    )
+    spec = LED.but(agents=agents, size=size)
+    if not refused:
+        question.demand_cheap(spec)
+        return
+    with pytest.raises(Refusal, match=refused) as told:
+        question.demand_cheap(spec)
+    assert "\n" not in str(told.value)
+
+
+def test_who_looks_at_the_nearest_looks_at_few_however_far_they_reach():
+    near = at_home("topological", agents=1000, size=2.0, parameters={"k": 7, "r": 5.0})
+    assert mean_neighbours(near) == 9 * 8
+    every = near.but(parameters={"neighbours": "metric", "r": 5.0})
+    assert mean_neighbours(every) == 1000
 
 
 def test_warming_up_compiles_what_a_run_calls():

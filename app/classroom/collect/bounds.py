@@ -1,17 +1,34 @@
-"""What a result that is handed in may cost, in numbers and in words."""
+"""What a result that is handed in may cost, in numbers and in words.
+
+Most of a tick is spent on pairs: each agent looks at all others in the cells around it, so that
+2 000 agents on a side as long as their reach are 4 million looks a tick. How many a run needs is
+told before it is made, for a flock spread evenly; one that crowds together needs more, and its run
+is ended by its worker.
+"""
 
 from __future__ import annotations
 
+import math
+
 from agents.catalogue import MODELS
+from agents.home import at_home, find_world
+from agents.models.declare import checked
+from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from worlds.refusal import Refusal
+from worlds.world import World
 
 MOST_TICKS = 20_000
 """Of a run."""
 MOST_AGENTS = 5_000
 MOST_STEPS = 5_000_000
 """Agents times ticks: a second or two of a core."""
+MOST_PAIRS = 300_000_000
+"""Agents times those that each looks at times ticks: at most 4 s of a core, as a pair takes 1 to 12
+ns (`benchmarks/collect.py --pairs` prints what it takes in each model)."""
+ALONE = 8
+"""Pairs that an agent's own work in a tick is worth."""
 MOST_SEEN = 200_000
 """Agents times looks at what takes longer than a look at each agent."""
 
@@ -21,7 +38,7 @@ def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
 
     `looks`: at how many of its ticks the observable is measured.
     """
-    agents = (spec.agents or MODELS[spec.model].agents) + (spec.informed or 0)
+    agents = count_agents(spec)
     if agents > MOST_AGENTS:
         raise Refusal(f"{agents:,} agents are too many to hand in: at most {MOST_AGENTS:,}")
     if agents * ticks > MOST_STEPS:
@@ -35,3 +52,47 @@ def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
             f"{one.name} of {agents:,} agents at each of {looks:,} ticks takes too long: agents "
             f"times ticks may be {MOST_SEEN:,} at most for it"
         )
+    neighbours = mean_neighbours(spec)
+    if agents * neighbours * ticks > MOST_PAIRS:
+        raise Refusal(
+            f"{agents:,} agents that each look at {neighbours:,.0f} take too long for {ticks:,} "
+            f"ticks: {agents * neighbours * ticks:.2g} pairs, at most {MOST_PAIRS:.2g}. Take fewer "
+            "agents or a larger world"
+        )
+
+
+def estimate_pairs(spec: Spec, ticks: int) -> float:
+    """How much work a run of so many ticks is, in pairs. Raises Refusal."""
+    return count_agents(spec) * (ALONE + mean_neighbours(spec)) * ticks
+
+
+def count_agents(spec: Spec) -> int:
+    """The agents of a run, those that are informed among them."""
+    return (spec.agents or MODELS[spec.model].agents) + (spec.informed or 0)
+
+
+def mean_neighbours(spec: Spec) -> float:
+    """How many others an agent looks at in a tick, of a flock spread evenly. Raises Refusal.
+
+    They are those in the 3^dim cells around it, which are as wide as its reach; where the nearest k
+    are its neighbours, cells are so wide that each holds k + 1.
+    """
+    model = MODELS[spec.model]
+    parameters = checked(model.parameters, spec.parameters)
+    world = world_of(spec, model)
+    agents, nearest = count_agents(spec), model.nearest(parameters)
+    around = (
+        (nearest + 1) * 3.0**world.dim
+        if nearest
+        else agents
+        * math.prod(
+            min(1.0, 3.0 * getattr(parameters, model.rule.reach) / side) for side in world.size
+        )
+    )
+    return min(float(agents), around)
+
+
+def world_of(spec: Spec, model: Model) -> World:
+    """The world of a run. Raises Refusal."""
+    seeded = spec if spec.seed is not None else spec.but(seed=1)
+    return find_world(at_home(seeded, model), model)

@@ -90,11 +90,14 @@ class Collection:
         spec = scene.but(seed=given.seed)
         return spec if given.value is None else self.question.with_value(spec, given.value)
 
-    def demand_room(self, student: str) -> None:
-        """Refuse a result before it is made, if there is no room for it. Raises Refusal."""
+    def demand_room(self, student: str, ended: int = 0) -> None:
+        """Refuse a result before it is made, if there is no room for it. Raises Refusal.
+
+        `ended`: runs of the student that were ended, which count as well.
+        """
         if len(self.points) >= MOST_POINTS:
             raise Refusal(f"{MOST_POINTS:,} results are there: no more are taken")
-        if sum(point.student == student for point in self.points) >= MOST_OF_ONE:
+        if ended + sum(point.student == student for point in self.points) >= MOST_OF_ONE:
             raise Refusal(f"{MOST_OF_ONE} results of {student} are there: no more are taken")
 
     def add(self, point: Point) -> int:

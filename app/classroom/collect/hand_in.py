@@ -22,9 +22,9 @@ from app.viewer.lab.sweeps.asked import AGENTS
 from app.viewer.run.home import at_home
 from worlds.refusal import Refusal
 
-SECONDS = 30.0
-"""After which whoever asked for a result kills the process that makes it: bounds are of steps, and
-a flock that is crowded takes longer for one."""
+SECONDS = 8.0
+"""Of processor time of a run, from its start, after which it is ended: bounds are of a flock spread
+evenly, and one that crowds together takes longer."""
 VERSIONS = versions()
 
 

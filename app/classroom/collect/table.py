@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from typing import Any, get_args
 
+from agents.observables.catalogue import OBSERVABLES
+from agents.observables.observable import Range
 from app.classroom.collect.collection import MOST_POINTS, Collection
 from app.classroom.collect.curve import Curve
 from app.classroom.collect.groups import Group
@@ -19,11 +21,14 @@ from app.experiments.runs.outcome import Status
 from app.experiments.sweeps.table import as_csv
 from app.viewer.panels.notation import plain
 from worlds.refusal import Refusal, shortened
+from worlds.writing import unguarded_cell
 
 APART = "; "
 """Between two differences."""
 LONGEST = 4_000
 """Letters of a text in a table."""
+ROUNDING = 1e-9
+"""By which a result may be beyond an end of its range, as a share of that."""
 FIGURES = 6
 """Of a number in a page's plot."""
 
@@ -82,6 +87,7 @@ def points_from_csv(
     """
     try:
         rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
+        rows = [[unguarded_cell(cell) for cell in row] for row in rows]
     except csv.Error as error:
         raise Refusal(f"{origin} is no CSV: {error}") from None
     if not rows or rows[0] != heads(question):
@@ -93,8 +99,29 @@ def points_from_csv(
         at = f"{origin}, row {number}"
         if len(row) != len(rows[0]) or row[0] != str(number):
             raise Refusal(f"{at} is not as its columns, or not in order")
-        made.append(point_of(row, spec_of(number), at))
+        point = point_of(row, spec_of(number), at)
+        demand_possible(point, question, at)
+        made.append(point)
     return made
+
+
+def demand_possible(point: Point, question: Question, at: str) -> None:
+    """Refuse a result that no run of the question has. Raises Refusal."""
+    if point.ticks > question.ticks:
+        raise Refusal(f"ticks = {point.ticks} is more than {question.ticks}, those of a run ({at})")
+    if point.result is None:
+        return
+    low, high, name = 0.0, float(question.ticks), question.column
+    if not question.measure.until:
+        name = question.measure.observe
+        found = OBSERVABLES[name].range
+        assert isinstance(found, Range)
+        low, high = found.low, found.high
+    margin = ROUNDING * max(1.0, *(abs(end) for end in (low, high) if math.isfinite(end)), 0.0)
+    if not low - margin <= point.result <= high + margin:
+        raise Refusal(
+            f"{name} = {point.result:g} is not allowed: it lies in [{low:g}, {high:g}] ({at})"
+        )
 
 
 def point_of(row: Sequence[str], spec: str, at: str) -> Point:

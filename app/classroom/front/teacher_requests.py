@@ -74,7 +74,7 @@ class TeacherRequests:
         if path == "/class/results.csv" and get:
             return file(self.classroom.asking.csv().encode(), "text/csv", "results.csv")
         if path == "/class/class.zip" and get:
-            made = await self.classroom.asking.have("packed", state_of(self.classroom))
+            made = await self.classroom.asking.draw("packed", state_of(self.classroom))
             return file(made, "application/zip", "class.zip")
         if path in PICTURES and get:
             kind = path.rpartition(".")[2]
@@ -132,6 +132,7 @@ class TeacherRequests:
             "role": one.role,
             "here": one.is_here,
             "frozen": one.frozen,
+            "note": self.classroom.asking.runs.note(one.name),
             "seen": None if seen is None else asdict(seen),
         }
 

@@ -1,37 +1,127 @@
-"""What a process does that makes the runs handed in, and draws pictures of them."""
+"""What the processes of a class's questions do: runs, pictures and files, and curves.
+
+Each has a process of its own: so a run that takes long keeps neither the class from being kept nor
+its picture from being drawn.
+"""
 
 from __future__ import annotations
 
+import signal
+import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from agents.spec import Spec
 from app.classroom.class_file.saving import packed, save
 from app.classroom.class_file.state import ClassState
+from app.classroom.collect.bounds import estimate_pairs
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.curve import Curve, CurveAsked, curve_of, find_curve
-from app.classroom.collect.hand_in import Point, hand_in, warm_up
+from app.classroom.collect.hand_in import Point, demand_answer, hand_in, run_of, warm_up
 from app.classroom.collect.picture import picture
 from app.classroom.collect.question import Question
+from app.classroom.workers.worker import lower_priority
 from app.results import make_folder
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.sweeps.sweeps import Sweeps
+from worlds.refusal import Refusal
+
+USUAL = 2.0
+"""Times the work of the question's dearest run, up to which a run is a usual one."""
 
 
-class Measuring:
-    """Makes runs one after the other; `results`: the folder of sweeps."""
+@dataclass(frozen=True)
+class MadeRun:
+    """A run that was handed in, and what it took."""
 
-    def __init__(self, results: Path):
-        self.results = results
-        self.sweeps: Sweeps | None = None
+    point: Point
+    seconds: float
+    """Of processor time."""
+
+
+class RunWorker:
+    """Makes runs one after the other; `niceness` is added to that of its process.
+
+    A run has so much processor time, counted from its start: then the system ends this process.
+    Only processor time tells anything on a machine that many share; and compiled code, which may be
+    at one call for the whole run, hears of no other way.
+    """
+
+    def __init__(self, niceness: int = 0):
+        lower_priority(niceness)
 
     def warm_up(self, question: Question, scene: Spec) -> None:
         """Compile what the runs of a question call."""
         warm_up(question, scene)
 
-    def hand_in(self, question: Question, student: str, ran: str, scene: Spec) -> Point:
-        """The result of a student whose laboratory runs the scene `ran`, TOML. Raises Refusal."""
-        spec = SavedScene.from_toml(ran, f"the run of {student}").spec
-        return hand_in(question, student, spec, scene)
+    def measure_usual(self, question: Question, scene: Spec, limit: float) -> float:
+        """Processor time (s) of a question's dearest run of the scene, made once to see."""
+        spec = dearest(question, scene)
+        warm_up(question, spec)
+        with TimeLimit(limit):
+            begun = time.process_time()
+            run_of(question, spec.but(seed=1))
+            return time.process_time() - begun
+
+    def make_usual(
+        self, question: Question, student: str, ran: str, scene: Spec, limit: float
+    ) -> MadeRun | None:
+        """The result of a student whose laboratory runs the scene `ran`, TOML. Raises Refusal.
+
+        None for a run that is other than usual: of another model, or of much more work.
+        """
+        with TimeLimit(limit):
+            begun = time.process_time()
+            spec = spec_of(ran, student)
+            demand_answer(question, spec)
+            usual = USUAL * estimate_pairs(dearest(question, scene), question.ticks)
+            if spec.model != question.model or estimate_pairs(spec, question.ticks) > usual:
+                return None
+            point = hand_in(question, student, spec, scene)
+            return MadeRun(point, time.process_time() - begun)
+
+    def make_any(
+        self, question: Question, student: str, ran: str, scene: Spec, limit: float
+    ) -> MadeRun:
+        """Likewise, whatever it is; what has to be compiled for it first is not counted."""
+        spec = spec_of(ran, student)
+        demand_answer(question, spec)
+        warm_up(question, spec)
+        with TimeLimit(limit):
+            begun = time.process_time()
+            point = hand_in(question, student, spec, scene)
+            return MadeRun(point, time.process_time() - begun)
+
+
+class TimeLimit:
+    """Ends the process that spends more processor time (s) within it, where the system can."""
+
+    def __init__(self, seconds: float):
+        self.seconds = seconds
+
+    def __enter__(self) -> None:
+        if hasattr(signal, "setitimer"):  # on Windows only whoever asks has a limit, by the clock
+            signal.setitimer(signal.ITIMER_PROF, self.seconds)
+
+    def __exit__(self, *_: object) -> None:
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+
+def spec_of(ran: str, student: str) -> Spec:
+    """The run of a scene, TOML. Raises Refusal."""
+    return SavedScene.from_toml(ran, f"the run of {student}").spec
+
+
+def dearest(question: Question, scene: Spec) -> Spec:
+    """The run of the class's scene with that value of the question that is the most work."""
+    values = question.values or [question.value_of(scene)]
+    runs = [question.with_value(scene, value) for value in values]
+    return max(runs, key=lambda one: estimate_pairs(one, question.ticks))
+
+
+class DrawWorker:
+    """Draws pictures of results, and writes the file of the class."""
 
     def picture(self, collection: Collection, kind: str, curve: Curve | None) -> bytes:
         """The picture of a question. Raises Refusal."""
@@ -45,6 +135,14 @@ class Measuring:
     def packed(self, state: ClassState) -> bytes:
         """The file of a class. Raises Refusal."""
         return packed(state)
+
+
+class CurveWorker:
+    """Finds and makes the curves that sweeps have of questions; `results`: the folder of sweeps."""
+
+    def __init__(self, results: Path):
+        self.results = results
+        self.sweeps: Sweeps | None = None
 
     def find_curve(self, question: Question, scene: Spec) -> Curve | None:
         """The curve of a sweep that is there."""
@@ -61,7 +159,8 @@ class Measuring:
 
         The words are empty once it has ended. Raises Refusal if it cannot be read.
         """
-        assert self.sweeps is not None
+        if self.sweeps is None:
+            raise Refusal(f"the sweep {name} ended with its process: make the curve again")
         listed, fault = self.sweeps.seen.of(name), self.sweeps.seen.fault
         making = self.sweeps.making is not None
         if listed is None or not listed.done:

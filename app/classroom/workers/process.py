@@ -14,7 +14,7 @@ from app.classroom.workers import worker
 from app.classroom.workers.worker import LENGTH, packed
 
 PATIENCE = 20.0
-"""Seconds that a worker has to answer."""
+"""Seconds that a worker has for one request, from when it turns to it."""
 
 
 class Gone(Exception):
@@ -26,7 +26,7 @@ def context() -> Any:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     chosen = multiprocessing.get_context("forkserver")
-    chosen.set_forkserver_preload([worker.__name__])
+    chosen.set_forkserver_preload([worker.__name__, "app.classroom.workers.measuring"])
     return chosen
 
 
@@ -49,6 +49,8 @@ class WorkerProcess:
         self.is_gone = False
         self.held = 0
         """Laboratories that it has or is about to have."""
+        self.answered = 0.0
+        """When the last answer came, by the loop's clock: the worker then turned to the next."""
 
     async def begin(self) -> WorkerProcess:
         """Begin the process."""
@@ -69,6 +71,7 @@ class WorkerProcess:
             while True:
                 size = LENGTH.unpack(await self.reader.readexactly(LENGTH.size))[0]
                 number, fine, answer = pickle.loads(await self.reader.readexactly(size))
+                self.answered = asyncio.get_running_loop().time()
                 future = self.waiting.pop(number, None)
                 if future is None or future.done():
                     continue
@@ -87,7 +90,11 @@ class WorkerProcess:
             self.ended(self)
 
     async def ask(self, name: str, *given: Any, patience: float = PATIENCE) -> Any:
-        """What the worker answers, once it has begun. Raises Gone, and whatever it refuses."""
+        """What the worker answers, once it has begun. Raises Gone, and whatever it refuses.
+
+        `patience`: seconds that it may take, from when it turns to this request: it answers in
+        order, so the time that others take before is not counted.
+        """
         if self.is_gone:
             raise Gone
         number = next(self.numbers)
@@ -95,13 +102,24 @@ class WorkerProcess:
         try:
             async with asyncio.timeout(patience):
                 await self.begun.wait()
-                self.writer.write(packed((number, name, given)))
-                await self.writer.drain()
-                return await future
+            # Not drained: a worker that is busy with others reads nothing, which counts for nobody.
+            self.writer.write(packed((number, name, given)))
+            return await self.answer_of(future, patience)
         except (OSError, TimeoutError):
             raise Gone from None
         finally:
             self.waiting.pop(number, None)
+
+    async def answer_of(self, future: asyncio.Future[Any], patience: float) -> Any:
+        """What comes within so many seconds of the answer to the request before. Raises Gone."""
+        clock = asyncio.get_running_loop().time
+        asked = clock()
+        while not future.done():
+            left = max(asked, self.answered) + patience - clock()
+            if left <= 0.0:
+                raise Gone
+            await asyncio.wait({future}, timeout=left)
+        return future.result()
 
     async def close(self) -> None:
         """End the process."""

@@ -31,6 +31,9 @@ from worlds.refusal import Refusal
 LENGTH = struct.Struct("!I")
 """Stands before every message: its length, bytes."""
 HOST = "127.0.0.1"
+NICENESS = 10
+"""Of processes with students' flocks, which run without end: what somebody waits for, such as a
+result or a page, comes first where processors are busy."""
 ORIGIN = "the class"
 """Where the scenes come from that it is given."""
 
@@ -50,6 +53,12 @@ def packed(message: Any) -> bytes:
     return LENGTH.pack(len(data)) + data
 
 
+def lower_priority(niceness: int) -> None:
+    """Have others go before this process where processors are busy, if the system knows of that."""
+    if hasattr(os, "nice"):
+        os.nice(niceness)
+
+
 class Laboratories:
     """The laboratories of one process, by the number of whose they are.
 
@@ -58,6 +67,8 @@ class Laboratories:
 
     def __init__(self, allowance: Allowance | None = None) -> None:
         self.allowance = allowance
+        if allowance is not None:
+            lower_priority(NICENESS)
         self.secret = secrets.token_hex(16)
         self.all: dict[int, Laboratory] = {}
         self.told: dict[int, Any] = {}

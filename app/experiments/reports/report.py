@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +13,7 @@ from app.experiments.verdicts.claim import Claim, beside
 from app.experiments.verdicts.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
 from app.experiments.verdicts.verdict import Verdict, of
 from worlds.counting import counted
-from worlds.writing import write_text
+from worlds.writing import csv_text, write_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -55,12 +53,9 @@ def as_row(claim: Claim) -> dict[str, Any]:
 def write_summary(path: Path, made: list[Verdict]) -> None:
     """Write the summary as CSV, one line per row and measure. Raises Refusal."""
     rows = [one.as_row() for one in made]
-    text = io.StringIO()
     columns = dict.fromkeys(key for row in rows for key in row)
-    writer = csv.DictWriter(text, list(columns), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_text("summary", path, text.getvalue())
+    cells = ([row.get(key, "") for key in columns] for row in rows)
+    write_text("summary", path, csv_text(columns, cells))
 
 
 def show(console: Console, experiment: Experiment, made: list[Verdict], said: list[Claim]) -> None:

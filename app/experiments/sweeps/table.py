@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,7 @@ from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.cells import spec_of
 from worlds.extra import demand
 from worlds.refusal import Refusal
-from worlds.writing import writing
+from worlds.writing import csv_text, writing
 
 Columns = dict[str, list[Any]]
 ENDINGS = (".csv", ".parquet", ".pq")
@@ -90,11 +88,7 @@ def places_of(kept: Kept) -> dict[int, int]:
 
 def as_csv(columns: Mapping[str, list[Any]]) -> str:
     """A table as CSV: floats so that they come back to the bit, nothing where there is no value."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
-    return text.getvalue()
+    return csv_text(columns, zip(*columns.values(), strict=True))
 
 
 def as_arrow(columns: Mapping[str, list[Any]]) -> Any:

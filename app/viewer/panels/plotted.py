@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.figure import UNDATED
+from worlds.writing import csv_text
 
 KINDS = ("CSV", "PNG", "SVG")
 LONGEST_NAME = 120
@@ -75,13 +75,9 @@ def file_stem(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "-", name).strip("-")[:LONGEST_NAME] or "plot"
 
 
-def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+def plot_csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A table as CSV; numbers in full, nothing for nan."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows([plain(cell) for cell in row] for row in rows)
-    return text.getvalue()
+    return csv_text(header, ([plain(cell) for cell in row] for row in rows))
 
 
 def plain(cell: Any) -> Any:

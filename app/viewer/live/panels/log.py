@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import html
-import io
 import time
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -15,6 +13,7 @@ import viser
 from app.live.control.events import Event
 from app.viewer.live.session import Session
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, block
+from worlds.writing import csv_text
 
 LATEST = 60
 """Events in the list."""
@@ -92,10 +91,8 @@ def clock(monotonic: float) -> datetime:
 
 def as_csv(events: Sequence[Event]) -> str:
     """All events as a table, the oldest first; `at` is this machine's time of day."""
-    made = io.StringIO()
-    writer = csv.writer(made)
-    writer.writerow(COLUMNS)
-    for event in events:
-        row = asdict(event) | {"at": clock(event.time).isoformat(timespec="milliseconds")}
-        writer.writerow([row[name] for name in COLUMNS])
-    return made.getvalue()
+    rows = (
+        asdict(event) | {"at": clock(event.time).isoformat(timespec="milliseconds")}
+        for event in events
+    )
+    return csv_text(COLUMNS, ([row[name] for name in COLUMNS] for row in rows))

@@ -14,7 +14,7 @@ from app.viewer.live.readings import RoomReadings
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.panels.chart import DASH, NOTHING, Curve, Shown
 from app.viewer.panels.plot import Plot
-from app.viewer.panels.plotted import Line, Plotted, csv_text
+from app.viewer.panels.plotted import Line, Plotted, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, key
 from app.viewer.scene.draw import own, palette
@@ -146,7 +146,7 @@ class LivePlot:
         at, _ = self.clock.recorded()
         columns = np.transpose([at, *(one.at(at) for one in self.known.values())])
         header = [self.titles[0], *(f"{name} ({self.unit})" for name in self.known)]
-        return csv_text(header, columns.tolist())
+        return plot_csv(header, columns.tolist())
 
 
 def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:

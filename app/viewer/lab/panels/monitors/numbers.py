@@ -11,7 +11,7 @@ import viser
 from app.viewer.lab.panels.monitors.more import MoreNumbers
 from app.viewer.measuring.numbers import numbers, rows
 from app.viewer.measuring.readings import Readings
-from app.viewer.panels.plotted import csv_text, file_stem
+from app.viewer.panels.plotted import file_stem, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.sheet import Sheets
 from app.viewer.panels.style import block
@@ -80,7 +80,7 @@ class NumbersTable:
 
     def csv(self) -> bytes:
         """The table as a file."""
-        return csv_text(self.header, self.rows).encode()
+        return plot_csv(self.header, self.rows).encode()
 
 
 def tabled(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

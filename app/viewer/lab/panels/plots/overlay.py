@@ -18,7 +18,7 @@ from app.viewer.measuring.measured import scale, told, words
 from app.viewer.measuring.readings import Readings
 from app.viewer.measuring.table import TICKS, table, titled, unit
 from app.viewer.panels.chart import DASH, Curve, Shown
-from app.viewer.panels.plotted import Line, Plotted, csv_text
+from app.viewer.panels.plotted import Line, Plotted, plot_csv
 from app.viewer.panels.style import BLUE, GREEN, key
 from app.viewer.run.beside import ratio
 
@@ -192,7 +192,7 @@ class Overlay:
             titles=(title, self.axis(names, room=np.inf)),
             range=limits(names),
             lines=[line for line in lines if len(line.at)],
-            table=lambda: csv_text(*table(runs, names)),
+            table=lambda: plot_csv(*table(runs, names)),
         )
 
     def name(self, tick: int) -> str:

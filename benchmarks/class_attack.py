@@ -1,0 +1,216 @@
+"""What students wait for their results while others hand in all that takes long.
+
+    uv run python benchmarks/class_attack.py [--dishonest 1 3 10] [--honest 10] [--seconds 20]
+
+Starts `flockscope class` with flocks of 300 agents (hwvem) and a question about how many there are.
+Honest students hand in their run every three seconds. Dishonest ones open runs that take as long as
+they can and hand them in as often as they are let, all the time: agents of whom each pair takes a
+thousand times what it usually does; as many pairs as may be handed in; and 2 000 agents on a side
+of 1. One more student is honest and slow. Before they begin, all of them look at flocks of theirs
+for as long. Prints for each number of dishonest ones how long the honest waited before and then;
+what became of the runs of the others; how long the teacher waited for a picture and for the class's
+file, and how often the class was not kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import statistics
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import aiohttp
+from classroom import Class, Student, do, teach
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from app.viewer.gallery.address import packed
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.home import at_home
+
+AGENTS = 300
+APART = 3.0
+"""Seconds between two results of an honest student."""
+QUESTION = {
+    "title": "Order against agents",
+    "parameter": "agents",
+    "measure": {"observe": "polarisation", "over": 100},
+    "ticks": 500,
+}
+SLOW = at_home("hwvem", agents=1500, size=8.0)
+LONG = (
+    at_home("squashing-best", agents=500, size=20.0, world="wrap"),
+    at_home("hwvem", agents=2000, size=7.8),
+    at_home("hwvem", agents=2000, size=1.0),
+)
+WAITS = aiohttp.ClientTimeout(total=300.0)
+
+
+@dataclass
+class Waits:
+    """What came of one class."""
+
+    quiet: list[float] = field(default_factory=list)
+    """Seconds that honest students waited for a result before others attacked,"""
+    honest: list[float] = field(default_factory=list)
+    """and then."""
+    begun: bool = False
+    """Whether others attack."""
+    refused: list[str] = field(default_factory=list)
+    """What honest ones were told that got none."""
+    others: Counter[str] = field(default_factory=Counter)
+    """What became of the runs of the dishonest and the slow."""
+    teacher: list[float] = field(default_factory=list)
+    """Seconds for a picture, and for the class's file."""
+    not_kept: int = 0
+
+
+class Handing(Student):
+    """A student who hands in runs."""
+
+    async def hand_in(self, session: aiohttp.ClientSession, base: str) -> tuple[int, str, float]:
+        """Hand in: status, words and seconds."""
+        headers = {"Cookie": self.cookies, "Origin": base, "X-Flockscope": "class"}
+        began = time.perf_counter()
+        async with session.post(
+            f"{base}/class/hand-in", json={}, headers=headers, timeout=WAITS
+        ) as answer:
+            said = await answer.text()
+            return answer.status, said.strip(), time.perf_counter() - began
+
+    async def open(self, session: aiohttp.ClientSession, base: str, spec: object) -> None:
+        """Open a run in one's own flock."""
+        headers = {"Cookie": self.cookies, "X-Flockscope": "scene"}
+        at = f"{base}/open?sure=1&scene={packed(SavedScene('A run', spec))}"  # type: ignore[arg-type]
+        while True:
+            async with session.get(at, headers=headers) as answer:
+                if answer.status == 200:
+                    return
+            await asyncio.sleep(0.5)
+
+    async def honest(self, session: aiohttp.ClientSession, base: str, waits: Waits) -> None:
+        """Hand in now and then."""
+        await asyncio.sleep(APART * self.number / 10 % APART)
+        while True:
+            status, said, took = await self.hand_in(session, base)
+            if status == 200:
+                (waits.honest if waits.begun else waits.quiet).append(took)
+            else:
+                waits.refused.append(said)
+            await asyncio.sleep(APART)
+
+    async def other(
+        self, session: aiohttp.ClientSession, base: str, waits: Waits, who: str, apart: float
+    ) -> None:
+        """Hand in again and again."""
+        while True:
+            status, said, _ = await self.hand_in(session, base)
+            ends = ("was ended: wait", "hand in again in", "too long for", "too much at once")
+            what = next(
+                (one for one in ends if one in said), "refused" if status != 200 else "made"
+            )
+            waits.others[f"{who}: {what}"] += 1
+            await asyncio.sleep(apart)
+
+
+async def teacher_waits(
+    session: aiohttp.ClientSession, base: str, cookie: dict[str, str], waits: Waits
+) -> None:
+    """Ask for what the teacher takes along, again and again."""
+    while True:
+        for path in ("results.png", "class.zip"):
+            began = time.perf_counter()
+            async with session.get(f"{base}/class/{path}", headers=cookie, timeout=WAITS) as answer:
+                await answer.read()
+                if answer.status == 200:
+                    waits.teacher.append(time.perf_counter() - began)
+        await asyncio.sleep(4.0)
+
+
+async def measure(honest: int, dishonest: int, slow: int, seconds: float) -> Waits:
+    """One class with so many of each."""
+    waits = Waits()
+    with tempfile.TemporaryDirectory() as folder, open(Path(folder) / "said", "w+") as said:
+        ours = Class(folder, AGENTS, honest + dishonest + slow, said)
+        try:
+            connector = aiohttp.TCPConnector(limit=0)
+            jar = aiohttp.DummyCookieJar()
+            async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
+                await attack(session, ours, waits, (honest, dishonest, slow), seconds)
+        finally:
+            ours.end()
+        said.seek(0)
+        waits.not_kept = said.read().count("is not kept")
+    return waits
+
+
+async def attack(
+    session: aiohttp.ClientSession,
+    ours: Class,
+    waits: Waits,
+    counts: tuple[int, int, int],
+    seconds: float,
+) -> None:
+    """Have all of them hand in for so many seconds."""
+    base = ours.link.rpartition("/")[0]
+    cookie = await teach(session, ours.teachers)
+    await do(session, ours.link, cookie, {"do": "role", "role": "own"})
+    students = [Handing(number, AGENTS) for number in range(sum(counts))]
+    for one in students:
+        await one.enter(session, ours.link)
+    tasks = [asyncio.create_task(one.read()) for one in students]
+    await do(session, ours.link, cookie, {"do": "ask", "question": QUESTION})
+    first, last = counts[0], counts[0] + counts[1]
+    while (await students[0].hand_in(session, base))[0] != 200:  # all is compiled then
+        await asyncio.sleep(0.5)
+    tasks += [asyncio.create_task(one.honest(session, base, waits)) for one in students[:first]]
+    tasks.append(asyncio.create_task(teacher_waits(session, base, cookie, waits)))
+    await asyncio.sleep(seconds)
+    for number, one in enumerate(students[first:last]):
+        await one.open(session, base, LONG[number % len(LONG)])
+        tasks.append(asyncio.create_task(one.other(session, base, waits, "dishonest", 0.2)))
+    for one in students[last:]:
+        await one.open(session, base, SLOW)
+        tasks.append(asyncio.create_task(one.other(session, base, waits, "slow", APART)))
+    waits.begun = True
+    await asyncio.sleep(seconds)
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+    await asyncio.gather(*(one.line.close() for one in students))
+
+
+def main() -> None:
+    """Measure and print."""
+    asking = argparse.ArgumentParser(description="What students wait while others attack.")
+    asking.add_argument("--dishonest", type=int, nargs="+", default=[1, 3, 10])
+    asking.add_argument("--honest", type=int, default=10)
+    asking.add_argument("--seconds", type=float, default=20.0)
+    given = asking.parse_args()
+    for dishonest in given.dishonest:
+        found = asyncio.run(measure(given.honest, dishonest, 1, given.seconds))
+        print(f"{given.honest} honest, {dishonest} dishonest and one slow student")
+        for what, took in (("before", found.quiet), ("attacked", found.honest)):
+            if took:
+                print(
+                    f"  {what:9} {len(took):4} results waited for {statistics.mean(took):6.2f} s "
+                    f"(longest {max(took):.2f})"
+                )
+        if found.quiet and found.honest:
+            times = statistics.mean(found.honest) / statistics.mean(found.quiet)
+            print(f"  times as long                    {times:6.2f}")
+        print(f"  honest without a result          {len(found.refused):6}")
+        for what, count in sorted(found.others.items()):
+            print(f"  {what:32} {count:6}")
+        if found.teacher:
+            print(f"  the teacher waited at most       {max(found.teacher):6.2f} s")
+        print(f"  not kept                         {found.not_kept:6}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,234 @@
+"""No student's runs take the others' time, whatever they hand in; the class is always kept."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import threading
+import time
+
+import pytest
+
+from app.classroom import run_queue
+from app.classroom.asking import Asking
+from app.classroom.class_file.opening import load
+from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.student import Role
+from app.classroom.workers.measuring import TimeLimit
+from app.classroom.workers.process import Gone, WorkerProcess
+from app.classroom.workers.task_process import TaskProcess, TimeUp
+from app.viewer.gallery.address import packed
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.run.home import at_home
+from tests.classroom.running import BUSY, roster, running
+from tests.classroom.small import SCENE
+from tests.viewer.waiting import until
+from worlds.refusal import Refusal
+
+ASKED = {
+    "title": "Order against agents",
+    "parameter": "agents",
+    "measure": {"observe": "polarisation", "over": 10},
+    "ticks": 500,
+    "values": [20.0, 30.0],
+}
+ENDLESS = at_home("squashing-best", agents=500, size=20.0, world="wrap")
+"""Of few pairs, each of which takes it a thousand times what one takes other models."""
+SLOW = at_home("hwvem", agents=2000, size=9.0)
+"""As much as may be handed in: a few seconds of a core."""
+
+
+class Tasks:
+    """Tasks of known length."""
+
+    def echo(self, text):
+        return text
+
+    def sleep(self, seconds):
+        time.sleep(seconds)
+
+    def burn(self):
+        with TimeLimit(0.2):
+            while True:
+                pass
+
+    def crash(self):
+        os._exit(1)
+
+
+def hand_in(person):
+    """Hand in, however long that takes on a busy machine."""
+    with contextlib.suppress(TimeoutError):
+        person.send("/class/hand-in", {})
+
+
+def noted(teacher):
+    """What the teacher's page says of the runs of each student."""
+    return {one["name"]: one["note"] for one in roster(teacher)["students"]}
+
+
+def toml(spec):
+    return SavedScene("A run", spec).to_toml()
+
+
+def test_the_time_of_a_request_is_counted_from_when_the_worker_turns_to_it():
+    async def asked():
+        worker = await WorkerProcess(lambda _: None, Tasks).begin()
+        try:
+            await worker.ask("echo", "it is there", patience=BUSY)
+            each = [worker.ask("sleep", 1.5, patience=5.0) for _ in range(4)]
+            await asyncio.gather(*each)  # six seconds in all
+            assert await worker.ask("echo", "and on time") == "and on time"
+            with pytest.raises(Gone):
+                await worker.ask("sleep", BUSY, patience=0.5)
+        finally:
+            worker.process.kill()
+            await worker.close()
+
+    asyncio.run(asked())
+
+
+@pytest.mark.parametrize(("ends", "how"), [("burn", TimeUp), ("crash", Gone)])
+def test_a_task_that_is_ended_takes_no_other_with_it(ends, how):
+    async def done():
+        process = TaskProcess(Tasks)
+        try:
+            asked = ["echo", ends, "echo", ends, "echo"]
+            given = [(name, *(["x"] if name == "echo" else [])) for name in asked]
+            found = await asyncio.gather(
+                *(process.do(*one, patience=BUSY) for one in given), return_exceptions=True
+            )
+        finally:
+            await process.close()
+        assert [one if one == "x" else type(one) for one in found] == ["x", how, "x", how, "x"]
+
+    asyncio.run(done())
+
+
+def test_of_those_who_wait_the_one_who_has_had_least_is_next():
+    order = []
+
+    async def asked(process, rank):
+        await process.do("echo", "", rank=rank)
+        order.append(rank)
+
+    async def done():
+        process = TaskProcess(Tasks)
+        try:
+            await asyncio.gather(*(asked(process, rank) for rank in (9.0, 3.0, 2.0, 7.0, 2.0)))
+        finally:
+            await process.close()
+
+    asyncio.run(done())
+    assert order == [9.0, 2.0, 2.0, 3.0, 7.0]  # the first found nobody there
+
+
+@pytest.mark.parametrize("dishonest", [1, 3, 10])
+def test_others_have_their_results_while_the_runs_of_some_never_end(
+    dishonest, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(run_queue, "SECONDS", 3.0)
+    names = [f"Eve {k}" for k in range(dishonest)]
+    over = []
+
+    async def handed(asking, name, spec):
+        try:
+            return await asking.hand_in(name, toml(spec))
+        finally:
+            over.append(name)
+
+    async def honest(asking, number):
+        for again in range(3):
+            point = await handed(asking, f"Ada {number}", SCENE.but(seed=10 * number + again))
+            assert point.status == "ok"
+
+    async def attacked():
+        asking = Asking(tmp_path / "results")
+        scene = SavedScene("A class", SCENE)
+        await asking.ask(ASKED, scene)
+        evil = [asyncio.create_task(handed(asking, name, ENDLESS)) for name in names]
+        slow = asyncio.create_task(handed(asking, "Slow", SLOW))
+        try:
+            await asyncio.gather(*(honest(asking, number) for number in range(4)))
+            file = tmp_path / "class.zip"
+            student = SavedStudent(Role.OWN, scene)
+            state = ClassState("A class", scene, {"Ada": student}, list(asking.all))
+            await asking.draw("save", state, file)
+            assert await asking.picture("png")
+            assert len(load(file).questions[0].points) == 12
+            assert not set(over) & {*names}, over
+            with pytest.raises(Refusal, match="your last result is still being made"):
+                await asking.hand_in(names[0], toml(ENDLESS))
+            await asyncio.wait(evil, return_when="FIRST_COMPLETED", timeout=2 * BUSY)
+            first = next(one for one in evil if one.done())
+            name = names[evil.index(first)]
+            assert str(first.exception()) == (
+                "your run took more than 3 s of processor time and was ended: wait 10 s before "
+                "the next"
+            )
+            assert asking.runs.note(name).startswith("a run took more than 3 s of processor")
+            with pytest.raises(Refusal, match=r"was refused or ended: hand in again in \d+ s"):
+                await asking.hand_in(name, toml(ENDLESS))
+            assert (await handed(asking, "Ada 1", SCENE)).status == "ok"
+            assert {one.student for one in asking.demand().points} >= {f"Ada {k}" for k in range(4)}
+        finally:
+            for task in (*evil, slow):
+                task.cancel()
+            await asking.close()
+
+    asyncio.run(attacked())
+
+
+def test_a_page_that_is_left_has_no_second_run(tmp_path):
+    async def left():
+        asking = Asking(tmp_path / "results")
+        await asking.ask(ASKED, SavedScene("A class", SCENE))
+        try:
+            first = asyncio.create_task(asking.hand_in("Eve", toml(SCENE)))
+            await asyncio.sleep(0)
+            first.cancel()
+            with pytest.raises(Refusal, match="your last result is still being made"):
+                await asking.hand_in("Eve", toml(SCENE))
+            while not asking.demand().points:
+                await asyncio.wait(asking.handed, timeout=BUSY)
+        finally:
+            await asking.close()
+
+    asyncio.run(left())
+
+
+def test_the_pause_grows_and_runs_that_were_ended_count():
+    queue = run_queue.RunQueue()
+    record = queue.record("Eve")
+    told = [str(queue.ended(record, "ended with its process")) for _ in range(7)]
+    assert [float(one.split()[-5]) for one in told] == [10, 20, 40, 80, 160, 300, 300]
+    assert "7 times so far" in queue.note("Eve")
+    assert queue.note("Ada") == ""
+
+
+def test_the_teacher_sees_whose_run_was_ended_and_why(tmp_path):
+    with running(tmp_path) as ours:
+        teacher, ada, eve = ours.teacher(), ours.student("Ada"), ours.student("Eve")
+        assert teacher.do("ask", question=ASKED | {"values": []}).status == 200
+        with ada.connect(), eve.connect():
+            scene = packed(SavedScene("Endless", ENDLESS))
+            marked = {"X-Flockscope": "scene", "Sec-Fetch-Site": "same-origin"}
+            assert until(
+                lambda: eve.ask(f"/open?scene={scene}&sure=1", headers=marked).status == 200, BUSY
+            )
+            until(lambda: "squashing" in json.loads(eve.ask("/scene.json").text)["command"], BUSY)
+            waits = threading.Thread(target=hand_in, args=(eve,))
+            waits.start()
+            assert ada.send("/class/hand-in", {}).status == 200
+            assert until(lambda: noted(teacher)["Eve"], 5 * BUSY)
+            again = eve.send("/class/hand-in", {})
+            waits.join()
+        assert (again.status, "hand in again in" in again.text) == (400, True), again.text
+        assert noted(teacher) == {
+            "Ada": "",
+            "Eve": "a run took more than 8 s of processor time and was ended: "
+            "waits 10 s before the next",
+        }
+        assert "is not kept" not in ours.stop()
