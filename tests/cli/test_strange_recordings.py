@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from agents import Flock, frames, parquet
 from agents.record import KEY, Recorder
 from agents.recording import Recording
-from cli.calling import refusal
+from cli.calling import call, refusal
 from worlds.refusal import Refusal
 
 
@@ -249,3 +249,13 @@ def test_metadata_whose_bytes_are_changed_make_a_flock_or_one_line(table, data):
     except Refusal as refusal:
         line = str(refusal)
     assert "\n" not in line
+
+
+def test_a_title_reaches_no_terminal_as_it_is(table, tmp_path):
+    title = "\x1b]0;owned\x07\x1b[2J\u202eflock\nroot#\x9b31m"
+    path = written(told(table, title=title), tmp_path / "title.parquet")
+    shown = call("recording", path).stdout
+    assert shown.startswith(
+        "\\x1b]0;owned\\x07\\x1b[2J\\u202eflock\\nroot#\\x9b31m (vem): 5 agents"
+    )
+    assert json.loads(call("recording", path, "--json").stdout)["title"] == title
