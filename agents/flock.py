@@ -20,7 +20,8 @@ from agents.models.declare import checked
 from agents.models.sources import cite
 from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
-from agents.record import STATES, Recorder, read_state
+from agents.record import STATES, Recorder
+from agents.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import DEFAULT, Spec, versions, whole
 from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
@@ -275,7 +276,8 @@ class Flock(Motion, mesa.Model):
     @classmethod
     def load(cls, path: str | Path, tick: int | None = None, **more: Any) -> Flock:
         """The flock of a saved state, or of one tick (the last) of a recording. Raises Refusal."""
-        return cls.from_snapshot(*read_state(path, tick), **more)
+        saved = Recording(path)
+        return cls.from_snapshot(saved.spec, saved.state(tick), **more)
 
     @classmethod
     def from_snapshot(cls, spec: Spec, saved: Snapshot, **more: Any) -> Flock:

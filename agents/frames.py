@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from agents.columns import AXES, PAST
 from agents.models.declare import checked
 from agents.models.model import Model
+from agents.parquet import BATCH, MOST_NUMBERS, ParquetTable
 from agents.record import arrays_of
 from agents.snapshot import Snapshot
 from agents.spec import Spec
@@ -20,48 +22,98 @@ AT_HAND = 64 * 2**20
 """Bytes of decoded rows that are kept."""
 
 
-class Frames:
-    """Takes snapshots from an open Parquet file; those that lie together are kept at hand.
+MOST = 2**24
+"""Ticks of a recording, and agents in it: what is kept of each is kept together."""
 
-    `ticks` are those that are recorded, rising. The rows of a tick follow each other in the file,
-    and ticks rise in it, as recordings are written. Raises Refusal for any other file.
+
+class TickIndex:
+    """Where each tick of a recording begins, found by a look at every row, a piece at a time.
+
+    The rows of a tick follow each other in the file, and ticks rise in it, as recordings are
+    written. Raises Refusal for any other file.
+
+    Attributes
+    ----------
+    ticks: those that are recorded, rising, int. starts: the first row of each. ends: behind the
+    last. agents: how many there are, those that came and went among them.
     """
 
-    def __init__(self, file: Any, origin: str, spec: Spec, model: Model, world: World, ids: int):
+    def __init__(self, file: ParquetTable):
         self.file = file
-        self.origin = origin
+        ticks, starts = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
+        known, fresh, many = np.empty(0, np.int64), [], 0
+        last, row, frames = -1, 0, 0
+        open_ids = np.empty(0, np.int64)
+        """Of the tick that the last piece ends in."""
+        most = MOST_NUMBERS // max(len(file.names), 1)
+        for batch in file.batches(("tick", "id")):
+            tick, ids = self.whole(batch["tick"], "ticks"), self.whole(batch["id"], "identities")
+            step = np.diff(tick, prepend=last)
+            if (tick < 0).any() or (tick >= LARGEST).any():
+                raise Refusal(f"{file.origin} holds ticks outside [0, 2^53)")
+            if (step < 0).any():
+                raise Refusal(f"{file.origin} is no recording: its ticks do not rise")
+            first = np.flatnonzero(step)
+            ticks.append(tick[first])
+            starts.append(first + row)
+            frames += len(first)
+            open_ids = self.unique(
+                np.concatenate([np.full(len(open_ids), last), tick]),
+                np.concatenate([open_ids, ids]),
+            )
+            fresh.append(batch["id"].unique().to_numpy().astype(np.int64))
+            many += len(fresh[-1])
+            if many > max(BATCH, len(known)):
+                known, fresh, many = np.unique(np.concatenate([known, *fresh])), [], 0
+            row += len(tick)
+            last = int(tick[-1])
+            if max(frames, len(known)) > MOST or len(open_ids) > most:
+                raise file.too_much(f"{row} rows and more that are looked up together")
+        self.ticks, self.starts = np.concatenate(ticks), np.concatenate(starts)
+        self.ends = np.append(self.starts[1:], row)
+        self.agents = len(np.unique(np.concatenate([known, *fresh])))
+
+    def whole(self, column: Any, what: str) -> np.ndarray:
+        """A column of whole numbers, int64. Raises Refusal."""
+        import pyarrow as pa
+
+        if not pa.types.is_integer(column.type) or column.null_count:
+            raise Refusal(f"{self.file.origin} is no recording: its {what} are no whole numbers")
+        found: np.ndarray = column.to_numpy().astype(np.int64)
+        return found
+
+    def unique(self, tick: np.ndarray, ids: np.ndarray) -> np.ndarray:
+        """The identities of the last tick. Raises Refusal where one is twice in a tick."""
+        step, same = np.diff(ids), np.diff(tick) == 0
+        if (step[same] <= 0).any():  # mostly they rise
+            order = np.lexsort((ids, tick))
+            twice = (np.diff(ids[order]) == 0) & (np.diff(tick[order]) == 0)
+            if twice.any():
+                at = tick[order][np.argmax(twice)]
+                raise Refusal(
+                    f"{self.file.origin} has two agents of one identity at one tick ({at})"
+                )
+        return ids[tick == tick[-1]]
+
+    def place(self, tick: int) -> int | None:
+        """Which of the recorded ticks it is; None for another."""
+        place = int(np.searchsorted(self.ticks, tick))
+        return place if place < len(self.ticks) and self.ticks[place] == tick else None
+
+
+class Frames:
+    """Takes snapshots from a recording; the rows that lie together are kept at hand."""
+
+    def __init__(self, index: TickIndex, spec: Spec, model: Model, world: World, next_id: int):
+        self.file, self.index = index.file, index
+        self.ticks, self.starts, self.ends = index.ticks, index.starts, index.ends
+        self.origin = self.file.origin
         self.spec = spec
         self.model = model
         self.world = world
-        self.next_id = ids
-        self.parameters = checked(model.parameters, spec.parameters, origin)
+        self.next_id = next_id
+        self.parameters = checked(model.parameters, spec.parameters, self.origin)
         self.groups: OrderedDict[int, Any] = OrderedDict()
-        sizes = [file.metadata.row_group(k).num_rows for k in range(file.num_row_groups)]
-        self.offsets = np.concatenate([[0], np.cumsum(sizes)])
-        """Of each row group of the file the first row, and the number of all rows."""
-        tick = self.tick_column()
-        self.starts = np.flatnonzero(np.diff(tick, prepend=-1))
-        """The first row of each tick."""
-        self.ends = np.append(self.starts[1:], len(tick))
-        """Behind the last."""
-        self.ticks = tick[self.starts]
-        if (np.diff(self.ticks) <= 0).any():
-            raise Refusal(f"{origin} is no recording: its ticks do not rise")
-        if self.ticks[-1] >= LARGEST or self.ticks[0] < 0:
-            raise Refusal(f"{origin} holds ticks outside [0, 2^53)")
-
-    def tick_column(self) -> np.ndarray:
-        """The tick of every row of the file, int. Raises Refusal."""
-        import pyarrow as pa
-
-        try:
-            column = self.file.read(columns=["tick"], use_threads=False)["tick"]
-            whole = pa.types.is_integer(column.type) and not column.null_count
-        except (pa.ArrowException, OSError):
-            raise Refusal(f"{self.origin} is damaged: its ticks cannot be read") from None
-        if not whole or len(column) == 0:
-            raise Refusal(f"{self.origin} is no recording: its ticks are no whole numbers")
-        return column.to_numpy().astype(np.int64)
 
     def before(self, tick: float) -> int:
         """The last recorded tick that is not after one; the first of all before that."""
@@ -69,8 +121,8 @@ class Frames:
 
     def at(self, tick: int) -> Snapshot:
         """The flock at a recorded tick. Raises Refusal for another, and for rows that are none."""
-        place = int(np.searchsorted(self.ticks, tick))
-        if place == len(self.ticks) or self.ticks[place] != tick:
+        place = self.index.place(tick)
+        if place is None:
             raise Refusal(f"tick = {tick} is not in {self.origin}")
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
@@ -85,26 +137,21 @@ class Frames:
         """The rows from one up to another, a pyarrow Table. Raises Refusal."""
         import pyarrow as pa
 
-        low = int(np.searchsorted(self.offsets, first, side="right")) - 1
-        high = int(np.searchsorted(self.offsets, end, side="left"))
+        low = int(np.searchsorted(self.file.offsets, first, side="right")) - 1
+        high = int(np.searchsorted(self.file.offsets, end, side="left"))
         parts = []
         for k in range(low, high):
-            offset = int(self.offsets[k])
-            since, until = max(first - offset, 0), min(end, int(self.offsets[k + 1])) - offset
+            offset = int(self.file.offsets[k])
+            since, until = max(first - offset, 0), min(end, int(self.file.offsets[k + 1])) - offset
             parts.append(self.group(k).slice(since, until - since))
         return pa.concat_tables(parts).combine_chunks()
 
     def group(self, k: int) -> Any:
         """A row group of the file, decoded, a pyarrow Table. Raises Refusal."""
-        import pyarrow as pa
-
         if k in self.groups:
             self.groups.move_to_end(k)
             return self.groups[k]
-        try:
-            table = self.file.read_row_group(k, use_threads=False)
-        except (pa.ArrowException, OSError):
-            raise Refusal(f"{self.origin} is damaged: rows of it cannot be read") from None
+        table = self.file.group(k)
         demand_numbers(table, self.origin)
         self.groups[k] = table
         while len(self.groups) > 1 and sum(one.nbytes for one in self.groups.values()) > AT_HAND:
@@ -113,13 +160,28 @@ class Frames:
 
 
 def demand_numbers(table: Any, origin: str) -> None:
-    """Raise Refusal where a column of a table holds anything but numbers, or nothing."""
+    """Raise Refusal where a column of a table holds nothing in a row."""
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        if column.null_count:
+            raise Refusal(f"{origin}: its column {name!r} holds what is no number")
+
+
+def demand_kinds(schema: Any, origin: str) -> None:
+    """Raise Refusal for a table whose columns cannot be those of a recording by their types."""
     import pyarrow as pa
 
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        kind = column.type
-        if pa.types.is_fixed_size_list(kind):
+    types = pa.types
+    lists = (types.is_list, types.is_large_list, types.is_fixed_size_list)
+    numbers = (types.is_integer, types.is_floating, types.is_boolean)
+    for field in schema:
+        kind, is_axis = field.type, field.name.removeprefix("u") in tuple(AXES)
+        if field.name == PAST and any(one(kind) for one in lists):
             kind = kind.value_type
-        number = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean)
-        if column.null_count or not any(one(kind) for one in number):
-            raise Refusal(f"{origin}: its column {name!r} holds what is no number")
+        if field.name == "tick" or field.name == "id":
+            sound, what = types.is_integer(kind), "no whole numbers"
+        elif is_axis or field.name in ("speed", PAST):
+            sound, what = types.is_floating(kind), "what is no number with a point"
+        else:
+            sound, what = any(one(kind) for one in numbers), "what is no number"
+        if not sound:
+            raise Refusal(f"{origin}: its column {field.name!r} holds {what}")

@@ -16,16 +16,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from agents.catalogue import model
 from agents.columns import AXES, LEG, PAST, columns_of, crash_columns
 from agents.engine.arrays import Arrays
-from agents.home import find_world
-from agents.models.declare import checked
 from agents.models.model import Model
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.rows import no_crashes
-from agents.state.usable import demand_usable
 from worlds.counting import counted
 from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
@@ -298,48 +294,6 @@ def recover(part: str | Path) -> tuple[Path, int]:
         raise Refusal(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
     except pa.ArrowInvalid:
         raise Refusal(f"{str(part)!r} is not a recording that flockscope has begun") from None
-
-
-def read_state(path: str | Path, tick: int | None = None) -> tuple[Spec, Snapshot]:
-    """The run, and the flock at a tick (by default the last), of a saved state or recording.
-
-    Raises Refusal.
-    """
-    demand_parquet(f"reading {str(path)!r}")
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
-        file = pq.ParquetFile(path)
-        meta = json.loads((file.schema_arrow.metadata or {})[KEY])
-        wanted = last_tick(file) if tick is None else tick
-        table = pq.read_table(path, filters=[("tick", "==", wanted)])
-        next_id, text = int(meta["next_id"]), str(meta["spec"])
-    except OSError as error:
-        raise Refusal(f"state {str(path)!r} cannot be read: {error.strerror or error}") from None
-    except (pa.ArrowException, KeyError, TypeError, ValueError):
-        raise Refusal(
-            f"{str(path)!r} is not a state or a recording of flockscope (Parquet with its spec)"
-        ) from None
-    if table.num_rows == 0:
-        raise Refusal(f"tick = {wanted} is not in {str(path)!r}")
-    spec = Spec.from_toml(text, str(path))
-    spec.demand_complete(str(path))
-    one = model(spec.model)
-    world = find_world(spec, one)
-    origin = repr(str(path))
-    arrays = arrays_of(table, world.dim, one, origin)
-    demand_usable(arrays, world, origin)
-    next_id = max(next_id, int(arrays.ids.max()) + 1)
-    parameters = checked(one.parameters, spec.parameters)
-    return spec, Snapshot(one, world, parameters, spec.seed or 0, wanted, arrays, next_id, True)
-
-
-def last_tick(file) -> int:
-    """The last tick of a recording, from its statistics."""
-    column = file.schema_arrow.names.index("tick")
-    groups = [file.metadata.row_group(k).column(column) for k in range(file.num_row_groups)]
-    return max(group.statistics.max for group in groups)
 
 
 def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from agents.catalogue import model
-from agents.frames import Frames
+from agents.frames import Frames, TickIndex, demand_kinds
 from agents.home import find_world
 from agents.models.declare import checked
-from agents.record import KEY, PAST, SHEET, described, table_writer
+from agents.parquet import ParquetTable, demand_format
+from agents.record import FORMAT, KEY, PAST, SHEET, described, table_writer
 from agents.snapshot import Snapshot
 from agents.spec import Spec, whole
+from agents.state.usable import LARGEST
 from worlds.checks import demand_sound
-from worlds.extra import demand_parquet
 from worlds.layout import world_from_layout
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import Refusal, shortened, unknown
 from worlds.world import World
 from worlds.writing import writing
 
@@ -28,11 +30,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+KIND = "a state or a recording of flockscope (Parquet with its spec)"
+
+
 class Recording:
     """A file of `flockscope run --record` or `--save`, or of `Flock.save`; nothing is run.
 
-    `content`: its bytes where there is no file, as of one that a browser has sent. Positions and
-    the like are read from the file as they are asked for. A recording of before units and world
+    `content`: its bytes where there is no file, as of one that a browser has sent. Whoever made it:
+    rows are read from the file as they are asked for, a piece at a time, and what cannot be a
+    recording is refused. A recording of before units and world
     were written with it needs its model at hand for both. Raises Refusal if it is no such file.
 
     Attributes
@@ -44,55 +50,52 @@ class Recording:
     """
 
     def __init__(self, path: str | Path, content: bytes | None = None):
-        demand_parquet(f"reading {str(path)!r}")
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
         self.path = Path(path)
-        self.content = content
+        self.file = ParquetTable(path, content, KIND)
+        self.names, self.rows = self.file.names, self.file.rows
+        if not self.rows or not {"tick", "id"} <= set(self.names):
+            raise self.file.is_none()
+        demand_kinds(self.file.schema, self.file.origin)
+        meta = self.file.metadata(KEY)
+        if not {"spec", "next_id"} <= set(meta):
+            raise self.file.is_none()
+        written_in = demand_format(meta, FORMAT, self.file.origin)
         try:
-            if content is None:
-                open(path, "rb").close()  # whose errors have words of their own
-            with pq.ParquetFile(self.source) as file:
-                self.names: list[str] = file.schema_arrow.names
-                self.rows: int = file.metadata.num_rows
-                meta = json.loads((file.schema_arrow.metadata or {})[KEY])
-                text, self.next_id = str(meta["spec"]), int(meta["next_id"])
-            if not self.rows or not {"tick", "id"} <= set(self.names):
-                raise ValueError
-        except OSError as error:
-            reason = " ".join(str(error.strerror or error).split())
-            raise Refusal(f"recording {str(path)!r} cannot be read: {reason}") from None
-        except (pa.ArrowException, KeyError, TypeError, ValueError):
-            raise Refusal(
-                f"{str(path)!r} is not a state or a recording of flockscope (Parquet with its spec)"
-            ) from None
-        self.spec = Spec.from_toml(text, str(path))
-        self.spec.demand_complete(str(path))
-        if meta.get("format") == 1:
-            meta = self.of_before(meta)
-        try:
-            self.model, self.title = str(meta["model"]), str(meta["title"])
+            text = text_of(meta["spec"])
+            self.spec = Spec.from_toml(text, str(path))
+            self.spec.demand_complete(str(path))
+            if written_in == 1:
+                meta = self.of_before(meta)
+            self.next_id = meta["next_id"]
+            if type(self.next_id) is not int or not 0 <= self.next_id <= LARGEST:
+                raise ValueError(f"next_id = {shortened(self.next_id)} is outside [0, 2^53]")
+            self.model, self.title = text_of(meta["model"]), text_of(meta["title"])
             self.time_per_tick = float(meta["time_per_tick"])
-            self.time_unit, self.length_unit = str(meta["time_unit"]), str(meta["length_unit"])
+            if not 0.0 < self.time_per_tick < math.inf:
+                raise ValueError(f"a tick stands for a time of {self.time_per_tick:g}")
+            self.time_unit = text_of(meta["time_unit"])
+            self.length_unit = text_of(meta["length_unit"])
             self.columns: dict[str, dict[str, str]] = {
-                name: {key: str(meta["columns"][name][key]) for key in ("unit", "meaning")}
+                name: {key: text_of(meta["columns"][name][key]) for key in ("unit", "meaning")}
                 for name in self.names
             }
             self.layout: dict[str, Any] = dict(meta["world"])
-            self.world_name = str(meta["world_name"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise Refusal(f"the metadata of {str(path)!r} is damaged: {error!r}") from None
+            self.world_name = text_of(meta["world_name"])
+        except KeyError as missing:
+            raise self.bad_metadata(f"it has no {missing}") from None
+        except RecursionError:
+            raise self.bad_metadata("it is nested too deeply") from None
+        except Refusal:
+            raise
+        except (OverflowError, TypeError, ValueError) as error:
+            raise self.bad_metadata(str(error)) from None
+
+    def bad_metadata(self, how: str) -> Refusal:
+        """The refusal for metadata that none can be."""
+        return Refusal(f"the metadata of {self.file.origin} is damaged: {how}")
 
     def __repr__(self) -> str:
         return f"<Recording {self.model}, {len(self.ticks)} frames, {self.rows} rows, {self.path}>"
-
-    @property
-    def source(self) -> Any:
-        """What pyarrow reads it from."""
-        import pyarrow as pa
-
-        return self.path if self.content is None else pa.BufferReader(self.content)
 
     def of_before(self, meta: dict[str, Any]) -> dict[str, Any]:
         """The metadata of format 1 with what is missing there, from its model. Raises Refusal."""
@@ -103,19 +106,33 @@ class Recording:
     @cached_property
     def world(self) -> World:
         """The world, with all that stands in it. Raises Refusal."""
-        made = world_from_layout(self.layout, self.world_name)
-        demand_sound(made)
+        try:
+            made = world_from_layout(self.layout, self.world_name)
+            demand_sound(made)
+        except (OverflowError, RecursionError, TypeError, ValueError) as error:
+            why = str(error) if isinstance(error, Refusal) else "it cannot be read"
+            raise Refusal(f"the world of {self.file.origin} is none: {why}") from None
+        if made.dim != self.spec.dim:
+            raise Refusal(
+                f"the world of {self.file.origin} has {made.dim} dimensions, "
+                f"its run {self.spec.dim}"
+            )
         return made
 
     @cached_property
-    def ticks(self) -> np.ndarray:
-        """The ticks that are recorded, rising, int."""
-        return np.unique(self.table(["tick"])["tick"].to_numpy())
+    def index(self) -> TickIndex:
+        """Where each tick lies in the file, whose rows it looks through. Raises Refusal."""
+        return TickIndex(self.file)
 
-    @cached_property
+    @property
+    def ticks(self) -> np.ndarray:
+        """The ticks that are recorded, rising, int. Raises Refusal."""
+        return self.index.ticks
+
+    @property
     def agents(self) -> int:
-        """How many agents there are in it, those that came and went among them."""
-        return len(np.unique(self.table(["id"])["id"].to_numpy()))
+        """How many agents there are in it, those that came and went among them. Raises Refusal."""
+        return self.index.agents
 
     def at(self, tick: int | None = None) -> Snapshot:
         """The flock at a recorded tick, by default the last. Raises Refusal."""
@@ -124,29 +141,45 @@ class Recording:
     @cached_property
     def frames(self) -> Frames:
         """The flocks at its ticks, for those who look at many. Raises Refusal."""
-        import pyarrow.parquet as pq
+        return Frames(self.index, self.spec, model(self.spec.model), self.world, self.next_id)
 
-        one, file = model(self.spec.model), pq.ParquetFile(self.source)
-        return Frames(file, repr(str(self.path)), self.spec, one, self.world, self.next_id)
+    def state(self, tick: int | None = None) -> Snapshot:
+        """The same as `at`, in the world that its spec gives a run that goes on. Raises Refusal."""
+        one = model(self.spec.model)
+        frames = Frames(self.index, self.spec, one, find_world(self.spec, one), self.next_id)
+        return frames.at(int(self.ticks[-1]) if tick is None else tick)
 
     def table(self, columns: Iterable[str] | None = None, ticks: Any = None) -> Any:
         """The columns of these names, by default all, as a pyarrow Table.
 
-        `ticks`: a tick or several, by default all. Raises Refusal for what is not in it.
+        `ticks`: a tick or several, by default all: the table is as large as what is asked for.
+        Raises Refusal for what is not in it.
         """
-        import pyarrow.parquet as pq
-
         names = self.names if columns is None else list(columns)
         for name in names:
             if name not in self.names:
                 raise unknown("column", name, self.names, str(self.path))
         if ticks is None:
-            return pq.read_table(self.source, columns=names)
+            return self.file.table(self.file.batches(names), names)
         wanted = [whole("tick", tick, 0) for tick in np.atleast_1d(ticks).tolist()]
-        for tick in wanted:
-            if tick not in self.ticks:
+        places = {tick: self.index.place(tick) for tick in wanted}
+        for tick, place in places.items():
+            if place is None:
                 raise Refusal(f"tick = {tick} is not in {str(self.path)!r}")
-        return pq.read_table(self.source, columns=names, filters=[("tick", "in", wanted)])
+        chosen = np.unique(list(places.values()))
+        return self.file.table(self.pieces(chosen, names), names)
+
+    def pieces(self, places: np.ndarray, names: list[str]) -> Iterator[Any]:
+        """Record batches with the rows of some of its ticks, by their places among `ticks`."""
+        starts, ends = self.index.starts[places], self.index.ends[places]
+        for k, (low, high) in enumerate(pairwise(self.file.offsets)):
+            here = (starts < high) & (ends > low)
+            if not here.any():
+                continue
+            group = self.file.group(k, names)
+            for first, end in zip(starts[here], ends[here], strict=True):
+                since = max(int(first - low), 0)
+                yield from group.slice(since, int(min(end, high) - low) - since).to_batches()
 
     def to_dataframe(self, columns: Iterable[str] | None = None, ticks: Any = None) -> pd.DataFrame:
         """A data frame of pandas, one row for each agent and tick, with the file's numbers.
@@ -180,23 +213,22 @@ class Recording:
 
         What messages on their way tell, in saved states, is left out: it is a list in each row.
         """
-        import pyarrow.parquet as pq
-
         names = [name for name in self.names if name != PAST]
+        _ = self.index  # whose rows are none is refused before a file is begun
+        schema = self.file.schema
+        for name in set(self.names) - set(names):
+            schema = schema.remove(schema.get_field_index(name))
         with (
             writing("--csv", path, overwrite, (SHEET,)) as out,
-            pq.ParquetFile(self.source) as file,
+            table_writer(Path(path), out, schema) as writer,
         ):
-            schema = file.schema_arrow
-            for name in set(self.names) - set(names):
-                schema = schema.remove(schema.get_field_index(name))
-            with table_writer(Path(path), out, schema) as writer:
-                for batch in file.iter_batches(columns=names):
-                    writer.write_batch(batch.cast(schema))
+            for batch in self.file.batches(names):
+                writer.write_batch(batch.cast(schema))
         return self.rows
 
     def described(self) -> dict[str, Any]:
-        """What it holds, as JSON has it."""
+        """What it holds, as JSON has it. Raises Refusal."""
+        _ = self.world  # which is shown as a layout, and has to be one
         first, last = int(self.ticks[0]), int(self.ticks[-1])
         return {
             "recording": str(self.path),
@@ -218,3 +250,10 @@ class Recording:
             "layout": self.layout,
             "spec": self.spec.model_dump(mode="json"),
         }
+
+
+def text_of(value: Any) -> str:
+    """A text of metadata. Raises TypeError for anything else."""
+    if not isinstance(value, str):
+        raise TypeError(f"{shortened(value)} stands where a text is needed")
+    return value

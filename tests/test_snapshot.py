@@ -10,7 +10,8 @@ import pytest
 from agents import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.checks import LeftOut
-from agents.record import Recorder, read_state
+from agents.record import Recorder
+from agents.recording import Recording
 from worlds.refusal import Refusal
 
 
@@ -86,7 +87,8 @@ def test_a_recording_is_read_as_snapshots_that_can_be_measured(tmp_path):
             recorder.write()
             seen.append((flock.position.copy(), flock.observe("polarisation")))
     for tick, (position, order) in enumerate(seen, 1):
-        spec, now = read_state(path, tick)
-        assert (spec, now.tick, now.world) == (flock.spec, tick, flock.world)
+        found = Recording(path)
+        now = found.state(tick)
+        assert (found.spec, now.tick, now.world) == (flock.spec, tick, flock.world)
         assert np.array_equal(now.position, position)
         assert OBSERVABLES["polarisation"].measure(now.measurable()) == order

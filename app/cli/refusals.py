@@ -59,13 +59,21 @@ def refuse(reason: object) -> NoReturn:
     raise typer.Exit(REFUSED) from None
 
 
+def visible(text: str) -> str:
+    """A text of a file or a stranger for a terminal, which would obey what it cannot show.
+
+    >>> print(visible("a" + chr(27) + "[2J"))
+    a\\x1b[2J
+    """
+    return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
+
+
 def one_line(text: str) -> str:
     """A text in one line that a terminal can show, the middle left out of what is very long.
 
     >>> one_line("eta\\n  = \\x1b[31m9")
     'eta = \\\\x1b[31m9'
     """
-    line = " ".join(text.split())
-    line = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in line)
+    line = visible(" ".join(text.split()))
     line = re.sub(r"(\S{60})\S{80,}(\S{60})", r"\1...\2", line)
     return line if len(line) <= LONGEST else f"{line[: LONGEST - 300]} ... {line[-295:]}"

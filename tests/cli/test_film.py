@@ -4,11 +4,17 @@ import base64
 import json
 import os
 import re
+import shutil
 import signal
+import tempfile
+import time
 from contextlib import suppress
+from functools import partial
+from pathlib import Path
 
 import msgspec
 import numpy as np
+import psutil
 import pytest
 import zstandard
 from imageio_ffmpeg import count_frames_and_secs, read_frames
@@ -17,6 +23,7 @@ from agents import Flock
 from agents.record import Recorder
 from app.cli.take.film import planned
 from app.cli.take.renderer import aim_of
+from app.viewer.pictures.browser import find_browser
 from app.viewer.pictures.camera import Aim, Camera
 from app.viewer.pictures.film import Encoder, pictures
 from app.viewer.pictures.player import HOLDS
@@ -136,6 +143,59 @@ def test_ctrl_c_leaves_no_half_film_and_the_old_one(tmp_path):
 def environment(folder):
     """That of this process, with a folder for what is in the making."""
     return {**os.environ, "TMPDIR": str(folder)}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="nothing is killed so here")
+@pytest.mark.parametrize("renderer", ["plain", "browser"])
+def test_a_film_that_is_killed_leaves_no_process_and_no_folder(tmp_path, renderer):
+    if renderer == "browser" and find_browser() is None:
+        pytest.skip("there is no browser")
+    place = Path(tempfile.mkdtemp(prefix="film", dir="/tmp"))  # short enough for a browser's socket
+    wanted = {"plain": {"film"}, "browser": {"film", "browser"}}[renderer]
+
+    def folders():
+        return {one.name.split("-")[1] for one in place.glob("flockscope-*-*")}
+
+    def begun():
+        return [
+            one for one in psutil.process_iter(["cmdline"])
+            if one.pid != os.getpid() and str(place) in " ".join(one.info["cmdline"] or [])
+        ]  # fmt: skip
+
+    process = start(
+        "film", *RUN, "--to", 100_000, "--pixels", "400x320", "--renderer", renderer,
+        "--out", tmp_path / "a.mp4", env=os.environ | {"TMPDIR": str(place)},
+    )  # fmt: skip
+    try:
+        wait_until(lambda: folders() >= wanted and len(begun()) >= 2 * len(wanted), process)
+        process.kill()
+        process.communicate()
+        end = time.monotonic() + 60.0
+        while begun() or folders():
+            assert time.monotonic() < end, (begun(), folders())
+            time.sleep(0.1)
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no limit of a file's size here")
+def test_a_limit_of_a_files_size_is_named(tmp_path):
+    process = start(
+        "film", *RUN, "--to", 100, *SMALL, "--out", tmp_path / "a.mp4",
+        preexec_fn=partial(limit_files, 20_000),
+    )  # fmt: skip
+    _, said = process.communicate(timeout=120)
+    assert process.returncode == 2, said
+    assert "it is larger than the limit of this session for a file (`ulimit -f`)" in said
+    assert list(tmp_path.iterdir()) == []
+
+
+def limit_files(size):
+    """In a process that begins: no file of more bytes."""
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
 
 def test_bad_input_is_one_line(tmp_path):

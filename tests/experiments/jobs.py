@@ -32,6 +32,17 @@ class Sums:
             if not mark.exists():
                 mark.touch()
                 os.kill(os.getpid(), signal.SIGKILL)
+        if payload == "halt once":
+            mark = Path(self.folder) / f"halted-{seed}"
+            if not mark.exists():
+                mark.touch()
+                os.kill(os.getpid(), signal.SIGSTOP)
+        if payload == "halt":
+            os.kill(os.getpid(), signal.SIGSTOP)
+        if payload == "work":  # the interpreter is kept busy for longer than silence is borne
+            until = time.monotonic() + 12.0
+            while time.monotonic() < until:
+                sum(range(1000))
         if payload == "print":
             print("this is no report")
         if payload == "sleep":

@@ -3,11 +3,12 @@
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 from cli.calling import call, refusal, start, wait_until
@@ -27,6 +28,7 @@ from dask.config import set as dask_config
 from distributed import Client
 
 from app.experiments.cluster.on_cluster import OnCluster
+from app.experiments.cluster.opening import opened
 
 TEXT = """
 [run]
@@ -77,6 +79,30 @@ def wait(condition, seconds=60.0):
 def workers_of(parent):
     """The processes of Dask's workers on this machine: those that were spawned, with no nanny."""
     return [one for one in psutil.Process(parent).children() if "spawn_main" in str(one.cmdline())]
+
+
+def answers(port):
+    """What a stranger without a key gets from a port."""
+    with socket.create_connection(("127.0.0.1", port), timeout=60.0) as line:
+        line.sendall(b"GET /info/main/workers.html HTTP/1.0\r\n\r\n")
+        with suppress(ConnectionError):
+            return line.recv(1000)
+        return b""
+
+
+def test_nothing_of_a_cluster_answers_a_browser():
+    with opened(Cluster(kind="local"), 2) as made:
+        made.client.wait_for_workers(2, timeout=60)
+        here = psutil.Process()
+        ports = {
+            line.laddr.port
+            for one in (here, *here.children(recursive=True))
+            for line in one.net_connections("tcp")
+            if line.status == psutil.CONN_LISTEN
+        }
+        assert len(ports) >= 5  # the scheduler, two workers and their nannies
+        for port in ports:
+            assert not answers(port).startswith(b"HTTP"), port
 
 
 def test_whatever_a_run_does_the_others_are_kept_once(tmp_path):

@@ -89,6 +89,24 @@ def test_a_run_that_hangs_is_killed_and_the_others_are_made():
     assert broken == {3: ("killed", "it took longer than 1 s")}
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="nothing halts a process here")
+def test_a_process_that_is_halted_is_told_of_and_replaced_and_a_slow_one_goes_on(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr("app.experiments.workers.processes.SILENT", 6.0)
+    payloads = {2: "halt once", 4: "work", 6: "halt"}
+    tasks = [Task(1, seed, payloads.get(seed)) for seed in range(9)]
+    kept, said = {}, []
+    with Processes(Sums(str(tmp_path)), 3, tell=said.append) as processes:
+        assert processes.run(tasks, lambda task, outcome: kept.update({task.seed: outcome}))
+    assert sorted(kept) == list(range(9))
+    broken = {seed: (one.status, one.reason) for seed, one in kept.items() if one.status != "ok"}
+    assert broken == {6: ("killed", "its process stood still twice, with signal SIGKILL")}
+    assert len(said) == 3
+    assert sum("the process of cell 1, seed 2 has stood still for " in line for line in said) == 1
+    assert sum("the process of cell 1, seed 6 has stood still for " in line for line in said) == 2
+
+
 def test_a_clock_that_jumps_neither_kills_a_run_nor_makes_it_long():
     """As after a machine has slept for a day while a run was under way."""
     now, kept = [0.0], []

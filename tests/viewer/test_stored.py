@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock
+from agents.parquet import ParquetTable
 from agents.record import KEY
 from app.viewer.gallery.opened import opened
 from app.viewer.run.past import stored as limits
 from app.viewer.run.past.at_arms_length import rewritten
-from app.viewer.run.past.parquet_pages import unpacked_bytes
 from app.viewer.run.past.stored import Stored, stored
 from worlds.refusal import Refusal
 
@@ -163,7 +163,8 @@ def test_pages_say_themselves_what_they_unpack_to(state, monkeypatch):
     meta = pq.ParquetFile(io.BytesIO(content)).metadata
     columns = [meta.row_group(0).column(k) for k in range(meta.num_columns)]
     with_headers = sum(one.total_uncompressed_size for one in columns)
-    assert 0.4 * with_headers < unpacked_bytes(content, meta) < with_headers
+    table = ParquetTable("sent.parquet", content, "a table")
+    assert 0.4 * with_headers < table.unpacked(0, table.names) < with_headers
     monkeypatch.setattr(limits, "MOST_BYTES", 500)
     monkeypatch.setattr(pq.ParquetFile, "read", lambda *_, **__: pytest.fail("it was unpacked"))
     assert "more than the laboratory takes" in refused(content)

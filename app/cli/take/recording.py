@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome import as_json, tell_written
+from app.cli.refusals import visible
 from worlds.counting import counted
 from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
@@ -54,6 +55,11 @@ def recording(
     tell_written(csv)
 
 
+def tell_out(line: str) -> None:
+    """A line on stdout with texts of a file in it."""
+    typer.echo(visible(line))
+
+
 def show(made: dict[str, Any]) -> None:
     """Print for people what a recording of a simulation holds."""
     first, last = made["first_tick"], made["last_tick"]
@@ -62,11 +68,11 @@ def show(made: dict[str, Any]) -> None:
     a_tick = "" if unit == "ticks" else f", {made['time_per_tick']:g} {unit} a tick"
     size = " x ".join(f"{side:g}" for side in made["size"])
     length = "" if made["length_unit"] == "length" else f" {made['length_unit']}"
-    typer.echo(
+    tell_out(
         f"{made['title']} ({made['model']}): {counted(made['agents'], 'agent')} in "
         f"{made['world']} {size}{length}, seed {made['seed']}"
     )
-    typer.echo(
+    tell_out(
         f"{counted(made['frames'], 'frame')} of ticks {first} to {last}{seconds}{a_tick}; "
         f"{counted(made['rows'], 'row')}"
     )
@@ -79,7 +85,7 @@ def show_columns(columns: dict[str, dict[str, str]]) -> None:
     units = max(len(one["unit"]) for one in columns.values())
     for name, one in columns.items():
         unit = "" if one["unit"] == "1" else one["unit"]
-        typer.echo(f"  {name:<{wide}}  {unit:<{units}}  {one['meaning']}")
+        tell_out(f"  {name:<{wide}}  {unit:<{units}}  {one['meaning']}")
 
 
 def of_live_run(
@@ -102,7 +108,7 @@ def of_live_run(
         typer.echo(as_json(made | ({"csv": str(csv)} if csv else {})))
     else:
         low, high = recorded.lab.area.low, recorded.lab.area.high
-        typer.echo(
+        tell_out(
             f"{recorded.lab.title or folder}: {counted(len(recorded.lab.cars), 'car')}, rule "
             f"{recorded.lab.rule}, {high[0] - low[0]:g} x {high[1] - low[1]:g} m, "
             f"{made['time_per_tick']:g} s a tick"

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from distributed import Reschedule, Worker, get_worker
+from distributed import Reschedule, Scheduler, Worker, get_worker
 from distributed.core import Status
 
 from agents.spec import versions
@@ -27,6 +27,23 @@ PATIENCE = 30.0
 IDLE: dict[str, list[Processes]] = {}
 """Processes that wait for the next chunk, by the job that they are for."""
 LOCK = threading.Lock()
+
+
+class SweepScheduler(Scheduler):
+    """A scheduler that listens by TLS only.
+
+    Dask's own also serves pages and numbers by plain HTTP to whoever asks, dashboard or not.
+    """
+
+    def start_http_server(self, *_: Any, **__: Any) -> None:
+        """Open no server."""
+
+
+class SweepWorker(Worker):
+    """A worker that listens by TLS only, as its scheduler does."""
+
+    def start_http_server(self, *_: Any, **__: Any) -> None:
+        """Open no server."""
 
 
 def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, str]) -> bytes:

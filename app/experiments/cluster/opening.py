@@ -67,7 +67,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
     """A cluster with a client of it; what was begun for it ends with it. Raises Refusal."""
     demand_packages(cluster)
     import dask
-    from distributed import Client, LocalCluster, Security
+    from distributed import Client, Security
 
     hush()
     with ExitStack() as stack:
@@ -77,14 +77,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
         where: Any = cluster.address
         if cluster.kind == "local":
             security = Security.temporary()
-            where = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
-                silence_logs=logging.CRITICAL,
-                security=security,
-            )
+            where = local_cluster(workers, security)
         elif cluster.queued:
             security = stack.enter_context(keys(shared(cluster)))
             where = made.queue = queue_of(cluster, security, made.faults)
@@ -98,6 +91,33 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
             raise Refusal(f"no scheduler of Dask answers at {cluster.address}") from None
         stack.enter_context(made.client)
         yield made
+
+
+def local_cluster(workers: int, security: Security) -> Any:
+    """Dask's cluster of processes of this machine, whose scheduler is in this one."""
+    from distributed import Nanny
+    from distributed.deploy.spec import SpecCluster
+
+    from app.experiments.cluster.hosted import SweepScheduler, SweepWorker
+
+    here: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
+    worker = {
+        "cls": Nanny,
+        "options": here
+        | {
+            "worker_class": SweepWorker,
+            "nthreads": 1,
+            "memory_limit": 1.0 / workers,
+            "silence_logs": logging.CRITICAL,
+        },
+    }
+    return SpecCluster(
+        scheduler={"cls": SweepScheduler, "options": here | {"dashboard": False}},
+        workers=dict.fromkeys(range(workers), worker),
+        worker=worker,
+        security=security,
+        silence_logs=logging.CRITICAL,
+    )
 
 
 def hush() -> None:
@@ -126,15 +146,19 @@ def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
                 faults.append(f"{self.submit_command}: {' '.join(said)}")
                 await ProcessInterface.start(self)
 
-    return base(job_cls=Job, **arguments(cluster, security))
+    from app.experiments.cluster.hosted import SweepScheduler
+
+    return base(job_cls=Job, scheduler_cls=SweepScheduler, **arguments(cluster, security))
 
 
 def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
     """What dask-jobqueue is told of a cluster."""
+    from app.experiments.cluster.hosted import SweepWorker
+
     lifetime, stagger = cluster.lifetime
     logs = logs_of(cluster)
     ports = ["--worker-port", cluster.worker_ports, "--nanny-port", cluster.worker_ports]
-    scheduler: dict[str, Any] = {"port": cluster.port, "dashboard_address": "127.0.0.1:0"}
+    scheduler: dict[str, Any] = {"port": cluster.port, "dashboard": False}
     if cluster.interface:
         scheduler["interface"] = cluster.interface
     days, rest = divmod(cluster.seconds, 86400)
@@ -161,6 +185,7 @@ def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
             *("--lifetime", f"{lifetime}s", "--lifetime-stagger", f"{stagger}s"),
             *(ports if cluster.worker_ports else ()),
             "--no-dashboard",
+            *("--worker-class", f"{SweepWorker.__module__}.{SweepWorker.__name__}"),
         ],
         "scheduler_options": scheduler,
         "security": security,

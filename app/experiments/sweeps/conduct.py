@@ -221,7 +221,7 @@ def makers_of(
     """What makes the runs of a job: a cluster if there is one, or processes of this machine."""
     if cluster.kind:
         return OnCluster(job, cluster, workers, nice, seconds, tell)
-    return Processes(job, workers, nice, seconds)
+    return Processes(job, workers, nice, seconds, tell=tell)
 
 
 def demand_no_paper(folder: Path) -> None:

@@ -1,8 +1,9 @@
 """Runs in processes of their own that live as long as there is work: none of them ends the work.
 
 A process that is killed is replaced, and the run that it was at is made once more; one that kills
-its process twice is recorded as `killed`, and so is one that takes longer than it may. Processes
-end by themselves when their parent is gone.
+its process twice is recorded as `killed`, and so is one that takes longer than it may. A process
+that stands still, halted or hung as a whole, is killed; one that is slow shows that it lives.
+Processes end by themselves when their parent is gone.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import tempfile
 import threading
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -38,6 +39,11 @@ TRIES = 2
 """Times that a run may kill its process."""
 STILLBORN = 3
 """Processes in a row that may die before they have made a run."""
+SILENT = 60.0
+"""Seconds for which a process that has work may show no sign of life, of which there is one a
+second."""
+UNBORN = 5.0
+"""How many times as long before its first one: it may wait for a slow disk."""
 FIRST_GUESS = 0.05
 """Seconds that a run is taken to last until one is done."""
 
@@ -48,7 +54,7 @@ class Process:
 
     popen: subprocess.Popen
     started: mmap.mmap
-    """Its first eight bytes: how many runs it has begun."""
+    """Its first eight bytes: how many runs it has begun; the next: its signs of life so far."""
     waiting: deque[Task] = field(default_factory=deque)
     """Sent, and not yet reported."""
     reported: int = 0
@@ -60,6 +66,12 @@ class Process:
     """and since when."""
     overran: bool = False
     """Whether it was killed because its run took too long."""
+    beats: int = 0
+    """Signs of life that it had given when it was last looked at,"""
+    lived: float | None = None
+    """and since when; None: it was not looked at."""
+    halted: bool = False
+    """Whether it was killed because it gave none."""
 
     @property
     def begun(self) -> int:
@@ -84,6 +96,13 @@ class Process:
             self.seen, self.since = begun, now
         return begun > self.reported and now - self.since > limit
 
+    def is_silent(self, now: float) -> bool:
+        """Whether it has work, and has shown no sign of life for too long."""
+        beats = int.from_bytes(self.started[8:16], "little")
+        if beats != self.beats or self.lived is None or not self.waiting:
+            self.beats, self.lived = beats, now
+        return now - self.lived > (SILENT if beats else UNBORN * SILENT)
+
     def left(self) -> tuple[Task | None, list[Task]]:
         """The run that it died at, if it was at one, and those that it had not begun."""
         ahead = list(self.waiting)
@@ -104,7 +123,8 @@ class Processes:
     """So many processes of this machine, which make the runs of one job.
 
     `job` is pickled to each of them. `limit`: seconds that a run may take. `patience`: seconds
-    after which a process that is asked for nothing ends. Leaving it ends the processes at once.
+    after which a process that is asked for nothing ends. `tell` hears of one that stands still.
+    Leaving it ends the processes at once.
     """
 
     def __init__(
@@ -114,7 +134,9 @@ class Processes:
         nice: int = 0,
         limit: float | None = None,
         patience: float | None = None,
+        tell: Callable[[str], None] | None = None,
     ):
+        self.tell = tell or print_line
         self.beginning = job if isinstance(job, Beginning) else Beginning.of(job, nice)
         self.beginning = replace(self.beginning, patience=patience)
         self.workers = workers
@@ -166,11 +188,22 @@ class Processes:
         return True
 
     def end_late(self, now: float) -> None:
-        """End the processes whose run takes longer than it may."""
+        """End the processes whose run takes longer than it may, and those that stand still."""
         for one in self.processes:
             if not one.overran and one.is_late(now, self.limit):
                 one.overran = True
                 one.popen.kill()
+            elif not one.halted and one.is_silent(now):
+                one.halted = True
+                one.popen.kill()
+                at, _ = one.left()
+                what = "a process that was to make runs"
+                if at is not None:
+                    what = f"the process of cell {at.cell}, seed {at.seed}"
+                self.tell(
+                    f"{what} has stood still for {now - (one.lived or 0.0):.0f} s: it is ended, "
+                    "and what it had to do is done by another"
+                )
 
     def begin(self) -> Process:
         """A new process."""
@@ -255,7 +288,13 @@ class Processes:
         elif at.tries < TRIES:
             ahead.appendleft(at)
         else:
-            keep(at, Outcome("killed", reason=f"its process ended twice, with {ended(code)}"))
+            how = "stood still" if process.halted else "ended"
+            keep(at, Outcome("killed", reason=f"its process {how} twice, with {ended(code)}"))
+
+
+def print_line(line: str) -> None:
+    """A line on stderr."""
+    print(f"flockscope: {line}", file=sys.stderr, flush=True)
 
 
 def ended(code: int) -> str:

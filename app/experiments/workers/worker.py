@@ -19,6 +19,8 @@ from app.experiments.runs.outcome import Outcome, failure
 
 REPORTS = 0.05
 """Seconds for which what is done is held back, so that many short runs make one report."""
+BEATS = 1.0
+"""Seconds between two signs of life."""
 PATIENT = 0
 """The code with which a process ends that is asked for nothing."""
 
@@ -33,7 +35,7 @@ class Beginning:
     files: tuple[str, ...]
     """Files of rules, which the process is to know too."""
     place: str = ""
-    """The file in which it keeps how many runs it has begun."""
+    """The file in which it keeps how many runs it has begun, and its signs of life."""
     patience: float | None = None
     """Seconds after which it ends if it is asked for nothing; None: never."""
 
@@ -57,6 +59,7 @@ def serve() -> None:
         os.nice(beginning.nice)
     with open(beginning.place, "r+b") as file:
         begun = mmap.mmap(file.fileno(), mmap.PAGESIZE)
+    threading.Thread(target=show_life, args=(begun,), daemon=True).start()
     with suppress(OSError):  # where a file in use cannot be removed it stays, a page long
         Path(beginning.place).unlink()
     job = prepared(beginning)
@@ -73,6 +76,18 @@ def serve() -> None:
                 done, told = [], time.monotonic()
         if done:
             report(reports, done)
+
+
+def show_life(place: mmap.mmap) -> None:
+    """On a thread of its own: count in the second eight bytes while the process is not halted.
+
+    However long a run takes: kernels and the interpreter let this thread have its turn.
+    """
+    beats = 0
+    while True:
+        beats += 1
+        place[8:16] = beats.to_bytes(8, "little")
+        time.sleep(BEATS)
 
 
 def next_of(

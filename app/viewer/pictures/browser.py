@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -96,6 +97,40 @@ def is_far() -> bool:
     return os.name == "posix" and len(os.fsencode(tempfile.gettempdir())) > 60
 
 
+GUARD = """
+import os, shutil, signal, sys, time
+program, folder = int(sys.argv[1]), sys.argv[2]
+ended = sys.stdin.read()  # nothing where its parent is gone, or has not come to end it
+for _ in range(0 if ended else 50):
+    try:
+        os.kill(program, signal.SIGKILL if os.name == "posix" else signal.SIGTERM)
+    except OSError:
+        break
+    time.sleep(0.1)
+for _ in range(50):
+    shutil.rmtree(folder, ignore_errors=True)
+    if not os.path.exists(folder):
+        break
+    time.sleep(0.1)
+"""
+"""Waits until the process that began it is gone, however it ended, and tidies up after it."""
+
+
+def guarded(program: int, folder: str) -> subprocess.Popen:
+    """A small process that ends a program and removes its folder once our end of its pipe closes.
+
+    Not even SIGKILL keeps the system from closing a pipe; in a session of its own no Ctrl-C or
+    SIGTERM for a whole group ends it.
+    """
+    return subprocess.Popen(
+        [sys.executable, "-I", "-S", "-c", GUARD, str(program), folder],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
 class Browser:
     """Draws frames; a context manager. Raises Refusal where the browser does not start."""
 
@@ -107,6 +142,7 @@ class Browser:
         self.server = open_server(port=0, front=Front(("sharp.js",)))
         self.profile = tempfile.mkdtemp(prefix="flockscope-browser-")
         self.process: Any = None
+        self.guard: Any = None
         try:
             self.scene = Scene(self.server)
             admit_browsers(self.server)
@@ -135,6 +171,7 @@ class Browser:
             stderr=subprocess.DEVNULL,
             env=os.environ | ({"TMPDIR": "/tmp"} if is_far() else {}),
         )
+        self.guard = guarded(self.process.pid, self.profile)
         until = time.monotonic() + STARTS
         while not self.server.get_clients():
             if self.process.poll() is not None:
@@ -178,6 +215,8 @@ class Browser:
             except subprocess.TimeoutExpired:
                 self.process.kill()
                 self.process.wait()
+        if self.guard is not None:
+            self.guard.communicate(b"ended")  # so that it kills no other that has its number now
         close_server(self.server)
         for _ in range(10):  # what it has begun to write may come late
             shutil.rmtree(self.profile, ignore_errors=True)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from agents.snapshot import Snapshot
-from app.viewer.pictures.browser import Browser
+from app.viewer.pictures.browser import Browser, guarded
 from app.viewer.pictures.camera import USUAL, Aim, Camera
 from app.viewer.pictures.plots import Plots
 from app.viewer.pictures.seen import SeenSheet, as_png, eye_of
@@ -32,6 +34,15 @@ CODECS = {
     ".gif": ["-vf", "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1"],
 }  # fmt: skip
 """How each kind of film is made, by its ending."""
+
+ENDS = 5.0
+"""Seconds that ffmpeg has to end once it takes no more."""
+SIGNALS = {
+    getattr(signal, "SIGXFSZ", 0): "it is larger than the limit of this session for a file "
+    "(`ulimit -f`)",
+    getattr(signal, "SIGKILL", 0): "ffmpeg was killed, as where memory is short",
+}
+"""What it means that ffmpeg ended by a signal."""
 
 
 def demand_film(purpose: str) -> None:
@@ -66,6 +77,7 @@ class Encoder:
             words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self.errors,
             start_new_session=True,
         )  # fmt: skip
+        self.guard = guarded(self.process.pid, self.folder.name)
         return self
 
     def add(self, pixels: np.ndarray) -> None:
@@ -78,11 +90,16 @@ class Encoder:
 
     def failed(self) -> Refusal:
         """What ffmpeg says is wrong, in one line."""
+        with suppress(subprocess.TimeoutExpired):  # it ends by itself where its own end broke
+            self.process.wait(ENDS)
         self.process.kill()
-        self.process.wait()
+        code = self.process.wait()
         self.errors.seek(0)
         said = self.errors.read().decode(errors="replace").strip().splitlines()
-        return Refusal(f"the film {str(self.path)!r} cannot be made: {(said or ['no reason'])[-1]}")
+        why = said[-1] if said else f"ffmpeg ended with code {code}"
+        if code < 0:
+            why = SIGNALS.get(-code, f"ffmpeg was ended by signal {-code}")
+        return Refusal(f"the film {str(self.path)!r} cannot be made: {why}")
 
     def __exit__(self, kind: object, *_: object) -> None:
         assert self.process.stdin is not None
@@ -104,6 +121,7 @@ class Encoder:
             ):
                 shutil.copyfileobj(made, out)
         finally:
+            self.guard.communicate(b"ended")
             self.errors.close()
             self.folder.cleanup()
 

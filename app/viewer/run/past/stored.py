@@ -16,7 +16,6 @@ from agents.snapshot import Snapshot
 from agents.spec import Spec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name
 from app.viewer.run.home import MOST_AGENTS, lively_speed
-from app.viewer.run.past.parquet_pages import unpacked_bytes
 from worlds.extra import demand_parquet
 from worlds.layout import layout_names
 from worlds.refusal import Refusal, unknown
@@ -177,19 +176,13 @@ def demand_modest(recording: Recording, name: str, whole: bool) -> None:
 
     `whole`: whether that holds for the file and not only for what is decoded together.
     """
-    import pyarrow.parquet as pq
-
-    with pq.ParquetFile(recording.source) as file:
-        meta = file.metadata
-        groups = [meta.row_group(k) for k in range(meta.num_row_groups)]
-        numbers = [
-            sum(max(one.column(k).num_values, one.num_rows) for k in range(one.num_columns))
-            for one in groups
-        ]
+    file = recording.file
+    groups = range(file.meta.num_row_groups)
+    numbers = [file.numbers(k, file.names) for k in groups]
     most = sum(numbers) if whole else max(numbers, default=0)
-    much = most > MOST_NUMBERS or recording.rows > MOST_ROWS or min(numbers, default=0) < 0
-    if not much and recording.content is not None:
-        much = unpacked_bytes(recording.content, meta) > MOST_BYTES
+    much = most > MOST_NUMBERS or recording.rows > MOST_ROWS
+    if not much and file.content is not None:
+        much = sum(file.unpacked(k, file.names) for k in groups) > MOST_BYTES
     if much:
         raise Refusal(
             f"{name} holds {recording.rows} rows of {len(recording.names)} columns: more than "

@@ -6,9 +6,8 @@ Thrift structs in its compact protocol: https://github.com/apache/parquet-format
 
 from __future__ import annotations
 
-from typing import Any
-
 MOST_PAGES = 20_000
+"""Pages of a column chunk."""
 UNPACKED, PACKED = 2, 3
 """Fields of a page's header: bytes of its content unpacked, and in the file."""
 TRUE, FALSE, BYTE, INTEGERS, DOUBLE, BINARY = 1, 2, 3, (4, 5, 6), 7, 8
@@ -21,27 +20,20 @@ class Damaged(ValueError):
     """It is no sound Parquet file."""
 
 
-def unpacked_bytes(content: bytes, meta: Any) -> int:
-    """Bytes that all pages of a file (its `content`, and pyarrow's metadata of it) unpack to.
+def unpacked_bytes(content: bytes) -> int:
+    """Bytes that the pages of a column chunk (its `content`, as it lies in the file) unpack to.
 
     Raises Damaged for headers that are none, and for more pages than anybody writes.
     """
-    total = pages = 0
-    for k in range(meta.num_row_groups):
-        group = meta.row_group(k)
-        for place in range(group.num_columns):
-            chunk = group.column(place)
-            starts = (chunk.dictionary_page_offset, chunk.data_page_offset)
-            at = min(start for start in starts if start)
-            end = at + chunk.total_compressed_size
-            while at < end:
-                header = Header(content, at)
-                packed, unpacked = header.fields.get(PACKED, -1), header.fields.get(UNPACKED, -1)
-                pages += 1
-                if packed < 0 or unpacked < 0 or pages > MOST_PAGES:
-                    raise Damaged
-                total += unpacked
-                at = header.at + packed
+    total = pages = at = 0
+    while at < len(content):
+        header = Header(content, at)
+        packed, unpacked = header.fields.get(PACKED, -1), header.fields.get(UNPACKED, -1)
+        pages += 1
+        if packed < 0 or unpacked < 0 or pages > MOST_PAGES:
+            raise Damaged
+        total += unpacked
+        at = header.at + packed
     return total
 
 

@@ -1,0 +1,248 @@
+"""Parquet files that anybody may have made: opened, and read in pieces of bounded size.
+
+Few bytes can stand for billions of numbers. So a row group is decoded only after its footer and the
+headers of its pages say that it is of a sensible size, a whole file never, and whatever the parsers
+of others raise becomes one line.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from agents.parquet_pages import Damaged, unpacked_bytes
+from worlds.extra import demand_parquet
+from worlds.refusal import Refusal, shortened
+
+MOST_NUMBERS = 2**27
+"""Numbers that are decoded together, those of a row group or of a tick: 1 GB."""
+MOST_BYTES = 2**31
+"""Bytes that the pages of a row group unpack to."""
+MOST_METADATA = 2**25
+"""Bytes of a file's metadata: a world of 100 000 corners is a tenth of it."""
+LONGEST = 10_000
+"""Bytes of a text in a table."""
+BATCH = 2**18
+"""Rows that are decoded together where a file is looked through."""
+
+
+class ParquetTable:
+    """A Parquet file, its rows read as they are asked for.
+
+    `path` names it; `content`: its bytes where there is no file. `kind`: what it should be, for
+    messages, as "a recording". Raises Refusal for what cannot be read.
+
+    Attributes
+    ----------
+    origin: its name for messages. names: of its columns. schema: of pyarrow. rows: how many.
+    offsets: of each row group the first row, and at the end the number of all rows.
+    """
+
+    def __init__(self, path: str | Path, content: bytes | None, kind: str):
+        demand_parquet(f"reading {str(path)!r}")
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        self.path, self.content, self.kind = Path(path), content, kind
+        self.origin = repr(str(path))
+        try:
+            self.open().close()  # whose errors have words of their own
+            source = self.path if content is None else pa.BufferReader(content)
+            file = pq.ParquetFile(source)
+            self.schema = file.schema_arrow
+            self.names: list[str] = self.schema.names
+            texts = [one.name for one in self.schema if is_text(one.type)]
+            # Few bytes can stand for long texts in every row: they stay apart until they are
+            # measured.
+            self.file = pq.ParquetFile(source, read_dictionary=texts) if texts else file
+            self.meta = self.file.metadata
+            self.rows: int = self.meta.num_rows
+            sizes = [self.meta.row_group(k).num_rows for k in range(self.meta.num_row_groups)]
+        except OSError as error:
+            if error.strerror is None:  # of pyarrow, not of the disk
+                raise self.is_none() from None
+            raise Refusal(f"{self.origin} cannot be read: {error.strerror}") from None
+        except (pa.ArrowException, ValueError):
+            raise self.is_none() from None
+        self.offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
+        if min(sizes, default=0) < 0 or self.offsets[-1] != self.rows:
+            raise self.damaged("its row groups have not as many rows as the file")
+        for name in self.names:
+            if self.names.count(name) > 1:
+                raise Refusal(f"{self.origin} has the column {shortened(name)} twice")
+
+    def open(self) -> BinaryIO:
+        """Its bytes, to be read. Raises OSError."""
+        return open(self.path, "rb") if self.content is None else BytesIO(self.content)
+
+    def is_none(self) -> Refusal:
+        """The refusal for a file that is something else."""
+        return Refusal(f"{self.origin} is not {self.kind}")
+
+    def damaged(self, how: str = "its rows cannot be read") -> Refusal:
+        """The refusal for a file that is none in its inside."""
+        return Refusal(f"{self.origin} is damaged: {how}")
+
+    def metadata(self, key: bytes) -> dict[str, Any]:
+        """The JSON object under a key of the metadata. Raises Refusal."""
+        text = (self.schema.metadata or {}).get(key, b"")
+        if len(text) > MOST_METADATA:
+            raise Refusal(
+                f"the metadata of {self.origin} has {len(text)} bytes: at most {MOST_METADATA} "
+                "are read"
+            )
+        try:
+            found = json.loads(text)
+        except RecursionError:
+            raise Refusal(f"the metadata of {self.origin} is nested too deeply") from None
+        except ValueError:
+            raise self.is_none() from None
+        if not isinstance(found, dict):
+            raise self.is_none()
+        return found
+
+    def batches(
+        self, columns: Iterable[str] | None = None, rows: int = BATCH, group: int | None = None
+    ) -> Iterator[Any]:
+        """Record batches of some columns (all), of a row group (all), at most `rows` at once.
+
+        Raises Refusal.
+        """
+        names = self.names if columns is None else list(columns)
+        for k in range(self.meta.num_row_groups) if group is None else (group,):
+            self.demand_modest(k, names)
+            count = 0
+            with self.reading():
+                found = self.file.iter_batches(
+                    rows, row_groups=[k], columns=names, use_threads=False
+                )
+                for batch in found:
+                    count += batch.num_rows
+                    if batch.schema.names != names:
+                        raise self.damaged()
+                    yield self.plain(batch)
+            if count != self.meta.row_group(k).num_rows:
+                raise self.damaged("rows are missing")
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """While entered, what pyarrow raises of a broken file is a Refusal."""
+        import pyarrow as pa
+
+        try:
+            yield
+        except Refusal:
+            raise
+        except (pa.ArrowException, OSError, ValueError, KeyError):
+            raise self.damaged() from None
+
+    def plain(self, batch: Any) -> Any:
+        """A batch with its texts as texts. Raises Refusal for long ones."""
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        columns, fields = [], []
+        for name, column in zip(batch.schema.names, batch.columns, strict=True):
+            if pa.types.is_dictionary(column.type):
+                words = column.dictionary
+                if is_text(words.type) and (pc.max(pc.binary_length(words)).as_py() or 0) > LONGEST:
+                    raise self.damaged(f"a text of it is longer than {LONGEST} bytes")
+                column = column.dictionary_decode()
+            columns.append(column)
+            fields.append(self.schema.field(name).with_type(column.type))
+        return pa.RecordBatch.from_arrays(columns, schema=pa.schema(fields, self.schema.metadata))
+
+    def group(self, k: int, columns: Iterable[str] | None = None) -> Any:
+        """Some columns (all) of a row group, a pyarrow Table. Raises Refusal."""
+        return self.table(
+            self.batches(columns, max(self.meta.row_group(k).num_rows, 1), k), columns
+        )
+
+    def read(self, columns: Iterable[str] | None = None) -> Any:
+        """Some columns (all), a pyarrow Table. Raises Refusal for more than MOST_NUMBERS."""
+        names = self.names if columns is None else list(columns)
+        if self.rows * len(names) > MOST_NUMBERS:
+            raise self.too_much(f"{self.rows} rows of {len(names)} columns")
+        return self.table(self.batches(names), names)
+
+    def table(self, batches: Iterable[Any], columns: Iterable[str] | None = None) -> Any:
+        """Batches of some columns (all) as a pyarrow Table, which may be empty."""
+        import pyarrow as pa
+
+        made = list(batches)
+        names = self.names if columns is None else list(columns)
+        none = pa.schema([self.schema.field(name) for name in names], self.schema.metadata)
+        return pa.Table.from_batches(made, made[0].schema if made else none)
+
+    def too_much(self, what: str) -> Refusal:
+        """The refusal for more than is decoded together."""
+        return Refusal(
+            f"{self.origin} holds {what}: at most {MOST_NUMBERS} numbers are read at once"
+        )
+
+    def demand_modest(self, k: int, names: Iterable[str]) -> None:
+        """Raise Refusal for columns of a row group that unpack to too much."""
+        if (numbers := self.numbers(k, names)) > MOST_NUMBERS:
+            raise self.too_much(f"{numbers} numbers in a row group")
+        if self.unpacked(k, names) > MOST_BYTES:
+            raise self.damaged("its pages unpack to too much")
+
+    def chunks(self, k: int, names: Iterable[str]) -> list[Any]:
+        """The column chunks of a row group that belong to columns."""
+        wanted = set(names)
+        with self.reading():
+            group = self.meta.row_group(k)
+            found = [group.column(place) for place in range(group.num_columns)]
+            return [
+                one
+                for one in found
+                if {one.path_in_schema, one.path_in_schema.partition(".")[0]} & wanted
+            ]
+
+    def numbers(self, k: int, names: Iterable[str]) -> int:
+        """Numbers in columns of a row group, by the footer."""
+        rows = self.meta.row_group(k).num_rows
+        return sum(max(one.num_values, rows) for one in self.chunks(k, names))
+
+    def unpacked(self, k: int, names: Iterable[str]) -> int:
+        """Bytes that the pages of columns of a row group unpack to, by their own headers.
+
+        A reader makes room for what these say, whatever the footer says. Raises Refusal.
+        """
+        total = 0
+        try:
+            with self.open() as file:
+                for chunk in self.chunks(k, names):
+                    starts = (chunk.dictionary_page_offset, chunk.data_page_offset)
+                    file.seek(min(start for start in starts if start))
+                    total += unpacked_bytes(file.read(max(chunk.total_compressed_size, 0)))
+        except (Damaged, OSError, ValueError):
+            raise self.damaged() from None
+        return total
+
+
+def is_text(kind: Any) -> bool:
+    """Whether it is the type of texts or bytes."""
+    import pyarrow as pa
+
+    types = pa.types
+    return bool(
+        types.is_string(kind) or types.is_large_string(kind)
+        or types.is_binary(kind) or types.is_large_binary(kind)
+    )  # fmt: skip
+
+
+def demand_format(meta: dict[str, Any], newest: int, origin: str) -> int:
+    """The number of the format that a file is written in. Raises Refusal for one not known."""
+    number = meta.get("format")
+    if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= newest:
+        newer = isinstance(number, int) and number > newest
+        why = "it is newer than this version of flockscope reads" if newer else "it is none"
+        raise Refusal(f"{origin} has format {shortened(number)}: {why} (1 to {newest})")
+    return number
