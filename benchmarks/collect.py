@@ -1,12 +1,13 @@
 """What a result costs that a student hands in, and what the end of a class costs.
 
-    uv run python benchmarks/collect.py [--students 40]
+    uv run python benchmarks/collect.py [--students 40] [--pairs]
 
 Vicsek agents: 300, 500 ticks, the polarisation over the last 100, against noise; and HWVEM: ticks
 until all agree. A result is made as by the process that the class has for it: the run, its
 measure, how it differs from the class's scene, its spec. Then the picture, the plot of the page,
 and the file of the whole class, saved and opened again. Milliseconds by the clock of one process
-that has compiled already.
+that has compiled already. With --pairs instead: nanoseconds for each pair of agents that a run of
+each model looks at, as `app/classroom/collect/bounds.py` counts them, in its own world and crowded.
 """
 
 from __future__ import annotations
@@ -22,10 +23,13 @@ from statistics import median
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from agents import Flock
+from agents.catalogue import MODELS
 from agents.spec import Spec
 from app.classroom.class_file.opening import load
 from app.classroom.class_file.saving import save
 from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.collect.bounds import MOST_PAIRS, count_agents, mean_neighbours
 from app.classroom.collect.choices import ready_for
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point, hand_in, run_of, warm_up
@@ -35,6 +39,7 @@ from app.classroom.collect.table import to_json
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.home import at_home
+from worlds.refusal import Refusal
 
 
 def timed[Made](work: Callable[[], Made]) -> tuple[Made, float]:
@@ -64,11 +69,47 @@ def answered(question: Question, scene: Spec, students: int) -> Collection:
     return found
 
 
+CROWDED = 600
+"""Agents in a box as small as the model allows."""
+TICKS = 20
+
+
+def time_pairs() -> None:
+    """Print what a pair costs in each model, and what the most pairs of a run would then take."""
+    slowest = 0.0
+    for name, model in MODELS.items():
+        home = at_home(name)
+        reach = getattr(Flock(home).parameters, model.rule.reach or "", None)
+        crowded = home if reach is None else home.but(agents=CROWDED, size=2.0 * reach)
+        found = []
+        for spec in (home, crowded):
+            try:
+                flock = Flock(spec)
+                flock.run(TICKS)  # compiles
+                _, took = timed(lambda flock=flock: flock.run(TICKS))
+            except Refusal:
+                found.append("cannot be crowded: its world has a size of its own")
+                continue
+            pairs = count_agents(spec) * max(1.0, mean_neighbours(spec)) * TICKS
+            found.append(f"{1e6 * took / pairs:8.2f} ns of {pairs / TICKS:9.0f} pairs a tick")
+            if spec is crowded:
+                slowest = max(slowest, took / pairs)
+        print(f"{name:18} " + "; ".join(found))
+    print(
+        f"{MOST_PAIRS:.1g} pairs of the slowest model, crowded: {1e-3 * slowest * MOST_PAIRS:.1f} s"
+    )
+
+
 def main() -> None:
     """Print what results, their picture and the file of the class cost."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--students", type=int, default=40, help="of the class")
-    students = arguments.parse_args().students
+    arguments.add_argument("--pairs", action="store_true", help="what a pair costs, instead")
+    given = arguments.parse_args()
+    if given.pairs:
+        time_pairs()
+        return
+    students = given.students
     vem = at_home("vem", agents=300)
     led = at_home("hwvem", agents=300)
     order = next(one.question for one in ready_for(vem) if one.name == "order-against-noise")

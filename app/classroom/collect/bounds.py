@@ -25,8 +25,8 @@ MOST_AGENTS = 5_000
 MOST_STEPS = 5_000_000
 """Agents times ticks: a second or two of a core."""
 MOST_PAIRS = 300_000_000
-"""Agents times those that each looks at times ticks: at most 4 s of a core, as a pair takes 1 to 12
-ns (`benchmarks/collect.py --pairs` prints what it takes in each model)."""
+"""Agents times those that each looks at times ticks: less than the 8 s of a core that a run has, as
+a pair of a crowd takes 1 to 25 ns (`benchmarks/collect.py --pairs` prints it for each model)."""
 ALONE = 8
 """Pairs that an agent's own work in a tick is worth."""
 MOST_SEEN = 200_000
