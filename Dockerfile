@@ -18,6 +18,7 @@ COPY agents agents
 COPY worlds worlds
 COPY static static
 COPY experiments experiments
+# Without the extra `film`: it brings an ffmpeg under the GPL, which an image that is passed on would hold.
 ENV UV_PROJECT_ENVIRONMENT=/opt/flockscope UV_PYTHON_DOWNLOADS=never
 RUN uv sync --locked --no-dev --no-editable --compile-bytecode --extra parquet
 

@@ -2,19 +2,67 @@
 
 from __future__ import annotations
 
+import errno
 import sys
+from contextlib import suppress
+
+NO_MEMORY = (
+    "annot allocate memory",
+    "failed to map segment",
+    "Could not find/load shared object",
+    "can't start new thread",
+)
+"""What libraries say where the system gives them no memory for code or threads."""
 
 
 def main() -> None:
-    """Run the command line; a module that is in the way is named in one line, exit code 2."""
+    """Run the command line.
+
+    A module that is in the way, or memory that does not reach for the libraries, is told in one
+    line, with exit code 2.
+    """
     try:
         from flockscope import _in_the_way  # noqa: F401 - looks when it is imported
     except ImportError as error:
-        print(f"flockscope: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    from app.cli.main import main as command
+        stop(str(error))
+    try:
+        from app.cli.main import main as command
 
-    command()
+        command()
+    except (ImportError, MemoryError, OSError, RuntimeError) as error:
+        if lacks_memory(error):
+            stop(f"there is not enough memory{memory_limit()}")
+        if isinstance(error, OSError) and error.errno == errno.ENOSPC and error.filename is None:
+            raise SystemExit(2) from None  # what is wrong with a call cannot be told
+        raise
+
+
+def lacks_memory(error: BaseException | None) -> bool:
+    """Whether an error, or one that led to it, says that memory is missing."""
+    while error is not None:
+        if isinstance(error, MemoryError) or any(words in str(error) for words in NO_MEMORY):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def memory_limit() -> str:
+    """The limit of the address space, in words; nothing where there is none."""
+    try:
+        import resource
+    except ImportError:  # Windows has no such limits
+        return ""
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit == resource.RLIM_INFINITY:
+        return ""
+    return f": `ulimit -v` allows {limit // 1024} kB; allow more, or lift it"
+
+
+def stop(words: str) -> None:
+    """Tell why nothing can be done, and end."""
+    with suppress(OSError):
+        print(f"flockscope: {words}", file=sys.stderr)
+    raise SystemExit(2) from None
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import errno
 import re
 from bdb import BdbQuit
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from typing import Any, NoReturn
 
@@ -42,7 +43,7 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
             named = "" if error.filename is None else f"{str(error.filename)!r}: "
             refuse(f"{named}{error.strerror or error}")
         except MemoryError as error:
-            refuse(f"there is not enough memory: {error or 'use fewer agents'}")
+            refuse(f"there is not enough memory: {str(error) or 'use fewer agents'}")
         except (KeyboardInterrupt, BdbQuit):  # BdbQuit: pdb was left
             raise typer.Exit(INTERRUPTED) from None
 
@@ -50,12 +51,13 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def refuse(reason: object) -> NoReturn:
-    """Tell the reason and stop."""
+    """Tell the reason and stop; where nothing can be told, the exit code still says so."""
     lines = reason.lines if isinstance(reason, Refusals) else (str(reason),)
-    for line in lines[:MOST_LINES]:
-        typer.echo(f"flockscope: {one_line(line)}", err=True)
-    if len(lines) > MOST_LINES:
-        typer.echo(f"flockscope: and {len(lines) - MOST_LINES} more of the kind", err=True)
+    with suppress(OSError):  # stderr may be closed, or on a disk that is full
+        for line in lines[:MOST_LINES]:
+            typer.echo(f"flockscope: {one_line(line)}", err=True)
+        if len(lines) > MOST_LINES:
+            typer.echo(f"flockscope: and {len(lines) - MOST_LINES} more of the kind", err=True)
     raise typer.Exit(REFUSED) from None
 
 

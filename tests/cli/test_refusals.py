@@ -1,5 +1,6 @@
 """What cannot be done: one line that names the thing, the value, what is allowed, where it is."""
 
+import os
 import re
 import resource
 import subprocess
@@ -256,3 +257,33 @@ def test_a_seed_or_a_spec_too_large_is_refused_from_python():
         Spec.from_values({"model": "vem", "agents": 3, "informed": 0, "seed": 2**63,
                           "world": "wrap", "size": (1.0, 1.0)}, "here")  # fmt: skip
     assert Flock("vem", agents=2, rng=2**63 - 1).spec.seed == 2**63 - 1
+
+
+@pytest.mark.parametrize(
+    "args", [("run", "nope"), ("run", "vem", "--nope", "2"), ("list", "nothing")]
+)
+def test_the_exit_code_says_so_where_no_word_can_be_written(args):
+    with open("/dev/full", "w") as full:
+        made = subprocess.run([*PROGRAM, *args], stderr=full, stdout=subprocess.DEVNULL)
+    assert made.returncode == 2
+
+
+def test_a_result_that_cannot_be_written_is_an_error_in_one_line():
+    with open("/dev/full", "w") as full:
+        command = [*PROGRAM, "list", "models"]
+        made = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert (made.returncode, made.stderr) == (2, "flockscope: No space left on device\n")
+
+
+@pytest.mark.parametrize("kilobytes", [200_000, 400_000])
+def test_too_little_memory_for_the_libraries_is_one_line(kilobytes):
+    """What lacks differs from machine to machine: LLVM, a library of NumPy, a thread."""
+    limit = 1024 * kilobytes
+    made = subprocess.run(
+        [*PROGRAM, "run", "vem", "--ticks", "1"],
+        capture_output=True, text=True, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+    )  # fmt: skip
+    assert made.returncode == 2, made.stderr
+    told = f"there is not enough memory: `ulimit -v` allows {kilobytes} kB; allow more, or lift it"
+    assert made.stderr == f"flockscope: {told}\n"
