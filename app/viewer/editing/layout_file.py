@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import tempfile
 from pathlib import Path
 from typing import Any
 
+from app.sandboxed_reader import read_in_sandbox
 from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
 from worlds.layout import layout_names, world_from_layout
@@ -29,6 +31,24 @@ DRAWINGS = (".geojson", ".json", ".wkt", ".dxf")
 ENDINGS = (".toml", *DRAWINGS)
 
 
+def layout_from_browser(name: str, content: bytes) -> World:
+    """The world in a file that a browser sent, read in a process of its own.
+
+    Raises Refusal as `layout_of`, and where the file takes too much time or memory.
+    """
+    if len(content) > LARGEST:
+        raise too_large(name, content)
+    reader = f"{__name__}:layout_as_json"
+    found = json.loads(read_in_sandbox(reader, plain_name(name), content))
+    return world_from_layout(found["layout"], found["name"])
+
+
+def layout_as_json(name: str, content: bytes) -> bytes:
+    """The layout in a file as JSON. Raises Refusal as `layout_of`."""
+    world = layout_of(name, content)
+    return json.dumps({"name": world.name, "layout": world.to_layout()}).encode()
+
+
 def layout_of(name: str, content: bytes) -> World:
     """The world in a file of this name.
 
@@ -40,7 +60,7 @@ def layout_of(name: str, content: bytes) -> World:
     if ending not in ENDINGS:
         raise unknown("kind of layout file", ending or name, ENDINGS)
     if len(content) > LARGEST:
-        raise Refusal(f"{name} has {len(content)} bytes: a layout file has {LARGEST} at most")
+        raise too_large(name, content)
     try:
         world = from_toml(name, content) if ending == ".toml" else from_drawing(name, content)
         demand_small(world, name)
@@ -50,6 +70,11 @@ def layout_of(name: str, content: bytes) -> World:
     except Exception as error:  # A broken file makes the parsers of others raise whatever they do.
         raise Refusal(f"{name} cannot be read: {type(error).__name__}") from None
     return world
+
+
+def too_large(name: str, content: bytes) -> Refusal:
+    """What a file of too many bytes is told."""
+    return Refusal(f"{name} has {len(content)} bytes: a layout file has {LARGEST} at most")
 
 
 def plain_name(name: str) -> str:

@@ -7,10 +7,10 @@ import re
 import stat
 from pathlib import Path
 
+from app.sandboxed_reader import read_in_sandbox, read_toml
 from app.viewer.editing.layout_file import plain_name
-from app.viewer.gallery.saved_scene import SavedScene, read_scene
-from app.viewer.run.past.at_arms_length import rewritten
-from app.viewer.run.past.stored import PARQUET, Stored, stored
+from app.viewer.gallery.saved_scene import SavedScene, demand_scene_size, read_scene, scene_of
+from app.viewer.run.past.stored import PARQUET, REWRITE, Stored, stored
 from worlds.reading import read_text
 from worlds.refusal import Refusal
 
@@ -26,8 +26,9 @@ def opened(name: str, content: bytes) -> SavedScene | Stored:
     """What a file from a browser is, whatever it is called. Raises Refusal."""
     demand_kind(name, content[:HEAD])
     if content.startswith(PARQUET):
-        return stored(name, rewritten(plain_name(name), content))
-    return read_scene(name, content)
+        return stored(name, read_in_sandbox(REWRITE, plain_name(name), content))
+    demand_scene_size(name, content)
+    return scene_of(read_toml(name, content), name)
 
 
 def opened_file(name: str) -> SavedScene | Stored:

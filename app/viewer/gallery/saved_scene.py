@@ -134,14 +134,23 @@ class SavedScene:
 
 def read_scene(name: str, data: bytes) -> SavedScene:
     """The scene of a file, or of a spec. Raises Refusal."""
-    if len(data) > LARGEST:
-        raise Refusal(f"{name} has {len(data)} bytes: a scene has {LARGEST} at most")
+    demand_scene_size(name, data)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise Refusal(f"{name} is not a text file") from None
-    values = toml(text, name)
-    return SavedScene.from_values(values if "run" in values else {"run": values}, name)
+    return scene_of(toml(text, name), name)
+
+
+def demand_scene_size(name: str, data: bytes) -> None:
+    """Raise Refusal for a file that is too large for a scene."""
+    if len(data) > LARGEST:
+        raise Refusal(f"{name} has {len(data)} bytes: a scene has {LARGEST} at most")
+
+
+def scene_of(values: Mapping[str, Any], origin: str) -> SavedScene:
+    """The scene of the values of a file, or of a spec. Raises Refusal."""
+    return SavedScene.from_values(values if "run" in values else {"run": values}, origin)
 
 
 def text_of(values: Mapping[str, Any], key: str) -> str:

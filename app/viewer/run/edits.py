@@ -15,7 +15,7 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.editing.editor import Editor, Gone
 from app.viewer.editing.free_places import set_free
-from app.viewer.editing.layout_file import layout_of
+from app.viewer.editing.layout_file import layout_from_browser
 from app.viewer.run.beside import companion
 from app.viewer.run.keeping import Keeping
 from app.viewer.run.run import Run
@@ -138,7 +138,7 @@ class Edits:
         return self.host.sound_run().flock.world.to_toml().encode()
 
     def open_now(self, name: str, content: bytes) -> None:
-        world = layout_of(name, content)
+        world = layout_from_browser(name, content)
         spec, beside = self.host.state.again()
         self.host.schedule(spec.but(world=world, size=None, dim=world.dim), beside)
 

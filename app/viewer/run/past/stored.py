@@ -3,6 +3,7 @@ browser; or a flock in hand."""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -34,6 +35,10 @@ MOST_ROWS = 2**26
 """Rows of a file, all ticks together."""
 MOST_SIDE = 1e6
 """Side of a world, length."""
+REWRITE = f"{__name__}:rewrite"
+"""The reader of a file from a browser, for a process of its own."""
+REWRITTEN_ROWS = 100_000
+"""Rows of a group of what is written: what is decoded together when a tick is looked at."""
 
 
 @dataclass(frozen=True)
@@ -211,3 +216,14 @@ def demand_playable(made: Stored, name: str) -> None:
         raise Refusal(f"{name} has {made.most} agents: the laboratory takes {MOST_AGENTS} at most")
     made.flock(Flock, interpret=True)
     _ = made.spec
+
+
+def rewrite(name: str, content: bytes) -> bytes:
+    """The file written anew by ours, by the process that reads it. Raises Refusal."""
+    import pyarrow.parquet as pq
+
+    stored(name, content)
+    table = pq.read_table(io.BytesIO(content), use_threads=False)
+    made = io.BytesIO()
+    pq.write_table(table, made, compression="zstd", row_group_size=REWRITTEN_ROWS)
+    return made.getvalue()
