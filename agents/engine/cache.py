@@ -2,12 +2,13 @@
 
 numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
 named by a hash over the bytecode of every function that it reaches and the value of every constant.
-What cannot be written is done without; what is damaged is compiled anew. Either is told once.
+What cannot be written is done without; what is damaged is compiled anew; what others own or may
+write to is neither read nor written (`worlds.owned`), since whoever wrote a kernel has its reader
+execute it. Each is told once.
 """
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import importlib.metadata
 import itertools
@@ -22,10 +23,16 @@ from typing import Any
 import numba
 import numpy as np
 import platformdirs
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import (
+    CompileResultCacheImpl,
+    FunctionCache,
+    IndexDataCacheFile,
+    UserProvidedCacheLocator,
+)
 from numba.core.dispatcher import Dispatcher
 
 from worlds.compiled import entry
+from worlds.owned import NotOwned, open_in, owned_folder, read_owned, write_owned
 
 KEEPING = threading.Lock()
 IN_LLVM = ("flat.py", "lanes.py", "pairs/meeting.py", "pairs/sums.py")
@@ -97,14 +104,24 @@ def new_digest():
     return digest
 
 
-@functools.cache
-def tell_once(words: str) -> None:
-    """Tell the user something, once, on stderr."""
-    print(f"flockscope: {words}", file=sys.stderr)
+TOLD: set[str] = set()
+"""What has been told of."""
+
+
+def tell_once(words: str, about: str) -> None:
+    """Tell the user something on stderr, the first time that it is about this."""
+    if about not in TOLD:
+        TOLD.add(about)
+        print(f"flockscope: {words}", file=sys.stderr)
 
 
 class KernelFiles(IndexDataCacheFile):
     """The files of a kernel, each with a checksum; one that is damaged counts as not there."""
+
+    def __init__(self, base: Path, folder: str, name: str, stamp: Any):
+        super().__init__(folder, name, stamp)
+        self.base = base
+        self.parts = Path(folder).relative_to(base).parts
 
     def save(self, key: Any, data: Any) -> None:
         """Keep what was compiled for a key: first itself, then the index that names it."""
@@ -118,37 +135,40 @@ class KernelFiles(IndexDataCacheFile):
 
     def whole(self) -> bool:
         """Whether anything is kept, all of it undamaged."""
-        paths = [self._data_path(name) for name in self._load_index().values()]
-        return bool(paths) and all(read(path) is not None for path in paths)
+        names = self._load_index().values()
+        return bool(names) and all(self._read(name) is not None for name in names)
 
     def _load_index(self) -> dict:
-        return unpickled(read(self._index_path)) or {}
+        return unpickled(self._read(self._index_name)) or {}
 
     def _save_index(self, overloads: dict) -> None:
-        self._write(self._index_path, overloads)
+        self._write(self._index_name, overloads)
 
     def _load_data(self, name: str) -> Any:
-        return unpickled(read(self._data_path(name)))
+        return unpickled(self._read(name))
 
     def _save_data(self, name: str, data: Any) -> None:
-        self._write(self._data_path(name), data)
+        self._write(name, data)
 
-    def _write(self, path: str, value: Any) -> None:
-        content = self._dump(value)
-        with self._open_for_write(path) as file:
-            file.write(hashlib.sha256(content).digest() + content)
-
-
-def read(path: str) -> bytes | None:
-    """The content of a file behind its checksum, None if there is none, or none that is whole."""
-    try:
-        content = Path(path).read_bytes()
-    except OSError:
+    def _read(self, name: str) -> bytes | None:
+        """A file's content behind its checksum, None if there is none, or none that is sound."""
+        try:
+            content = read_owned(self.base, *self.parts, name)
+        except NotOwned as error:
+            tell_unused(error)
+            return None
+        except OSError:
+            return None
+        if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
+            return content[CHECKSUM:]
+        words = f"compiled kernels in {self.base} are damaged: they are compiled anew"
+        tell_once(words, "damaged")
         return None
-    if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
-        return content[CHECKSUM:]
-    tell_once(f"compiled kernels in {cache_base()} are damaged: they are compiled anew")
-    return None
+
+    def _write(self, name: str, value: Any) -> None:
+        content = self._dump(value)
+        checksum = hashlib.sha256(content).digest()
+        write_owned(checksum + content, self.base, *self.parts, name)
 
 
 def unpickled(content: bytes | None) -> Any:
@@ -159,15 +179,32 @@ def unpickled(content: bytes | None) -> Any:
         return None
 
 
+class KernelLocator(UserProvidedCacheLocator):
+    """Where the files of a kernel are; its folder is made with them."""
+
+    def ensure_cache_path(self) -> None:
+        """Leave it to who writes there to make it, for this user alone."""
+
+
+NOWHERE_ELSE: list[Any] = [KernelLocator]
+
+
+class KernelResults(CompileResultCacheImpl):
+    """How numba keeps what it compiles, in no other place than ours."""
+
+    _locator_classes = NOWHERE_ELSE
+
+
 class KernelCache(FunctionCache):
     """numba's cache of one function over such files; without what cannot be written."""
 
+    _impl_class = KernelResults
     _cache_file: KernelFiles
 
-    def __init__(self, function: types.FunctionType):
+    def __init__(self, function: types.FunctionType, base: Path):
         super().__init__(function)
         stamp = self._impl.locator.get_source_stamp()
-        self._cache_file = KernelFiles(self._cache_path, self._impl.filename_base, stamp)
+        self._cache_file = KernelFiles(base, self._cache_path, self._impl.filename_base, stamp)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled, if that can be."""
@@ -178,26 +215,41 @@ class KernelCache(FunctionCache):
 
 
 def tell_unwritable(error: OSError) -> None:
-    """Tell that kernels are not kept."""
+    """Tell that kernels are not kept, and why."""
+    if isinstance(error, NotOwned):
+        tell_unused(error)
+        return
     tell_once(
         f"compiled kernels cannot be kept in {cache_base()} ({error.strerror}): every start "
-        "compiles anew"
+        "compiles anew",
+        "unwritable",
+    )
+
+
+def tell_unused(error: NotOwned) -> None:
+    """Tell that kernels are not read, because somebody else may have written them."""
+    tell_once(
+        f"compiled kernels in {cache_base()} are not used, since {error.strerror}: they are "
+        "compiled anew; FLOCKSCOPE_CACHE names a folder that only you may write to",
+        "not owned",
     )
 
 
 def keep(entry, digest) -> Path:
     """Keep what `entry` compiles to in a folder named by the digest; returns the folder."""
-    folder = cache_base() / "kernels" / digest.hexdigest()[:24]
+    base, parts = cache_base(), ("kernels", digest.hexdigest()[:24])
+    folder = base.joinpath(*parts)
+    lock = folder / "lock"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "lock").touch()
+        with owned_folder(base, *parts, make=True) as opened:
+            os.close(open_in(opened, lock, os.O_WRONLY | os.O_CREAT))
     except OSError as error:
         tell_unwritable(error)
         return folder
     with KEEPING:
         setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
-        entry._cache = KernelCache(entry.py_func)
-    entry.lock = folder / "lock"
+        entry._cache = KernelCache(entry.py_func, base)
+    entry.lock = lock
     return folder
 
 

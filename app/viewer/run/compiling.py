@@ -25,6 +25,7 @@ from agents.flock import Flock
 from app.experiments.workers.kernels import alone, compile_measures
 from app.viewer.run.picture import Wanted
 from app.viewer.run.run import Run
+from worlds.owned import read_owned, write_owned
 from worlds.refusal import Refusal
 
 USUAL = 15.0
@@ -188,15 +189,14 @@ def estimated(kinds: Sequence[str]) -> Estimate:
 def last_time(kind: str) -> float | None:
     """What it took last to compile this on this machine, s; None if that is not known."""
     try:
-        return float((cache_base() / "seconds" / kind).read_text())
+        return float(read_owned(cache_base(), "seconds", kind))
     except (OSError, ValueError):
         return None
 
 
 def remember(kinds: Sequence[str], seconds: float) -> None:
     """Keep what it took to compile these, shared out evenly, beside the cache, if that can be."""
-    folder = cache_base() / "seconds"
+    each = f"{max(seconds, 0.1) / len(kinds):.1f}"
     with suppress(OSError):
-        folder.mkdir(parents=True, exist_ok=True)
         for one in kinds:
-            (folder / one).write_text(f"{max(seconds, 0.1) / len(kinds):.1f}")
+            write_owned(each.encode(), cache_base(), "seconds", one)
