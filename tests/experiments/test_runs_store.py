@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -173,3 +174,38 @@ def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
 def test_a_reader_of_what_is_not_there_is_refused(tmp_path):
     with pytest.raises(Refusal, match="there is no store of runs"):
         looked_into(tmp_path / FILE)
+
+
+ENDLESS = "WITH RECURSIVE r(n) AS (VALUES (1) UNION ALL SELECT n + 1 FROM r)"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "DROP TABLE run; CREATE VIEW run AS " + ENDLESS + " SELECT n AS cell, n AS seed, 'ok' AS "
+        "status, '' AS reason, n AS seconds, n AS ticks, '' AS astray FROM r;",
+        "CREATE TRIGGER t AFTER INSERT ON run BEGIN DELETE FROM cell; END;",
+        "DROP TABLE state; CREATE TABLE state (key TEXT);",
+        "DROP TABLE plan;",
+        "CREATE VIRTUAL TABLE more USING fts5(a);",
+    ],
+    ids=["endless view", "trigger", "columns", "no plan", "virtual"],
+)
+def test_a_store_of_anything_but_plain_tables_is_refused(tmp_path, change):
+    with Store(tmp_path, ["k"]):
+        pass
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection:
+        connection.executescript(change)
+    for look in (lambda: Kept(tmp_path).counts, lambda: Store(tmp_path, ["k"]).__enter__()):
+        with pytest.raises(Refusal, match="is not a store of runs"):
+            look()
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "9" * 10_000, "{", b"\xff"])
+def test_hostile_json_in_a_store_is_refused_in_a_line(tmp_path, text):
+    with Store(tmp_path, ["k"]):
+        pass
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        connection.execute("INSERT INTO state VALUES ('runs', ?)", [text])
+    with pytest.raises(Refusal, match="broken JSON"):
+        _ = Kept(tmp_path).state

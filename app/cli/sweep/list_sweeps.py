@@ -17,11 +17,15 @@ def list_sweeps(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """The sweeps that were begun, and how far each is."""
-    from app.experiments.runs.reading import readable
     from app.experiments.sweeps.status import status_of
 
     there = sorted(folder.iterdir()) if folder.is_dir() else []
-    found = [status_of(one) for one in there if is_sweep(one) and readable(one)]
+    found = []
+    for sweep in filter(is_sweep, there):
+        try:
+            found.append(status_of(sweep))
+        except Exception as error:  # whatever one store holds, the others are listed
+            typer.echo(f"flockscope: {sweep} is left out: {' '.join(str(error).split())}", err=True)
     if json_asked:
         typer.echo(as_json({"sweeps": found}))
         return

@@ -31,6 +31,16 @@ CREATE TABLE state (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 """
 FIXED = ("cell", "seed", "status", "reason", "seconds", "ticks", "astray")
 """Columns of `run` that every store has; those of what is measured follow."""
+COLUMNS = {
+    "run": set(FIXED),
+    "cell": {"id", "hash", "json"},
+    "plan": {"place", "cell"},
+    "series": {"cell", "seed", "observable", "ticks", "values"},
+    "state": {"key", "value"},
+}
+"""What each table has at least."""
+LARGEST = 64 * 2**20
+"""Bytes of one text or blob."""
 BUSY = 10.0
 """Seconds to wait for another process that looks into the file."""
 
@@ -62,17 +72,38 @@ def opened(path: Path) -> sqlite3.Connection:
                 f"written apart from what is read (journal mode {mode})"
             )
         made.execute("PRAGMA synchronous = NORMAL")
-        if new or not has_tables(made):
+        if new or not has_tables(made, path):
             made.execute(f"PRAGMA application_id = {APPLICATION}")
             made.execute(f"PRAGMA user_version = {FORMAT}")
             made.executescript(f"BEGIN; {TABLES} COMMIT;")
         return made
 
 
-def has_tables(connection: sqlite3.Connection) -> bool:
-    """Whether the tables are there: a kill while the file is made leaves one without."""
-    found = connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'run'")
-    return bool(found.fetchone()[0])
+def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
+    """Whether the tables are there: a kill while the file is made leaves one without.
+
+    Raises Refusal for views, triggers and tables of another kind: a view can be endless, and a
+    trigger acts on whoever writes.
+    """
+    connection.execute("PRAGMA trusted_schema = OFF")
+    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST)
+    schema = connection.execute("SELECT type, name, rootpage FROM sqlite_master").fetchall()
+    for kind, name, page in schema:
+        if kind not in ("table", "index") or not page:  # a virtual table has no page of its own
+            raise foreign(path, f"{str(name)[:80]!r} is no plain table")
+    names = {name for kind, name, _ in schema if kind == "table"}
+    if "run" not in names:
+        return False
+    for name, columns in COLUMNS.items():
+        found = connection.execute(f"PRAGMA table_xinfo({quoted(name)})").fetchall()
+        if not columns <= {row[1] for row in found} or any(row[-1] for row in found):
+            raise foreign(path, f"the table {name} has other columns")
+    return True
+
+
+def foreign(path: Path, why: str) -> Refusal:
+    """The refusal of a store that flockscope has not made so."""
+    return Refusal(f"{str(path)!r} is not a store of runs ({why}): move it away")
 
 
 def looked_into(path: Path) -> sqlite3.Connection:
@@ -85,11 +116,11 @@ def looked_into(path: Path) -> sqlite3.Connection:
             f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=BUSY, isolation_level=None
         )
         try:
-            there = has_tables(made)
+            there = has_tables(made, path)
         except sqlite3.OperationalError:  # a folder that may only be read has no room for the WAL
             made.close()
             made = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
-            there = has_tables(made)
+            there = has_tables(made, path)
         if not there:
             made.close()
             raise Refusal(f"{str(path)!r}: there is no run in it yet")

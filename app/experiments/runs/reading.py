@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
@@ -15,6 +16,12 @@ import numpy as np
 
 from app.experiments.runs.database import FILE, FIXED, guarded, looked_into, quoted
 from app.experiments.runs.outcome import STATUSES
+from worlds.refusal import Refusal
+
+LONGEST = 30.0
+"""Seconds that one question to a store may take; then it is interrupted."""
+STEPS = 100_000
+"""Instructions of SQLite between two looks at the clock."""
 
 ORDERED = (
     "JOIN (SELECT cell AS c, min(place) AS place FROM plan GROUP BY cell) ON c = run.cell "
@@ -36,7 +43,16 @@ class Kept:
 
     def _rows(self, statement: str) -> list[tuple]:
         with closing(looked_into(self.path)) as connection, guarded(self.path):
+            end = time.monotonic() + LONGEST
+            connection.set_progress_handler(lambda: time.monotonic() > end, STEPS)
             return connection.execute(statement).fetchall()
+
+    def _value(self, text: Any) -> Any:
+        """A value from its JSON. Raises Refusal for what is none."""
+        try:
+            return json.loads(text)
+        except (ValueError, TypeError, RecursionError):
+            raise Refusal(f"{str(self.path)!r} cannot be read: it holds broken JSON") from None
 
     @property
     def counts(self) -> dict[str, int]:
@@ -55,7 +71,7 @@ class Kept:
     @property
     def state(self) -> dict[str, Any]:
         """What the process that writes has left word of."""
-        return {key: json.loads(value) for key, value in self._rows("SELECT * FROM state")}
+        return {key: self._value(value) for key, value in self._rows("SELECT * FROM state")}
 
     @cached_property
     def columns(self) -> list[str]:
@@ -69,7 +85,7 @@ class Kept:
         found = self._rows(
             "SELECT cell.id, json FROM plan JOIN cell ON cell.id = plan.cell ORDER BY place"
         )
-        return {number: json.loads(text) for number, text in dict(found).items()}
+        return {number: self._value(text) for number, text in dict(found).items()}
 
     @cached_property
     def plan(self) -> list[int]:

@@ -7,6 +7,7 @@ more often than it can afford: what the page shows is replaced as a whole.
 from __future__ import annotations
 
 import shutil
+import sys
 import threading
 import time
 import tomllib
@@ -210,8 +211,11 @@ class Sweeps:
             return before[1]
         try:
             made = listed(folder)
-        except (Refusal, OSError, KeyError, ValueError):
+        except Exception as error:  # whatever one store holds, the others are shown
             made = None
+            if self.making is None or self.making.folder != folder:  # its tables are being made
+                said = " ".join(str(error).split())[:300]
+                print(f"flockscope: the sweep {name} is not shown: {said}", file=sys.stderr)
         if made is None or not made.runs:
             self.kept[name] = stamps, made
         return made
@@ -232,8 +236,9 @@ class Sweeps:
         if key != self.drawn[0]:
             try:
                 self.drawn = key, shown(self.results / one.name, self.column), ""
-            except Refusal as refusal:
-                self.drawn = key, None, "" if one.state == "begins" else str(refusal)
+            except Exception as error:  # whatever its store holds, the others are listed
+                said = str(error) if isinstance(error, Refusal) else f"it is broken ({error!r})"
+                self.drawn = key, None, "" if one.state == "begins" else said[:300]
         return self.drawn[1:]
 
     def bury(self) -> None:
