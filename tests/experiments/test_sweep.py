@@ -37,7 +37,7 @@ name = "polarisation"
 def here(monkeypatch):
     """Runs are made in this process."""
     makers = "app.experiments.sweeps.conduct.Processes"
-    monkeypatch.setattr(makers, lambda job, *_: ThisProcess(job))
+    monkeypatch.setattr(makers, lambda job, *_, **__: ThisProcess(job))
 
 
 def carry_out(sweep, folder, **more):
