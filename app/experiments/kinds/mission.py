@@ -89,6 +89,7 @@ class Mission(Settings):
             "never",
             FAR,
             bounds=COUNT,
+            limited=True,
         ),
         Measure(
             "through",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -69,8 +69,6 @@ class Comparison:
     """The chance, at most, with which runs give this word where it is false; 1 if undecided."""
 
     def __str__(self) -> str:
-        if self.word == "undecided" and self.needed is None and self.why:
-            return f"{self.word}: {self.why}"
         return self.word if self.needed is None else f"{self.word}, {self.needed}"
 
 
@@ -79,11 +77,14 @@ def compare(values: RunRanges, published: Published) -> Comparison | None:
     mean = published.average
     if mean is None or values.runs == 0 or np.isinf(values.least).any():
         return None
-    estimate = values.estimate
-    difference = float(estimate.mean) - mean
-    if values.runs < FEWEST_RUNS:
-        return Comparison("undecided", difference, needed=FEWEST_RUNS)
+    difference = float(values.estimate.mean) - mean
     theirs = np.array(published.values, float)
+    found = Comparison("undecided", difference, needed=FEWEST_RUNS)
+    if values.runs > 1 and not values.open_runs:
+        z, effect = sizes_of(values, theirs, mean)
+        found = replace(found, z=z, effect=effect)
+    if values.runs < FEWEST_RUNS:
+        return found
     tolerance = TOLERANCE * float(typical_spread(values.least))
 
     def word_at(confidence: float) -> BesideWord:
@@ -91,22 +92,20 @@ def compare(values: RunRanges, published: Published) -> Comparison | None:
 
     word, p = decide(word_at)
     limits = difference_limits(values, theirs, mean, CONFIDENCE)
-    found = difference_of(estimate, theirs, mean)
-    error = float(found.error)
-    other = float(theirs.std(ddof=1)) if theirs.size > 1 else float("nan")
-    ours = float(estimate.error) * math.sqrt(values.runs)
-    scale = math.sqrt(0.5 * (ours**2 + (ours if math.isnan(other) else other) ** 2))
     needed, why = (None, "") if word != "undecided" else what_lacks(values, theirs, mean, tolerance)
-    return Comparison(
-        word,
-        difference,
-        (float(limits.low), float(limits.high)),
-        difference / error if error > 0.0 and not values.open_runs else math.nan,
-        difference / scale if scale > 0.0 and not values.open_runs else math.nan,
-        needed,
-        why,
-        p,
-    )
+    interval = float(limits.low), float(limits.high)
+    return replace(found, word=word, interval=interval, needed=needed, why=why, p=p)
+
+
+def sizes_of(values: RunRanges, theirs: np.ndarray, mean: float) -> tuple[float, float]:
+    """The difference in standard errors, z, and in standard deviations of a run, Cohen's d."""
+    found = difference_of(values.estimate, theirs, mean)
+    ours = float(values.least.std(ddof=1))
+    other = float(theirs.std(ddof=1)) if theirs.size > 1 else ours
+    scale, error = math.sqrt(0.5 * (ours**2 + other**2)), float(found.error)
+    difference = float(found.mean)
+    z = difference / error if error > 0.0 else math.nan
+    return z, difference / scale if scale > 0.0 else math.nan
 
 
 def word_of(limits: Limits, tolerance: float) -> BesideWord:

@@ -73,7 +73,7 @@ class Verdict:
         if case.tick is not None:
             row |= {"tick": case.tick}
         row |= {"measure": self.measure.name, "unit": self.unit}
-        row |= {"runs": s.runs, "absent": s.absent, "mean": s.mean, "sd": s.sd}
+        row |= {"runs": s.runs, "absent": s.absent, "limit": s.limit, "mean": s.mean, "sd": s.sd}
         row |= dict(zip(("q25", "median", "q75"), s.quartiles, strict=True))
         row |= dict(zip(("low95", "high95"), s.interval, strict=True))
         row |= {"least": s.least, "most": s.most}
@@ -92,6 +92,8 @@ class Verdict:
         return {
             "verdict": self.word,
             "needed": one and one.needed,
+            "undecided_because": one and one.why,
+            "p": one and one.p,
             "difference": one and one.difference,
             "difference_low99": low,
             "difference_high99": high,
