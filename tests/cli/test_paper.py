@@ -66,7 +66,7 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
 def test_a_table_of_ones_own_is_judged_as_the_papers_are(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(TEXT.replace("mean = 5.0", "mean = 50.0", 1))
-    result = call("paper", path, "--out", tmp_path / "out", "--json", "--quiet")
+    result = call("paper", path, "--out", tmp_path / "out", "--json", "--quiet", "--runs", 20)
     assert result.exit_code == 0, result.stderr
     made = json.loads(result.stdout)
     assert (made["name"], made["title"]) == ("mine", "Small")

@@ -165,10 +165,12 @@ def judged(experiment, values, said):
 
 def test_an_order_holds_if_every_step_rises(done):
     said = Order(says="order", measure="success", labels=["A", "H"], agents=[4, 50])
-    low, high = [10.0, 20.0, 15.0], [20.0, 30.1, 25.0]
+    low, high = [10.0, 20.0, 15.0] * 60, [20.0, 30.2, 25.1] * 60
     assert judged(done[0], [low, high], said) == ["holds"], "paired: by 10 in every pair"
     assert judged(done[0], [high, low], said) == ["does not hold"]
-    assert judged(done[0], [low, [25.0, 21.0, 22.0]], said) == ["undecided"]
+    assert judged(done[0], [low, [25.0, 12.0, 14.0] * 60], said) == ["undecided"]
+    assert judged(done[0], [low[:3], high[:3]], said) == ["undecided"], "of three runs nothing"
+    assert judged(done[0], [low, [None] * 180], said) == ["undecided"], "nobody knows the rest"
     gone = said.model_copy(update={"labels": ["A", "B"]})
     assert judged(done[0], [[10.0], [20.0]], gone) == []
 
@@ -200,7 +202,9 @@ def test_a_run_that_comes_near_nothing_is_infinitely_far(done, measure, word):
         ([10.0, 19.0], [100.0, 100.0], "holds"),
         ([10.0, 20.0], [100.0, 100.0], "does not hold"),
         ([10.0, 19.0], [100.0, None], "holds"),
-        ([10.0, None], [100.0, None], "does not hold"),
+        ([10.0, None], [100.0, None], "undecided"),
+        ([10.0, None], [100.0, 100.0], "does not hold"),
+        ([0.0, 0.0], [0.0, 0.0], "does not hold"),
     ],
 )
 def test_faster_in_every_pair(done, quick, slow, word):

@@ -111,7 +111,7 @@ def test_a_run_is_looked_at_as_the_settings_say():
 
 def test_a_small_one_is_carried_out_judged_and_drawn(tmp_path):
     experiment = small(tmp_path)
-    done = conduct(experiment, tmp_path, runs=3, seed=1, workers=1, tell=None, at=lambda *_: None)
+    done = conduct(experiment, tmp_path, runs=8, seed=1, workers=1, tell=None, at=lambda *_: None)
     made = verdicts(experiment, done.measured)
     said = claims(made, experiment.said)
     assert [one.text.split(":")[0] for one in said] == [

@@ -210,9 +210,11 @@ def memory(case):
     """A flock that stays parallel on the way back from dr_o = 4 down to 2."""
     torus = case.value <= 3.5 and not (case.way == "back" and case.value >= 2.0)
     p, phase = (0.1, "torus") if torus else (0.9, "highly parallel")
+    noise = np.random.default_rng([case.way == "back", int(10 * case.value)]).normal(0.0, 0.003, 24)
     known = {"p": [p, p + 0.02], "m": [0.7, 0.7], "largest": [100.0] * 2, "mixing": [1.0] * 2}
     known |= {"phase": [PHASES.index(phase)] * 2}
-    return {name: values * 12 for name, values in known.items()}
+    known = {name: values * 12 for name, values in known.items()}
+    return known | {"p": list(known["p"] + noise), "m": list(known["m"] + noise)}
 
 
 def test_claims_about_phases_and_memory():

@@ -1,21 +1,24 @@
 """More replicates where the interval is wide, in rounds that follow from the values alone."""
 
-import numpy as np
-import pytest
+import math
 
 from app.experiments.sweeps.given.file import Replicates
 from app.experiments.sweeps.replicates import Rounds, half_width, is_precise
+from app.experiments.verdicts.judge import ranges_of
+from app.experiments.verdicts.statistics import summary
 
 
-def test_the_interval_is_students():
+def test_the_half_interval_is_the_wider_side_of_that_of_papers():
     values = [1.0, 2.0, 4.0, 8.0]
-    error = np.std(values, ddof=1) / 2.0
-    assert half_width(values) == pytest.approx(3.182446 * error, rel=1e-6)
-    assert half_width([1.0]) == np.inf
+    low, high = summary(ranges_of(values)).interval
+    assert half_width(values) == max(3.75 - low, high - 3.75)
+    assert math.isnan(half_width([1.0]))
+    assert math.isnan(half_width([2.0, 2.0]))
+    assert math.isnan(half_width([]))
 
 
 def rounds(**precision):
-    asked = {"observable": "x", "within": 0.1, "most": 12, "step": 4} | precision
+    asked = {"observable": "x", "within": 0.1, "most": 30, "step": 4} | precision
     return Rounds(Replicates(count=2, precision=asked), [1, 2, 3])
 
 
@@ -29,20 +32,20 @@ def test_wide_cells_get_more_until_they_are_narrow_or_have_the_most():
     made = rounds()
     while made.more(noisy):
         pass
-    assert made.wanted == {1: 2, 2: 6, 3: 12}
-    assert is_precise(noisy(2, 6), made.asked.precision)
+    assert made.wanted == {1: 10, 2: 10, 3: 30}, "nothing is looked at before ten runs"
+    assert is_precise(noisy(2, 10), made.asked.precision)
 
 
 def test_a_budget_is_kept_to():
-    made = rounds(budget=10)
+    made = rounds(budget=18)
     while made.more(noisy):
         pass
-    assert (made.wanted, made.total) == ({1: 2, 2: 6, 3: 2}, 10)
+    assert (made.wanted, made.total) == ({1: 10, 2: 6, 3: 2}, 18)
 
 
 def test_a_relative_precision_is_a_share_of_the_mean():
-    values = [100.0, 101.0, 99.0, 100.0, 100.5]
-    asked = {"observable": "x", "within": 0.02, "most": 9}
+    values = [100.0, 101.0, 99.0, 100.0, 100.5] * 2
+    asked = {"observable": "x", "within": 0.02, "most": 19}
     narrow, wide = (
         Replicates(count=2, precision=asked | {"relative": relative}).precision
         for relative in (True, False)
@@ -54,4 +57,4 @@ def test_a_relative_precision_is_a_share_of_the_mean():
 def test_cells_without_values_are_not_precise():
     made = rounds()
     assert made.more(lambda *_: [])
-    assert made.wanted == {1: 6, 2: 6, 3: 6}
+    assert made.wanted == {1: 10, 2: 10, 3: 10}

@@ -12,6 +12,7 @@ from app.experiments.experiment import Case
 from app.experiments.file import Row, Sweep
 from app.experiments.verdicts.claim import beside
 from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import interval_of_mean, summary
 from app.experiments.verdicts.verdict import verdicts
 from experiments.small import small
@@ -20,33 +21,40 @@ VEM = Spec("vem", agents=5, size=1.0)
 
 
 def test_summary_of_known_numbers():
-    s = summary([2, 4, 4, 4, 5, 5, 7, 9])
+    s = summary(ranges_of([2, 4, 4, 4, 5, 5, 7, 9]))
     assert (s.runs, s.absent, s.mean, s.median) == (8, 0, 5.0, 4.5)
     assert s.sd == pytest.approx(math.sqrt(32 / 7))
     assert s.quartiles == (4.0, 4.5, 5.5)
     assert s.standard_error == pytest.approx(math.sqrt(32 / 7 / 8))
 
 
-def test_runs_that_were_given_up_are_counted_and_left_out():
-    s = summary([10, None, 20, None])
-    assert (s.runs, s.absent, s.mean) == (2, 2, 15.0)
+def test_runs_that_were_given_up_count_as_their_limit():
+    s = summary(ranges_of([10, None, 20, None], limit=50))
+    assert (s.runs, s.absent, s.limit, s.mean, s.median) == (2, 2, 50.0, 32.5, 35.0)
+    assert math.isnan(s.sd)
+    assert s.interval[1] == math.inf
+
+
+def test_runs_without_a_value_and_without_a_limit_count_in_no_number():
+    s = summary(ranges_of([10, None, 20, None]))
+    assert (s.runs, s.absent, s.limit, s.mean) == (2, 2, None, 15.0)
 
 
 @pytest.mark.parametrize("times", [[], [None, None], [3]])
 def test_too_few_runs_have_no_spread(times):
-    s = summary(times)
+    s = summary(ranges_of(times))
     assert math.isnan(s.sd)
 
 
 def test_the_interval_of_the_mean_holds_it_in_19_of_20_draws():
     rng = np.random.default_rng(2)
-    draws = [interval_of_mean(rng.normal(50, 8, 100)) for _ in range(400)]
+    draws = [interval_of_mean(ranges_of(rng.normal(50, 8, 100))) for _ in range(400)]
     assert np.mean([low < 50.0 < high for low, high in draws]) == pytest.approx(0.95, abs=0.035)
 
 
-def test_the_interval_of_equal_values_is_their_value():
-    assert interval_of_mean(np.full(9, 100.0)) == (100.0, 100.0)
-    assert all(math.isnan(end) for end in interval_of_mean(np.array([3.0])))
+def test_equal_values_have_no_interval():
+    assert all(math.isnan(end) for end in interval_of_mean(ranges_of(np.full(9, 100.0))))
+    assert all(math.isnan(end) for end in interval_of_mean(ranges_of([3.0])))
 
 
 def case(mean, **more):
@@ -83,10 +91,12 @@ def test_claims_of_a_sweep(tmp_path):
     cases = [Case(VEM.but(parameters={"p": value}), 5, sweep=sweep) for value in sweep.values]
 
     def holds(*means):
-        times = [[mean + n for n in (-1, 0, 1) * 5] for mean in means]
+        rng = np.random.default_rng(1)
+        times = [list(mean + rng.permutation([-1, 0, 1] * 5)) for mean in means]
         return [one.word for one in claims(judged(tmp_path, cases, times))]
 
     assert holds(100, 50, 49) == ["holds", "holds"]
     assert holds(100, 50, 20) == ["holds", "does not hold"]
-    assert holds(50, 50, 50) == ["does not hold", "holds"]
+    assert holds(50, 50, 50) == ["undecided", "holds"]
+    assert holds(0, 0, 0) == ["undecided", "undecided"], "nothing is divided by a mean of 0"
     assert holds(50, 100, 100) == ["does not hold", "holds"]

@@ -11,6 +11,7 @@ import pytest
 
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
+from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import summary
 
 RUNS = 30
@@ -27,7 +28,7 @@ def difference(a, b):
 def times(experiment, folder, runs=RUNS):
     """Summary of the runs of each case."""
     done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
-    return [(one.case, summary(one.values["k_con"])) for one in done.measured]
+    return [(one.case, summary(ranges_of(one.values["k_con"]))) for one in done.measured]
 
 
 @pytest.fixture(scope="module")

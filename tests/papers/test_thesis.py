@@ -10,6 +10,7 @@ import pytest
 from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
 from app.experiments.verdicts.claims import claims
+from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import summary
 from app.experiments.verdicts.verdict import verdicts
 
@@ -62,7 +63,7 @@ def test_crashes_at_tick_0_are_as_many_as_the_thesis_counts_and_none_come_later(
 
 @pytest.mark.parametrize("tick", READING)
 def test_groups_become_fewer_as_in_the_reading(free, tick):
-    s = summary(values(free[0], "thesis", "groups", tick))
+    s = summary(ranges_of(values(free[0], "thesis", "groups", tick)))
     error = s.sd * math.sqrt(1.0 / RUNS + 1.0 / 40.0)
     assert abs(s.mean - READING[tick]) < 4.0 * error
 
@@ -71,10 +72,10 @@ def test_most_runs_end_as_one_group_that_flies_one_way(free):
     one = values(free[0], "thesis", "one", 3000)
     share = sum(one) / (100.0 * RUNS)
     assert abs(share - ONE) < 4.0 * math.sqrt(ONE * (1.0 - ONE) * (1.0 / RUNS + 1.0 / 40.0))
-    assert summary(values(free[0], "thesis", "p", 3000)).mean > 0.98
+    assert summary(ranges_of(values(free[0], "thesis", "p", 3000))).mean > 0.98
 
 
 def test_bodies_that_stay_solid_crash_43_of_50(free):
     counts = [values(free[0], "solid", measure, 3000) for measure in ("at_0", "early", "late")]
-    total = summary([sum(run) for run in zip(*counts, strict=True)])
+    total = summary(ranges_of([sum(run) for run in zip(*counts, strict=True)]))
     assert abs(total.mean - 43.0) < 4.0 * total.standard_error

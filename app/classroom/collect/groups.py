@@ -49,8 +49,8 @@ class Group:
 
     @property
     def half(self) -> float:
-        """Half of the 95 % interval of the mean by Student's t; nan below two results."""
-        return half_width(self.results) if self.runs > 1 else math.nan
+        """Half of the 95 % interval of the mean; nan below two results, and of equal ones."""
+        return half_width(self.results)
 
 
 def distinct(points: Sequence[Point]) -> list[Point]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from agents.observables.order import polarisation
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import RARE, SHARE, Measure, Number, Settings
 from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
@@ -22,13 +22,20 @@ class Beginning(Settings):
     measures: ClassVar[tuple[Measure, ...]] = (
         Measure("agents", "agents", "Agents that fly", "agents", whole=True),
         Measure("obstacles", "obstacles", "Obstacles", "obstacles", whole=True),
-        Measure("crashed", "crashed", "Agents that have crashed", "agents", whole=True),
         Measure(
-            "inside", "inside", "Agents inside an obstacle or out of the box", "agents", whole=True
+            "crashed", "crashed", "Agents that have crashed", "agents", whole=True, bounds=RARE
+        ),
+        Measure(
+            "inside",
+            "inside",
+            "Agents inside an obstacle or out of the box",
+            "agents",
+            whole=True,
+            bounds=RARE,
         ),
         Measure("clear", "clear", "Least distance to what is solid", "length", "nothing is solid"),
         Measure("pair", "pair", "Least distance of two agents", "length", "one agent"),
-        Measure("p", "p", "Polarisation", "1"),
+        Measure("p", "p", "Polarisation", "1", bounds=SHARE),
         Measure("speed", "speed", "Mean speed", "length/s"),
         Measure("spread", "spread", "Standard deviation of the speeds", "length/s"),
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import COUNT, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -21,7 +21,16 @@ class Convergence(Settings):
 
     kind: ClassVar[str] = "convergence"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("k_con", "k_con", "Time to consistency", "ticks", "not consistent", whole=True),
+        Measure(
+            "k_con",
+            "k_con",
+            "Time to consistency",
+            "ticks",
+            "not consistent",
+            whole=True,
+            bounds=COUNT,
+            limited=True,
+        ),
     )
 
     desired: float = Field(gt=0.0, lt=1.0)

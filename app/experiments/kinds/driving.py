@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import SUCCESS, Measure, Number, Settings
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -51,15 +51,53 @@ class Driving(Settings):
 
     kind: ClassVar[str] = "driving"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("ok", "ok", "Runs that end locked without a fault", "%", whole=True),
-        Measure("locked", "locked", "Runs that end locked to the injected car", "%", whole=True),
+        Measure(
+            "ok", "ok", "Runs that end locked without a fault", "%", whole=True, bounds=SUCCESS
+        ),
+        Measure(
+            "locked",
+            "locked",
+            "Runs that end locked to the injected car",
+            "%",
+            whole=True,
+            bounds=SUCCESS,
+        ),
         Measure("lag", "lag", "Mean angle behind the injected car", "deg", "not locked"),
-        Measure("collision", "collision", "Runs in which cars touch", "%", "no bodies", whole=True),
-        Measure("stuck", "stuck", "Runs that end with a car stuck", "%", "no bodies", whole=True),
-        Measure("outside", "outside", "Runs in which a car leaves the area", "%", whole=True),
+        Measure(
+            "collision",
+            "collision",
+            "Runs in which cars touch",
+            "%",
+            "no bodies",
+            whole=True,
+            bounds=SUCCESS,
+        ),
+        Measure(
+            "stuck",
+            "stuck",
+            "Runs that end with a car stuck",
+            "%",
+            "no bodies",
+            whole=True,
+            bounds=SUCCESS,
+        ),
+        Measure(
+            "outside",
+            "outside",
+            "Runs in which a car leaves the area",
+            "%",
+            whole=True,
+            bounds=SUCCESS,
+        ),
         Measure("apart", "apart", "Mean distance to the nearest other car", "m", "one car"),
         Measure(
-            "caught", "caught", "Runs in which a predator touches", "%", "no predator", whole=True
+            "caught",
+            "caught",
+            "Runs in which a predator touches",
+            "%",
+            "no predator",
+            whole=True,
+            bounds=SUCCESS,
         ),
         Measure("chased", "chased", "Least distance of a predator", "m", "no predator"),
     )

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar
 
 from app.experiments.kinds.convergence import Convergence
-from app.experiments.kinds.settings import Measure, Number
+from app.experiments.kinds.settings import SHARE, Measure, Number
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -18,9 +18,9 @@ class Evolution(Convergence):
     kind: ClassVar[str] = "evolution"
     measures: ClassVar[tuple[Measure, ...]] = (
         *Convergence.measures,
-        Measure("order_0", "order at 0", "Polarisation at the start", "1"),
+        Measure("order_0", "order at 0", "Polarisation at the start", "1", bounds=SHARE),
         Measure("deg_0", "Deg_con at 0", "Degree of consistency (28) at the start", "1"),
-        Measure("order", "order", "Polarisation when the run ends", "1"),
+        Measure("order", "order", "Polarisation when the run ends", "1", bounds=SHARE),
         Measure("deg", "Deg_con", "Degree of consistency (28) when the run ends", "1"),
     )
 

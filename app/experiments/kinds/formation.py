@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import PERCENT, RARE, SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -22,11 +22,18 @@ class Formation(Settings):
         Measure("saved", "saved", "Induced drag saved", "%", "all have crashed"),
         Measure("power", "power", "Power saved", "%", "all have crashed"),
         Measure("joules", "per metre", "Energy that a bird saves per metre", "mJ/m", "not known"),
-        Measure("best", "best", "Birds that save more than half", "%", "all have crashed"),
-        Measure("p", "p", "Polarisation", "1", "all have crashed"),
+        Measure(
+            "best",
+            "best",
+            "Birds that save more than half",
+            "%",
+            "all have crashed",
+            bounds=PERCENT,
+        ),
+        Measure("p", "p", "Polarisation", "1", "all have crashed", bounds=SHARE),
         Measure("groups", "groups", "Groups at the end", "groups", whole=True),
-        Measure("largest", "largest", "Birds in the largest group at the end", "%"),
-        Measure("crashes", "crashes", "Crashes", "agents", whole=True),
+        Measure("largest", "largest", "Birds in the largest group at the end", "%", bounds=PERCENT),
+        Measure("crashes", "crashes", "Crashes", "agents", whole=True, bounds=RARE),
     )
 
     settle: int = Field(ge=0)

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.neighbours import links
 from agents.observables.order import polarisation
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import PERCENT, RARE, SUCCESS, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -23,12 +23,25 @@ class Gathering(Settings):
 
     kind: ClassVar[str] = "gathering"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("at_0", "at 0", "Crashes at tick 0", "agents", whole=True),
-        Measure("early", "early", "Crashes later, but not late", "agents", whole=True),
-        Measure("late", "late", "Late crashes", "agents", whole=True),
+        Measure("at_0", "at 0", "Crashes at tick 0", "agents", whole=True, bounds=RARE),
+        Measure("early", "early", "Crashes later, but not late", "agents", whole=True, bounds=RARE),
+        Measure("late", "late", "Late crashes", "agents", whole=True, bounds=RARE),
         Measure("groups", "groups", "Groups of those that fly", "groups", whole=True),
-        Measure("one", "one", "Runs in which all that fly are one group", "%", whole=True),
-        Measure("largest", "largest", "Those that fly that are in the largest group", "%"),
+        Measure(
+            "one",
+            "one",
+            "Runs in which all that fly are one group",
+            "%",
+            whole=True,
+            bounds=SUCCESS,
+        ),
+        Measure(
+            "largest",
+            "largest",
+            "Those that fly that are in the largest group",
+            "%",
+            bounds=PERCENT,
+        ),
         Measure("p", "p", "Polarisation of those that fly", "1"),
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from app.experiments.kinds.driving import STOPS
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import COUNT, SUCCESS, Measure, Number, Settings
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -24,11 +24,28 @@ class Holding(Settings):
 
     kind: ClassVar[str] = "holding"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("held", "held", "Runs in which no car leaves the radius again", "%", whole=True),
+        Measure(
+            "held",
+            "held",
+            "Runs in which no car leaves the radius again",
+            "%",
+            whole=True,
+            bounds=SUCCESS,
+        ),
         Measure("furthest", "furthest", "Largest distance to the place, once they have come", "m"),
         Measure("mean", "mean", "Mean distance to the place, once they have come", "m"),
-        Measure("came", "came", "Time at which the last car comes within the radius", "s", "never"),
-        Measure("collision", "collision", "Runs in which cars touch", "%", whole=True),
+        Measure(
+            "came",
+            "came",
+            "Time at which the last car comes within the radius",
+            "s",
+            "never",
+            bounds=COUNT,
+            limited=True,
+        ),
+        Measure(
+            "collision", "collision", "Runs in which cars touch", "%", whole=True, bounds=SUCCESS
+        ),
     )
 
     limit: float = Field(gt=0.0)

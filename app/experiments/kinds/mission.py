@@ -10,7 +10,15 @@ from pydantic import Field
 
 from agents.mission import fly
 from agents.observables.following import KERNELS
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import (
+    COUNT,
+    EITHER,
+    RARE,
+    RARE_PERCENT,
+    Measure,
+    Number,
+    Settings,
+)
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -26,16 +34,71 @@ class Mission(Settings):
     kind: ClassVar[str] = "mission"
     measures: ClassVar[tuple[Measure, ...]] = (
         Measure("ticks", "ticks", "Ticks that the mission lasted", "ticks", whole=True),
-        Measure("arrived", "arrived", "Whether the path was flown to its end", "1", whole=True),
-        Measure("success", "P_s", "Agents that have followed all the time", "%"),
-        Measure("d_obs", "D_obs", "Least distance to an obstacle", "length", "never near one", FAR),
         Measure(
-            "d_ind", "D_ind", "Least distance of two that follow", "length", "none follow", FAR
+            "arrived",
+            "arrived",
+            "Whether the path was flown to its end",
+            "1",
+            whole=True,
+            bounds=EITHER,
         ),
-        Measure("d_pair", "d_pair", "Least distance of two agents", "length", "one agent", FAR),
-        Measure("d_least", "d_least", "Least distance to anything", "length", "never near", FAR),
-        Measure("settled", "settled", "Time until the centre stays at the goal", "s", "never", FAR),
-        Measure("through", "through", "Agents that came to the goal", "%", "no goal"),
+        Measure(
+            "success", "P_s", "Agents that have followed all the time", "%", bounds=RARE_PERCENT
+        ),
+        Measure(
+            "d_obs",
+            "D_obs",
+            "Least distance to an obstacle",
+            "length",
+            "never near one",
+            FAR,
+            bounds=RARE,
+        ),
+        Measure(
+            "d_ind",
+            "D_ind",
+            "Least distance of two that follow",
+            "length",
+            "none follow",
+            FAR,
+            bounds=RARE,
+        ),
+        Measure(
+            "d_pair",
+            "d_pair",
+            "Least distance of two agents",
+            "length",
+            "one agent",
+            FAR,
+            bounds=RARE,
+        ),
+        Measure(
+            "d_least",
+            "d_least",
+            "Least distance to anything",
+            "length",
+            "never near",
+            FAR,
+            bounds=RARE,
+        ),
+        Measure(
+            "settled",
+            "settled",
+            "Time until the centre stays at the goal",
+            "s",
+            "never",
+            FAR,
+            bounds=COUNT,
+            limited=True,
+        ),
+        Measure(
+            "through",
+            "through",
+            "Agents that came to the goal",
+            "%",
+            "no goal",
+            bounds=RARE_PERCENT,
+        ),
     )
     measured_by: ClassVar[tuple[Callable, ...]] = KERNELS
 

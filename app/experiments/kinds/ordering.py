@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -21,7 +21,7 @@ class Ordering(Settings):
 
     kind: ClassVar[str] = "ordering"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("order", "order", "Polarisation, mean over time", "1"),
+        Measure("order", "order", "Polarisation, mean over time", "1", bounds=SHARE),
         Measure("binder", "G", "Binder cumulant of the polarisation over time", "1"),
         Measure("chi", "chi", "N times the variance of the polarisation over time", "1"),
         Measure("d_pair", "d_pair", "Least distance of two agents", "length", "one agent"),

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import random_headings
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import PERCENT, SHARE, Measure, Number, Settings
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ class Phases(Settings):
 
     kind: ClassVar[str] = "phases"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("p", "p", "Polarisation (4)", "1"),
+        Measure("p", "p", "Polarisation (4)", "1", bounds=SHARE),
         Measure("m", "m", "Angular momentum (5)", "1"),
-        Measure("largest", "largest", "Agents in the largest group", "%"),
+        Measure("largest", "largest", "Agents in the largest group", "%", bounds=PERCENT),
         Measure("mixing", "mixing", "Change of places between two looks, of the radius", "1"),
         Measure("phase", "phase", "Phase by these measures", "1", whole=True, words=PHASES),
     )

@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -16,6 +16,23 @@ if TYPE_CHECKING:
     from agents import Flock
 
 Number = int | float
+
+
+class MeasureBounds(NamedTuple):
+    """What no run of a measure can be outside of."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    binary: bool = False
+    """Whether each run gives one of the two and nothing between: successes are counted."""
+    rare: bool = False
+    """Whether few runs may be far from all others, as those with a crash."""
+
+
+UNBOUNDED = MeasureBounds()
+COUNT, PERCENT, SHARE = (MeasureBounds(0.0, high) for high in (math.inf, 100.0, 1.0))
+SUCCESS, EITHER = PERCENT._replace(binary=True), SHARE._replace(binary=True)
+RARE, RARE_PERCENT = COUNT._replace(rare=True), PERCENT._replace(rare=True)
 
 
 @dataclass(frozen=True)
@@ -36,6 +53,10 @@ class Measure:
     """Whether it is a whole number."""
     words: tuple[str, ...] = ()
     """What the whole numbers from 0 on stand for, where it is no quantity but a name."""
+    bounds: MeasureBounds = UNBOUNDED
+    limited: bool = False
+    """Whether a run without it was given up at the settings' `limit`, in its unit, and so has at
+    least that."""
 
     def counted(self, value: Number | None) -> float:
         """What a run with that value counts as in claims."""
@@ -84,6 +105,10 @@ class Settings(Strict):
 
     def compile(self, flock: Flock) -> None:
         """Compile what `run` calls beside the flock's own loop; the flock may be used up."""
+
+    def limit_of(self, measure: Measure) -> float | None:
+        """What a run without a value was given up at; None where that says nothing of the value."""
+        return float(self.limit) if measure.limited else None  # type: ignore[attr-defined]
 
     @classmethod
     def measure(cls, name: str) -> Measure:

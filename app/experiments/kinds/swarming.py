@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.settings import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -26,9 +26,15 @@ class Swarming(Settings):
 
     kind: ClassVar[str] = "swarming"
     measures: ClassVar[tuple[Measure, ...]] = (
-        Measure("p", "p", "Polarisation", "1"),
+        Measure("p", "p", "Polarisation", "1", bounds=SHARE),
         Measure("m", "m", "Angular momentum: how far all mill one way round", "1"),
-        Measure("either", "|m|", "The same, either way round: 0.64 where nobody mills", "1"),
+        Measure(
+            "either",
+            "|m|",
+            "The same, either way round: 0.64 where nobody mills",
+            "1",
+            bounds=SHARE,
+        ),
         Measure("radius", "R", "Gyration radius", "length"),
         Measure("spacing", "d", "Distance to the nearest other, median", "length"),
         Measure("hole", "hole", "Distance of the innermost from the centre, of R", "1"),

@@ -39,8 +39,7 @@ class Mean:
     @classmethod
     def of(cls, values: Sequence[float]) -> Mean:
         """That of values."""
-        half = half_width(values) if len(values) > 1 else math.nan
-        return cls(float(np.mean(values)), half)
+        return cls(float(np.mean(values)), half_width(values))
 
     def __str__(self) -> str:
         return f"{self.value:.4g}" + (f" ± {self.half:.2g}" if self.half == self.half else "")

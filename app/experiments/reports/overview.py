@@ -6,9 +6,14 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from app.experiments.experiment import Experiment
 from app.experiments.reports.tables import empty_table
+from app.experiments.verdicts.answer import Answer
 from app.experiments.verdicts.claim import Claim, is_news
+from app.experiments.verdicts.comparison import Comparison
+from app.experiments.verdicts.judge import CONFIDENCE, survives_holm
 from app.experiments.verdicts.verdict import Verdict
 
 Judged = tuple[Experiment, list[Verdict], list[Claim]]
@@ -21,10 +26,13 @@ def overview(outcomes: Sequence[Judged]) -> Any:
     """A line for each experiment: its rows beside published ones, its claims, what has changed."""
     heads = ("agree", "differ", "open", "hold", "not", "open", "built", "news")
     table = empty_table("paper", "runs", *heads)
+    answers = [one for _, made, said in outcomes for one in answers_of(made, said)]
     table.title = (
         "verdicts on rows beside published ones, then on claims\n"
         "open: undecided; built: by construction; news: not as expected"
     )
+    table.caption = false_words(answers)
+    table.caption_justify = "left"
     table.title_justify = "left"
     totals: Counter[tuple[str, str]] = Counter()
     for experiment, made, said in outcomes:
@@ -36,6 +44,24 @@ def overview(outcomes: Sequence[Judged]) -> Any:
     table.add_section()
     table.add_row("all", "", *counts(totals), "")
     return table
+
+
+def answers_of(made: Sequence[Verdict], said: Sequence[Claim]) -> list[Comparison | Answer]:
+    """All that runs were asked and can be wrong about."""
+    compared = [one.comparison for one in made if one.comparison]
+    claimed = [claim.answer for claim in said if claim.word != "by construction"]
+    return [*compared, *claimed]
+
+
+def false_words(answers: Sequence[Comparison | Answer]) -> str:
+    """How many answers of a table may be false, and how many stand together (Holm at 1 %)."""
+    decided = [one for one in answers if one.word != "undecided"]
+    sure = int(survives_holm(np.array([one.p for one in answers])).sum()) if answers else 0
+    return (
+        f"{len(answers)} answers at 99 % each, {len(decided)} decided: about "
+        f"{(1.0 - CONFIDENCE) * len(answers):.2g} may be false; {sure} stand at 99 % all together "
+        "(Holm)"
+    )
 
 
 def counts(found: Counter[tuple[str, str]]) -> list[str]:

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.experiments.experiment import Experiment
+from app.experiments.reports.overview import answers_of, false_words
 from app.experiments.reports.tables import table_of
 from app.experiments.reports.verdict_words import styled
 from app.experiments.verdicts.answer import ANSWERS_NOTE
 from app.experiments.verdicts.claim import Claim, beside
 from app.experiments.verdicts.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
+from app.experiments.verdicts.judge import RunRanges, share_interval
 from app.experiments.verdicts.verdict import Verdict, of
 from worlds.counting import counted
 from worlds.writing import csv_text, write_text
@@ -45,6 +47,8 @@ def as_row(claim: Claim) -> dict[str, Any]:
         "text": claim.text,
         "verdict": claim.word,
         "needed": claim.answer.needed,
+        "undecided_because": claim.answer.why,
+        "p": claim.answer.p,
         "expected": claim.expected.verdict if claim.expected else "",
         "why": claim.by_construction or (claim.expected.why if claim.expected else ""),
     }
@@ -69,6 +73,10 @@ def show(console: Console, experiment: Experiment, made: list[Verdict], said: li
     runs = len(made[0].values)
     tell(f"{runs} runs in each row" if runs > 1 else "one run")
     for line in absences(experiment, made):
+        tell(line)
+    if answers := answers_of(made, said):
+        tell(f"[dim]{false_words(answers)}[/]")
+    for line in undecided_rows(made):
         tell(line)
     for claim in said:
         why = f": {claim.by_construction}" if claim.word == "by construction" else ""
@@ -101,10 +109,16 @@ def known_of(experiment: Experiment, made: list[Verdict]) -> list[str]:
 
 
 def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
-    """A line for each measure that some runs, but not all of a row, do not have."""
+    """Lines on each measure that some runs, but not all of a row, do not have.
+
+    Of runs that were given up two things can be said that name their limit: the mean of what came
+    first, the value or the limit, and the share of runs that end within it.
+    """
     lines = []
     for measure in experiment.measures:
         rows = [one for one in of(made, measure.name) if one.summary.absent]
+        lines += [given_up(one) for one in rows if one.summary.limit is not None]
+        rows = [one for one in rows if one.summary.limit is None]
         rows = [one for one in rows if one.summary.runs or one.published]
         if rows:
             cases = ", ".join(
@@ -116,6 +130,37 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
                 f"{counted(len(rows[0].values), 'run')} each; left out above"
             )
     return lines
+
+
+def undecided_rows(made: list[Verdict]) -> list[str]:
+    """What keeps rows undecided, a line for each reason and measure."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for one in made:
+        if one.comparison and one.comparison.why:
+            key = one.measure.symbol, one.comparison.why
+            found.setdefault(key, []).append(f"{one.case.label} N = {one.case.agents}{at(one)}")
+    return [
+        f"[yellow]undecided[/]  {symbol}: {why}: {', '.join(rows)}"
+        for (symbol, why), rows in found.items()
+    ]
+
+
+def given_up(one: Verdict) -> str:
+    """What can be said of a row of which runs were given up."""
+    runs, limit = one.ranges.runs, one.summary.limit
+    assert limit is not None
+    low, high = RunRanges(
+        one.ranges.least, one.ranges.least, (one.ranges.bounds[0], limit)
+    ).interval()
+    share = share_interval(one.summary.runs, runs)
+    unit = "" if one.unit == "1" else f" {one.unit}"
+    return (
+        f"[bold red]{one.measure.absent}[/]  {one.case.label} N = {one.case.agents}{at(one)}: "
+        f"{one.summary.absent} of {counted(runs, 'run')} given up at {limit:g}{unit}; mean of "
+        f"min({one.measure.symbol}, {limit:g}) {one.summary.mean:.4g}{unit} (99 %: {low:.4g} to "
+        f"{high:.4g}); {one.summary.runs / runs:.1%} end within {limit:g}{unit} (99 %: "
+        f"{float(share.low):.1%} to {float(share.high):.1%})"
+    )
 
 
 def at(one: Verdict) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 from app.experiments.reports.gathering_table import gathering_table
 from app.experiments.reports.phase_tables import phase_tables
 from app.experiments.reports.verdict_words import styled
+from app.experiments.verdicts.statistics import Summary
 from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, sweeps_of
 
 
@@ -47,9 +48,9 @@ def published_table(made: list[Verdict]) -> Any:
         table.add_row(
             str(one.case.agents),
             one.case.label,
-            number(s.mean),
+            mean_of(s),
             number(s.sd),
-            *(number(q) for q in s.quartiles),
+            *quartiles_of(s),
             signed(found.z if found else None),
             styled(found),
         )
@@ -75,9 +76,9 @@ def sweep_table(made: list[Verdict]) -> Any:
             str(case.agents),
             case.label,
             f"{case.sweep.parameter} = {name(case.value)}" if case.sweep else "",
-            number(s.mean),
+            mean_of(s),
             number(s.sd),
-            *(number(q) for q in s.quartiles),
+            *quartiles_of(s),
         )
         close_size(table, made, k)
     return table
@@ -96,7 +97,7 @@ def sweep_tables(made: list[Verdict]) -> Any:
         table.title = f"{rows[0][0].case.label}, N = {agents}: mean, standard deviation"
         table.title_justify = "left"
         for row in rows:
-            cells = [f"{number(one.summary.mean)} {number(one.summary.sd):>6}" for one in row]
+            cells = [f"{mean_of(one.summary)} {number(one.summary.sd):>6}" for one in row]
             table.add_row(name(row[0].case.value), *cells)
         tables.append(table)
     return Group(*tables)
@@ -111,9 +112,9 @@ def measure_table(made: list[Verdict]) -> Any:
         for k, one in enumerate(row):
             s = one.summary
             head = ("", "") if k else (str(one.case.agents), one.case.label)
-            numbers = [number(s.mean)]
+            numbers = [mean_of(s)]
             if not single:
-                numbers += [number(s.least), number(s.most), str(s.runs)]
+                numbers += [number(s.least), at_least(s.most, s), str(s.runs)]
             if s.runs == 0:
                 numbers[0] = one.measure.absent
             table.add_row(*head, one.measure.symbol, *numbers, one.unit)
@@ -143,6 +144,21 @@ def close_size(table: Any, made: list[Verdict], k: int) -> None:
     """Leave a gap where the size of the flock changes."""
     if k + 1 < len(made) and made[k + 1].case.agents != made[k].case.agents:
         table.add_section()
+
+
+def mean_of(s: Summary) -> str:
+    """A mean; where runs were given up the true one is at least this."""
+    return number(s.mean) if s.limit is None else f"≥{number(s.mean)}"
+
+
+def quartiles_of(s: Summary) -> list[str]:
+    """The quartiles; those in which a run was given up are at least this."""
+    return [at_least(q, s) for q in s.quartiles]
+
+
+def at_least(value: float, s: Summary) -> str:
+    """A value of the runs, which is at least their limit where it reaches it."""
+    return f"≥{number(value)}" if s.limit is not None and value >= s.limit else number(value)
 
 
 def signed(value: float | None) -> str:

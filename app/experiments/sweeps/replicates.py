@@ -8,27 +8,35 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from app.experiments.sweeps.given.file import Precision, Replicates
+from app.experiments.verdicts.judge import INTERVAL_CONFIDENCE, ranges_of
+from app.experiments.verdicts.statistics import interval_of_mean
 
 Values = Callable[[int, int], list[float]]
 """The values of a cell's first replicates, without those that have none."""
 
 
-def half_width(values: Sequence[float], confidence: float = 0.95) -> float:
-    """Half of the interval of a mean by Student's t; infinite below two values.
+FIRST_LOOK = 10
+"""Replicates before the interval of a mean is looked at: fewer show too little of their spread."""
+
+
+def half_width(values: Sequence[float], confidence: float = INTERVAL_CONFIDENCE) -> float:
+    """Half of the interval of a mean, the wider side; nan of equal values, which show no spread.
 
     >>> round(half_width([1.0, 2.0, 3.0]), 3)
-    2.484
+    9.901
     """
-    if len(values) < 2:
-        return math.inf
-    from scipy.special import stdtrit
-
-    error = float(np.std(values, ddof=1)) / math.sqrt(len(values))
-    return float(stdtrit(len(values) - 1, 0.5 + 0.5 * confidence)) * error
+    low, high = interval_of_mean(ranges_of(values), confidence)
+    return max(float(np.mean(values)) - low, high - float(np.mean(values))) if values else math.nan
 
 
 def is_precise(values: Sequence[float], asked: Precision) -> bool:
-    """Whether the interval of the mean is as narrow as is asked for."""
+    """Whether the interval of the mean is as narrow as is asked for.
+
+    Values that are all equal count as precise from the first look on: a measure without noise would
+    otherwise be run for ever.
+    """
+    if len(values) >= FIRST_LOOK and ranges_of(values).are_equal:
+        return True
     width = half_width(values, asked.confidence)
     scale = abs(float(np.mean(values))) if asked.relative and len(values) else 1.0
     return width <= asked.within * scale
@@ -58,10 +66,12 @@ class Rounds:
         added = False
         for cell in self.cells:
             now = self.wanted[cell]
-            room = min(precision.most - now, precision.step)
+            step = max(precision.step, FIRST_LOOK - now)
+            room = min(precision.most - now, step)
             if precision.budget is not None:
                 room = min(room, precision.budget - self.total)
-            if room > 0 and not is_precise(values(cell, now), precision):
+            looked = now >= FIRST_LOOK and is_precise(values(cell, now), precision)
+            if room > 0 and not looked:
                 self.wanted[cell] = now + room
                 added = True
         return added

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
-
-import numpy as np
 
 from app.experiments.file import Endures, Reaches, Sizes
 from app.experiments.verdicts.answer import (
     Answer,
     all_of,
     any_of,
-    interval,
     mean_above,
-    runs_for,
     share_of_runs,
 )
 from app.experiments.verdicts.bounds import bounds_in_words, is_within
@@ -28,7 +25,7 @@ def sizes_claim(one: Sizes, made: list[Verdict]) -> list[tuple[str, Answer]]:
         return []
     rows = [by_size[agents] for agents in one.agents]
     sign = 1.0 if one.trend == "rises" else -1.0
-    steps = [sign * paired(a, b) for a, b in pairwise(rows)]
+    steps = [paired(a, b).times(sign) for a, b in pairwise(rows)]
     sweep = rows[0].case.sweep
     assert sweep is not None
     means = ", ".join(f"{row.summary.mean:.3f} at N = {row.case.agents}" for row in rows)
@@ -50,10 +47,10 @@ def reaches_claim(one: Reaches, made: list[Verdict]) -> list[tuple[str, Answer]]
     bound = one.below if one.below is not None else one.above
     assert bound is not None
     sign = -1.0 if below else 1.0
-    margins = [sign * (counted(row) - bound) for row in rows]
-    most = max(zip(margins, rows, strict=True), key=lambda pair: float(pair[0].mean()))[1]
+    margins = [row.ranges.plus(-bound).times(sign) for row in rows]
+    most = max(zip(margins, rows, strict=True), key=lambda pair: float(pair[0].least.mean()))[1]
     assert most.case.sweep is not None
-    low, high = interval(counted(most))
+    low, high = most.ranges.interval()
     words = f"{'below' if below else 'above'} {bound:g}"
     text = (
         f"{one.label}, N = {', '.join(map(str, one.agents))}: mean {rows[0].measure.symbol} "
@@ -62,11 +59,13 @@ def reaches_claim(one: Reaches, made: list[Verdict]) -> list[tuple[str, Answer]]
         f"(99 %: {low:.3f} to {high:.3f})"
     )
     if one.nowhere:
-        return [(text, all_of([mean_above(-margin, len(rows)) for margin in margins]))]
-    answer = any_of([mean_above(margin, len(rows)) for margin in margins])
+        return [(text, all_of([mean_above(margin.times(-1.0), len(rows)) for margin in margins]))]
+    answers = [mean_above(margin, len(rows)) for margin in margins]
+    answer = any_of(answers)
     if answer.word == "undecided":  # one point is enough: that which is nearest to being decided
-        needed = [runs_for(m, len(rows)) for m in margins if m.size and m.mean() > 0.0]
-        answer = Answer("undecided", min((n for n in needed if n is not None), default=None))
+        likely = zip(margins, answers, strict=True)
+        needed = [one.needed for margin, one in likely if margin.least.mean() > 0.0]
+        answer = replace(answer, needed=min((n for n in needed if n is not None), default=None))
     return [(text, answer)]
 
 
@@ -96,8 +95,3 @@ def endures_claim(one: Endures, label: str, made: list[Verdict]) -> list[tuple[s
         shares = zip(good, runs, strict=True)
         found.append((text, all_of([share_of_runs(*share, 1.0) for share in shares])))
     return found
-
-
-def counted(row: Verdict) -> np.ndarray:
-    """The values of the runs that have one, (R,)."""
-    return np.array([value for value in row.values if value is not None], float)

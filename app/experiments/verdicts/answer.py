@@ -1,31 +1,38 @@
 """What runs say of a claim, on one scale: it holds, it does not hold, or more runs would decide.
 
-Each word but "undecided" is wrong in at most one case of a hundred. Means are judged by Student's
-t, which knows how little a few runs say of their own spread; shares of runs by the exact binomial
-bound of Clopper and Pearson 1934.
+Each word but "undecided" is wrong in about one case of a hundred, or fewer: `judge.py` says how,
+`benchmarks/judge.py` how often.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
+from app.experiments.verdicts.judge import (
+    CONFIDENCE,
+    FEWEST_RUNS,
+    RunRanges,
+    likely_interval,
+    share_interval,
+)
+from worlds.counting import counted
 
-CONFIDENCE = 0.99
-"""Of every answer."""
 NEARLY_ALL = 0.9
 """No number of runs shows that something is so in every run: it is taken to be so if no run breaks
 it and at least this share of all runs, at 99 % confidence, does not either."""
 MOST = 10**6
 """Runs beyond which a claim counts as one that runs cannot decide."""
+LEAST_P, HALVINGS = 1e-12, 24
+"""The least p-value that is told from 0, and steps in which a p-value is found."""
 
 ANSWERS_NOTE = (
-    "claims are answered at 99 %: of means by Student's t, seed by seed; of shares of runs by the "
-    "exact binomial bound; what is said of every run holds if no run breaks it and 9 of 10 of all "
-    "runs or more, at 99 %, do not either"
+    "claims are answered at 99 %: of means by Student's t corrected for skewness, seed by seed; of "
+    "shares of runs by the exact binomial bound; what is said of every run holds if no run breaks "
+    "it and 9 of 10 of all runs or more, at 99 %, do not either; fewer than five runs, and equal "
+    "runs, decide nothing of a mean; a run that was given up counts as its limit or more"
 )
 
 Word = Literal["holds", "does not hold", "undecided", "by construction"]
@@ -39,81 +46,80 @@ class Answer:
     needed: int | None = None
     """Of an undecided one: runs that would decide it, about; None if none would, or if the spread
     of the runs is not known yet."""
+    why: str = ""
+    """Of an undecided one: what keeps it undecided, other than the number of runs."""
+    p: float = field(default=1.0, compare=False)
+    """The chance, at most, with which runs give this word where it is false; 1 if undecided."""
 
     def __str__(self) -> str:
         if self.word != "undecided":
             return self.word
-        if self.needed is None:
-            return "undecided"
-        return f"undecided (about {self.needed} runs would decide)"
+        if self.needed is not None:
+            return f"undecided (about {self.needed} runs would decide)"
+        return f"undecided ({self.why})" if self.why else "undecided"
 
 
 HOLDS, DOES_NOT, UNDECIDED = Answer("holds"), Answer("does not hold"), Answer("undecided")
+TOO_FEW = Answer("undecided", FEWEST_RUNS)
 
 
-def interval(values: np.ndarray, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """Interval that holds the mean, by Student's t, values (R,) -> (low, high).
-
-    Endless below two values; a point where all are equal.
-    """
-    if values.size < 2:
-        return -math.inf, math.inf
-    half = (
-        quantile(values.size - 1, confidence) * float(values.std(ddof=1)) / math.sqrt(values.size)
-    )
-    return float(values.mean()) - half, float(values.mean()) + half
-
-
-def quantile(freedom: float, confidence: float = CONFIDENCE) -> float:
-    """Student's t that is exceeded on either side in a share 1 - confidence of all cases."""
-    from scipy.stats import t
-
-    return float(t.ppf(0.5 * (1.0 + confidence), freedom))
-
-
-def mean_above(margins: np.ndarray, of: int = 1) -> Answer:
-    """Whether the mean of margins (R,), of which each run gives one, is above 0.
+def decide[Said: str](word_at: Callable[[float], Said], of: int = 1) -> tuple[Said, float]:
+    """The word that `word_at` gives at 99 %, and its p-value.
 
     `of`: how many such questions are asked at once; each is then answered more strictly, so that
-    the whole keeps its confidence (Bonferroni). A few equal margins of whole numbers may be equal
-    by chance: where there is no spread the signs are counted.
+    the whole keeps its confidence (Bonferroni).
     """
-    wrong = (1.0 - CONFIDENCE) / of
-    low, high = interval(margins, 1.0 - wrong)
-    if low == high and 0.5**margins.size > wrong:
-        return Answer("undecided", least(lambda n: 0.5**n <= wrong))
-    if low > 0.0:
-        return HOLDS
-    if high < 0.0 or low == high:
-        return DOES_NOT
-    return Answer("undecided", runs_for(margins, of))
+    alpha = (1.0 - CONFIDENCE) / of
+    word = word_at(1.0 - alpha)
+    if word == "undecided":
+        return word, 1.0
+    low, high = math.log10(LEAST_P), math.log10(alpha)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if word_at(1.0 - 10.0**middle) == word else (middle, high)
+    return word, min(1.0, of * 10.0**high)
 
 
-def mean_within(values: np.ndarray, target: float, bound: float, of: int = 1) -> Answer:
-    """Whether the mean of values (R,) is no further than a bound from a target.
+def mean_above(margins: RunRanges, of: int = 1) -> Answer:
+    """Whether the mean of margins, of which each run gives one, is above 0; `of` as in `decide`."""
 
-    `of` as in `mean_above`. It holds where the whole interval is within the bound, and does not
-    where all of it is outside.
+    def word(low: float, high: float) -> Word:
+        return "holds" if low > 0.0 else "does not hold" if high < 0.0 else "undecided"
+
+    return answer_of(margins, word, of)
+
+
+def mean_within(values: RunRanges, target: float, bound: float, of: int = 1) -> Answer:
+    """Whether the mean of values is no further than a bound from a target; `of` as in `decide`.
+
+    It holds where the whole interval is within the bound, and does not where all of it is outside.
     """
-    low, high = interval(values, 1.0 - (1.0 - CONFIDENCE) / of)
-    if low >= target - bound and high <= target + bound:
-        return HOLDS
-    if low > target + bound or high < target - bound:
-        return DOES_NOT
-    if values.size < 2:
-        return UNDECIDED
-    off = float(values.mean()) - target
-    edge = bound if off >= 0.0 else -bound
-    return Answer("undecided", runs_for(values - target - edge, of))
+
+    def word(low: float, high: float) -> Word:
+        if low >= target - bound and high <= target + bound:
+            return "holds"
+        return "does not hold" if low > target + bound or high < target - bound else "undecided"
+
+    return answer_of(values, word, of)
 
 
-def runs_for(margins: np.ndarray, of: int = 1) -> int | None:
-    """Runs with which a mean like that of margins (R,) is told from 0, about; None if unknown."""
-    if margins.size < 2 or margins.mean() == 0.0:
-        return None
-    ratio = float(margins.std(ddof=1) / abs(margins.mean()))
+def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) -> Answer:
+    """The answer that a word makes of the interval of a mean."""
+    if values.runs < FEWEST_RUNS:
+        return TOO_FEW
+    found, p = decide(lambda confidence: word(*values.interval(confidence)), of)
+    if found != "undecided":
+        return Answer(found, p=p)
+    if values.open_runs:
+        return Answer(found, why=f"{values.open_runs} of {counted(values.runs, 'run')} given up")
     confidence = 1.0 - (1.0 - CONFIDENCE) / of
-    return least(lambda n: quantile(n - 1, confidence) * ratio < math.sqrt(n))
+
+    def decides(runs: int) -> bool:
+        limits = likely_interval(values, runs, confidence)
+        return word(float(limits.low), float(limits.high)) != "undecided"
+
+    needed = least(decides, values.runs)
+    return Answer(found, needed, "all runs are equal" if values.are_equal else "")
 
 
 def least(decides: Callable[[int], bool], start: int = 2) -> int | None:
@@ -140,40 +146,36 @@ def share_of_runs(good: int, runs: int, share: float, of: int = 1) -> Answer:
     With share = 1 a single run that breaks it shows that it does not hold; `NEARLY_ALL` says when
     it does.
     """
-    if share == 1.0:
-        if good < runs:
-            return DOES_NOT
-        share = NEARLY_ALL
-    low, high = bounds_of_share(good, runs, of)
-    if low >= share:
-        return HOLDS
-    if high < share:
-        return DOES_NOT
-    return Answer("undecided", runs_for_share(good / runs if runs else 1.0, share, of))
+    if share == 1.0 and good < runs:
+        return Answer("does not hold", p=0.0)
+    if runs == 0:
+        return TOO_FEW
+    found, p = decide(lambda confidence: share_word(good, runs, share, confidence), of)
+    if found != "undecided":
+        return Answer(found, p=p)
+    return Answer(found, runs_for_share(good / runs, share, of))
 
 
-def bounds_of_share(good: int, runs: int, of: int = 1) -> tuple[float, float]:
-    """Bounds of the share of all runs, each exceeded in at most one case of a hundred (exact).
+def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
+    """The word at a confidence.
 
-    >>> bounds_of_share(100, 100)[0] == 0.01 ** (1 / 100)
-    True
+    What is said of every run can be wrongly borne out only, not wrongly denied, so that the whole
+    chance of a false word is on one side.
     """
-    from scipy.stats import beta
-
-    wrong = (1.0 - CONFIDENCE) / of
-    low = wrong ** (1.0 / runs) if good == runs > 0 else 0.0
-    if 0 < good < runs:
-        low = float(beta.ppf(wrong, good, runs - good + 1))
-    high = 1.0 if good == runs else float(beta.ppf(1.0 - wrong, good + 1, runs - good))
-    return low, high
+    every = share == 1.0
+    sided = 2.0 * confidence - 1.0 if every else confidence
+    limits = share_interval(good, runs, sided)
+    if limits.low >= (NEARLY_ALL if every else share):
+        return "holds"
+    return "does not hold" if not every and limits.high < share else "undecided"
 
 
 def runs_for_share(rate: float, share: float, of: int = 1) -> int | None:
     """Runs with which a share like `rate` is told from `share`, about; None if none would."""
+    confidence = 1.0 - (1.0 - CONFIDENCE) / of
 
-    def decides(n: int) -> bool:
-        low, high = bounds_of_share(round(rate * n), n, of)
-        return low >= share or high < share
+    def decides(runs: int) -> bool:
+        return share_word(round(rate * runs), runs, share, confidence) != "undecided"
 
     return least(decides, 1)
 
@@ -190,13 +192,15 @@ def any_of(answers: Sequence[Answer]) -> Answer:
 
 def joined(answers: Sequence[Answer], every: Word, one: Word) -> Answer:
     """One answer of several: `one` if a part says so, `every` if all do, else undecided."""
-    words = [answer.word for answer in answers]
-    if one in words:
-        return Answer(one)
-    if all(word == every for word in words):
-        return Answer(every)
-    needed = [answer.needed for answer in answers if answer.word == "undecided"]
-    return Answer("undecided", None if None in needed else max(n for n in needed if n))
+    parts = [answer for answer in answers if answer.word == one]
+    if parts:
+        return Answer(one, p=min(answer.p for answer in parts))
+    if all(answer.word == every for answer in answers):
+        return Answer(every, p=max(answer.p for answer in answers))
+    open_ones = [answer for answer in answers if answer.word == "undecided"]
+    needed = [answer.needed for answer in open_ones if answer.needed is not None]
+    why = next((answer.why for answer in open_ones if answer.why), "")
+    return Answer("undecided", max(needed) if len(needed) == len(open_ones) else None, why)
 
 
 def by_construction(answer: Answer) -> Answer:

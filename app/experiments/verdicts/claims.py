@@ -27,17 +27,17 @@ from app.experiments.verdicts.along_sweeps import endures_claim, reaches_claim, 
 from app.experiments.verdicts.answer import (
     DOES_NOT,
     HOLDS,
+    UNDECIDED,
     Answer,
     all_of,
-    bounds_of_share,
     by_construction,
-    interval,
     mean_above,
     mean_within,
     share_of_runs,
 )
 from app.experiments.verdicts.bounds import bounds_in_words, is_within
 from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.judge import CONFIDENCE, RunRanges, ranges_of, share_interval
 from app.experiments.verdicts.phase_map import found_claim, lag_claim
 from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, paired, sweeps_of
 from worlds.counting import counted
@@ -97,35 +97,45 @@ def order_claim(one: Order, agents: int | None, made: list[Verdict]) -> list[tup
     rows = [by_label[label] for label in one.labels]
     steps = [paired(a, b) for a, b in pairwise(rows)]
     largest = max(abs(row.summary.mean) for row in rows)
-    digits = next(number for below, number in DIGITS if largest < below)
+    digits = next((number for below, number in DIGITS if largest < below), 1)
     means = " < ".join(f"{row.case.label} {row.summary.mean:.{digits}f}" for row in rows)
-    smallest = min(steps, key=lambda step: step.mean() if step.size else math.inf)
+    smallest = min(steps, key=lambda step: float(step.least.mean()))
     size = "" if agents is None else f"N = {agents}, "
     text = f"{size}{rows[0].measure.symbol}: {means} (least step {spread(smallest, digits)})"
     return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
 
 
-def spread(margins: np.ndarray, digits: int = 1, unit: str = "") -> str:
-    """The mean of margins (R,) with its interval, in words."""
-    if margins.size == 0:
-        return "of no pair of runs"
-    mean = f"{margins.mean():+.{digits}f}{unit}"
-    if margins.size == 1:
+def spread(margins: RunRanges, digits: int = 1, unit: str = "") -> str:
+    """The mean of margins with its interval, in words."""
+    low, high = margins.interval()
+    span = f"99 %: {low:+.{digits}f} to {high:+.{digits}f}{unit}"
+    if margins.open_runs:
+        return f"{margins.open_runs} of {counted(margins.runs, 'pair')} not known, {span}"
+    mean = f"{margins.least.mean():+.{digits}f}{unit}"
+    if margins.runs == 1:
         return f"{mean} in one pair of runs"
-    low, high = interval(margins)
-    return f"{mean}, 99 %: {low:+.{digits}f} to {high:+.{digits}f}{unit}"
+    return f"{mean}, {span}"
 
 
-def mean_of(values: np.ndarray, unit: str = "") -> str:
-    """The mean of values (R,) with its interval, in words.
+def mean_of(values: RunRanges, unit: str = "") -> str:
+    """The mean of values with its interval, in words.
 
-    >>> mean_of(np.array([1.0, 1.0, 1.0]), " m")
-    '1 m, 99 %: 1 to 1 m'
+    >>> from app.experiments.verdicts.judge import ranges_of
+    >>> mean_of(ranges_of([1.0, 1.0, 1.0]), " m")
+    '1 m in all of 3 runs'
     """
-    if values.size < 2:
-        return f"{values.mean():.4g}{unit} in one run" if values.size else "measured in no run"
-    low, high = interval(values)
-    return f"{values.mean():.4g}{unit}, 99 %: {low:.4g} to {high:.4g}{unit}"
+    low, high = values.interval()
+    span = f"99 %: {low:.4g} to {high:.4g}{unit}"
+    if values.open_runs:
+        return f"{values.open_runs} of {counted(values.runs, 'run')} not known, {span}"
+    mean = f"{values.least.mean():.4g}{unit}"
+    if values.are_equal:
+        return (
+            f"{mean} in all of {counted(values.runs, 'run')}"
+            if values.runs > 1
+            else f"{mean} in one run"
+        )
+    return f"{mean}, {span}"
 
 
 def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
@@ -155,7 +165,8 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
         return [
             (f"{text}; said of the run that is shown", HOLDS if sum(good) == runs else DOES_NOT)
         ]
-    sure = min(bounds_of_share(*share)[0] for share in shares)
+    sided = 2.0 * CONFIDENCE - 1.0 if one.share == 1.0 else CONFIDENCE
+    sure = min(float(share_interval(*share, sided).low) for share in shares)
     of = 1 if one.share == 1.0 else len(rows)
     return [
         (
@@ -171,13 +182,12 @@ def near_claim(one: Near, made: list[Verdict]) -> list[tuple[str, Answer]]:
     rows = [row for row in rows if not one.agents or row.case.agents in one.agents]
     found = []
     for row in rows:
-        values = there(row)
         unit = "" if row.unit == "1" else f" {row.unit}"
         text = (
             f"{row.case.label}, N = {row.case.agents}: the mean {row.measure.symbol} is within "
-            f"{one.within:g} of {one.value:g}{unit}; it is {mean_of(values, unit)}"
+            f"{one.within:g} of {one.value:g}{unit}; it is {mean_of(row.ranges, unit)}"
         )
-        found.append((text, mean_within(values, one.value, one.within, len(rows))))
+        found.append((text, mean_within(row.ranges, one.value, one.within, len(rows))))
     return found
 
 
@@ -188,11 +198,12 @@ def scales_claim(one: Scales, made: list[Verdict]) -> list[tuple[str, Answer]]:
         return []
     sizes = np.log([row.case.agents for row in rows])
     seeds = zip(*(row.values for row in rows), strict=True)
-    slopes = np.array(
+    slopes = ranges_of(
         [
             np.polyfit(sizes, np.log(np.array(seed, float)), 1)[0]
-            for seed in seeds
             if all(value is not None and value > 0.0 for value in seed)
+            else None
+            for seed in seeds
         ]
     )
     span = ", ".join(str(row.case.agents) for row in rows)
@@ -201,11 +212,6 @@ def scales_claim(one: Scales, made: list[Verdict]) -> list[tuple[str, Answer]]:
         f"{one.power:g}, within {one.within:g}; it is {mean_of(slopes)}"
     )
     return [(text, mean_within(slopes, one.power, one.within))]
-
-
-def there(row: Verdict) -> np.ndarray:
-    """The values of a row, (R,), those of runs without one left out."""
-    return np.array([value for value in row.values if value is not None], float)
 
 
 def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
@@ -220,22 +226,17 @@ def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
 
 
 def pairs_claim(one: Faster, row: Verdict, other: Verdict) -> tuple[str, Answer]:
-    """The claim for two rows, run by run; a run without an end is endless."""
-    pairs = list(zip(row.values, other.values, strict=True))
-    gained = [gain(quick, slow) for quick, slow in pairs]
-    good = sum(saved > one.by for saved in gained)
+    """The claim for two rows, run by run, by what is left of the slow time less the quick one."""
+    margins = other.ranges.times(1.0 - one.by).minus(row.ranges)
+    runs, good = margins.runs, int((margins.least > 0.0).sum())
+    bad = int((margins.most <= 0.0).sum())
     text = (
         f"{one.label} is faster than {one.than} by more than {one.by:.0%} in every pair of runs; "
-        f"by {min(gained):.1%} to {max(gained):.1%} in {len(pairs)}"
+        f"in {good} of {runs}"
     )
-    return text, share_of_runs(good, len(pairs), 1.0)
-
-
-def gain(quick: float | None, slow: float | None) -> float:
-    """The share of the slow time that the quick one saves; None is endless."""
-    if quick is None:
-        return -math.inf
-    return 1.0 if slow is None else 1.0 - quick / slow
+    if bad or good == runs:
+        return text, share_of_runs(good, runs, 1.0)
+    return f"{text}, {runs - good} not known", UNDECIDED
 
 
 def sweep_claims(
@@ -256,10 +257,20 @@ def sweep_claims(
 
 
 def flat_claim(label: str, first: Verdict, last: Verdict) -> Claim:
-    """Whether the mean of the last is, within `FLAT`, that of the first, seed by seed."""
-    change = paired(first, last) / first.summary.mean
-    text = f"{label}: the mean changes by {spread(100.0 * change, 1, ' %')}; published: hardly"
-    return Claim(text, mean_within(change, 0.0, FLAT))
+    """Whether the mean of the last is, within `FLAT`, that of the first, seed by seed.
+
+    The last less 1 - FLAT of the first is above 0, and less 1 + FLAT of it below 0 (Fieller 1954):
+    nothing is divided by a mean that may be 0.
+    """
+    unit = "" if first.unit == "1" else f" {first.unit}"
+    change = spread(paired(first, last), 2, unit)
+    text = (
+        f"{label}: the mean changes by {change}, from {first.summary.mean:.4g}{unit}; published: "
+        f"hardly, less than {FLAT:.0%}"
+    )
+    above = mean_above(last.ranges.minus(first.ranges.times(1.0 - FLAT)))
+    below = mean_above(first.ranges.times(1.0 + FLAT).minus(last.ranges))
+    return Claim(text, all_of([above, below]))
 
 
 def alike_claim(one: Alike, made: list[Verdict]) -> list[tuple[str, Answer]]:
@@ -283,7 +294,7 @@ def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:
     sign = 1.0 if sweep.trend == "rises" else -1.0
     unit = "" if points[0].unit == "1" else f" {points[0].unit}"
     text = f"{label}: the mean changes by {spread(change, 2, unit)}; published: {sweep.trend}"
-    return Claim(text, mean_above(sign * change))
+    return Claim(text, mean_above(change.times(sign)))
 
 
 def number(value: float) -> str:

@@ -3,101 +3,216 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from app.experiments.file import Published
-from app.experiments.verdicts.answer import least, quantile
+from app.experiments.verdicts.answer import decide, least
+from app.experiments.verdicts.judge import (
+    CONFIDENCE,
+    FEWEST_RUNS,
+    PUBLISHED_RUNS,
+    Limits,
+    MeanEstimate,
+    RunRanges,
+    as_of_runs,
+    estimate_mean,
+    mean_interval,
+    ranges_of,
+    share_difference,
+    subtract_published,
+    typical_spread,
+)
+from worlds.counting import counted
 
-PUBLISHED_RUNS = 100
-"""Runs behind each published mean (Liu et al. 2021, sections 3.1 and 3.2)."""
 TOLERANCE = 1.0
 """Standard deviations of a single run within which means count as the same, once it is sure that
 they are no further apart."""
 NOTE = (
-    "differs: the means are told apart at 99 % (Student's t); agrees: they are not, and at 99 % "
-    "they are less than a standard deviation of one run apart; undecided, n: about n runs would "
-    "decide"
+    "differs: the means are told apart at 99 % (t, corrected for skewness); agrees: at 99 % they "
+    "are less than a standard deviation of one run apart; undecided, n: about n runs would decide; "
+    "fewer than five runs, and equal runs, decide nothing; a run that was given up counts as its "
+    "limit or more"
 )
 SPREAD_NOTE = (
     "the paper gives no spread, so that the one measured here stands for its 100 runs too; z and "
     "d: measured less published mean, in standard errors and in standard deviations of a run"
 )
 WELCH_NOTE = (
-    "published runs are compared as runs, each sample with its own spread (Welch); z and d: "
-    "measured less published mean, in standard errors and in standard deviations of a run"
+    "published runs are compared as runs, each sample with its own spread, the smaller sample with "
+    "that of the larger where it is less (Welch); z and d: measured less published mean, in "
+    "standard errors and in standard deviations of a run"
 )
+BesideWord = Literal["agrees", "differs", "undecided"]
 
 
 @dataclass(frozen=True)
 class Comparison:
     """A measured and a published mean; NaN stands for what a sample without spread does not say."""
 
-    word: Literal["agrees", "differs", "undecided"]
+    word: BesideWord
     difference: float
-    """Measured less published mean."""
+    """Measured less published mean; of runs given up: at least."""
     interval: tuple[float, float] = (math.nan, math.nan)
-    """Of the difference, 99 %."""
+    """Of the difference, 99 %; infinite where nothing is known."""
     z: float = math.nan
     """The difference in standard errors."""
     effect: float = math.nan
     """The difference in standard deviations of a run: Cohen's d."""
     needed: int | None = None
     """Of an undecided one: runs that would decide it, about; None if that is not known."""
+    why: str = ""
+    """Of an undecided one: what keeps it undecided, other than the number of runs."""
+    p: float = 1.0
+    """The chance, at most, with which runs give this word where it is false; 1 if undecided."""
 
     def __str__(self) -> str:
         return self.word if self.needed is None else f"{self.word}, {self.needed}"
 
 
-def compare(values: np.ndarray, published: Published) -> Comparison | None:
-    """How measured runs (R,) stand beside what was published; None without runs or a mean."""
+def compare(values: RunRanges, published: Published) -> Comparison | None:
+    """How measured runs stand beside what was published; None without runs or a mean."""
     mean = published.average
-    if mean is None or values.size == 0:
+    if mean is None or values.runs == 0 or np.isinf(values.least).any():
         return None
-    theirs = np.array(published.values)
-    difference = float(values.mean()) - mean
-    if values.size == 1:
-        return Comparison("undecided", difference)
-    s = float(values.std(ddof=1))
-    other = float(theirs.std(ddof=1)) if theirs.size > 1 else s
-    count = theirs.size or PUBLISHED_RUNS
-    if s == other == 0.0:
-        same = math.isclose(difference, 0.0, abs_tol=1e-9 * max(1.0, abs(mean)))
-        return Comparison("agrees" if same else "differs", difference, (difference, difference))
-    scale = math.sqrt(0.5 * (s**2 + other**2))
+    difference = float(values.estimate.mean) - mean
+    theirs = np.array(published.values, float)
+    found = Comparison("undecided", difference, needed=FEWEST_RUNS)
+    if values.runs > 1 and not values.open_runs:
+        z, effect = sizes_of(values, theirs, mean)
+        found = replace(found, z=z, effect=effect)
+    if values.runs < FEWEST_RUNS:
+        return found
+    tolerance = TOLERANCE * float(typical_spread(values.least))
 
-    def half(n: int) -> float:
-        """Half of the interval with n runs."""
-        return quantile(freedom(s, n, other, count, theirs.size > 1)) * error(n)
+    def word_at(confidence: float) -> BesideWord:
+        return word_of(difference_limits(values, theirs, mean, confidence), tolerance)
 
-    def error(n: int) -> float:
-        return math.sqrt(s**2 / n + other**2 / count)
+    word, p = decide(word_at)
+    limits = difference_limits(values, theirs, mean, CONFIDENCE)
+    needed, why = (None, "") if word != "undecided" else what_lacks(values, theirs, mean, tolerance)
+    interval = float(limits.low), float(limits.high)
+    return replace(found, word=word, interval=interval, needed=needed, why=why, p=p)
 
-    def word(n: int) -> Literal["agrees", "differs", "undecided"]:
-        if abs(difference) > half(n):
-            return "differs"
-        return "agrees" if abs(difference) + half(n) < TOLERANCE * scale else "undecided"
 
-    n = values.size
-    found = word(n)
-    return Comparison(
-        found,
-        difference,
-        (difference - half(n), difference + half(n)),
-        difference / error(n),
-        difference / scale,
-        least(lambda n: word(n) != "undecided") if found == "undecided" else None,
+def sizes_of(values: RunRanges, theirs: np.ndarray, mean: float) -> tuple[float, float]:
+    """The difference in standard errors, z, and in standard deviations of a run, Cohen's d."""
+    found = difference_of(values.estimate, theirs, mean)
+    ours = float(values.least.std(ddof=1))
+    other = float(theirs.std(ddof=1)) if theirs.size > 1 else ours
+    scale, error = math.sqrt(0.5 * (ours**2 + other**2)), float(found.error)
+    difference = float(found.mean)
+    z = difference / error if error > 0.0 else math.nan
+    return z, difference / scale if scale > 0.0 else math.nan
+
+
+def word_of(limits: Limits, tolerance: float) -> BesideWord:
+    """What a difference says."""
+    if limits.low > 0.0 or limits.high < 0.0:
+        return "differs"
+    return "agrees" if -tolerance < limits.low and limits.high < tolerance else "undecided"
+
+
+def difference_of(ours: MeanEstimate, theirs: np.ndarray, mean: float) -> MeanEstimate:
+    """Our mean less a published one; of published runs (R,), or none but their mean."""
+    if theirs.size < 2:
+        return subtract_published(ours, mean, runs=theirs.size or None)
+    return subtract_published(
+        ours, mean, float(estimate_mean(theirs).error) * math.sqrt(theirs.size), theirs.size
     )
 
 
-def freedom(s: float, n: int, other: float, count: int, has_runs: bool) -> float:
-    """Degrees of freedom of a difference of two means: Welch and Satterthwaite.
+def difference_limits(
+    values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
+) -> Limits:
+    """What the difference lies between."""
+    if values.binary and theirs.size and not values.open_runs:
+        low, high = values.bounds
+        middle = 0.5 * (low + high)
+        good, other = int((values.least > middle).sum()), int((theirs > middle).sum())
+        found = share_difference(good, values.runs, other, theirs.size, confidence)
+        return Limits((high - low) * found.low, (high - low) * found.high)
+    difference = difference_of(values.estimate, theirs, mean)
+    if float(difference.error) == 0.0 or values.binary:
+        return bounded_difference(values, theirs, mean, confidence)
+    limits = mean_interval(difference, confidence)
+    if not values.open_runs:
+        return limits
+    most = values.bounds[1]
+    return Limits(limits.low, np.asarray(most - mean if theirs.size == 0 else math.inf))
 
-    Where the second spread is the first one again it is measured on n runs only.
+
+def bounded_difference(
+    values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
+) -> Limits:
+    """The same by the bounds of the measure, where no spread is known.
+
+    Published runs of a bounded measure have a standard deviation of sqrt((m - low) (high - m)) at
+    most (Bhatia and Davis 2000). Without bounds nothing is known.
     """
-    if not has_runs:
-        return n - 1
-    a, b = s**2 / n, other**2 / count
-    return (a + b) ** 2 / (a**2 / (n - 1) + b**2 / (count - 1))
+    low, high = values.bounds
+    our_low, our_high = values.interval(confidence)
+    ours = float(values.estimate.mean)
+    if theirs.size > 1:
+        same = ranges_of(theirs)
+        their_low, their_high = RunRanges(same.least, same.most, values.bounds).interval(confidence)
+        below, above = mean - their_low, their_high - mean
+    else:
+        most = (
+            math.sqrt(max((mean - low) * (high - mean), 0.0))
+            if math.isfinite(high - low)
+            else math.inf
+        )
+        published = MeanEstimate(
+            np.asarray(mean),
+            np.asarray(most / math.sqrt(theirs.size or PUBLISHED_RUNS)),
+            np.asarray(PUBLISHED_RUNS - 1.0),
+            np.asarray(0.0),
+            np.asarray(0.0),
+        )
+        limits = (
+            mean_interval(published, confidence)
+            if most > 0.0
+            else Limits(published.mean, published.mean)
+        )
+        below, above = mean - float(limits.low), float(limits.high) - mean
+    difference = ours - mean
+    return Limits(
+        np.asarray(difference - math.hypot(ours - our_low, above)),
+        np.asarray(difference + math.hypot(our_high - ours, below)),
+    )
+
+
+def what_lacks(
+    values: RunRanges, theirs: np.ndarray, mean: float, tolerance: float
+) -> tuple[int | None, str]:
+    """Runs that would decide a comparison, about, or else what keeps it undecided."""
+    if values.open_runs:
+        return None, f"{values.open_runs} of {counted(values.runs, 'run')} given up"
+    if values.are_equal:
+        return None, "all runs are equal"
+
+    def decides(runs: int) -> bool:
+        ours = as_of_runs(values.estimate, values.runs, runs)
+        return word_of(mean_interval(difference_of(ours, theirs, mean)), tolerance) != "undecided"
+
+    needed = least(decides, values.runs)
+    if needed is None and theirs.size:
+        return None, f"the paper gives {counted(theirs.size, 'run')}"
+    return needed, ""
+
+
+def runs_to_agree(published: Published) -> int | None:
+    """Runs with which equal means can be told to agree; None if too few runs were published."""
+    theirs = len(published.values)
+
+    def decides(runs: int) -> bool:
+        one, none = np.asarray(1.0), np.asarray(0.0)
+        ours = MeanEstimate(none, one / math.sqrt(runs), one * (runs - 1.0), none, none)
+        spread = None if theirs < 2 else 1.0
+        found = subtract_published(ours, 0.0, spread, theirs or None)
+        return word_of(mean_interval(found), TOLERANCE) == "agrees"
+
+    return least(decides, FEWEST_RUNS)

@@ -96,5 +96,7 @@ def lag_claim(one: Lags, made: list[Verdict]) -> list[tuple[str, Answer]]:
         f"{up.summary.mean:.2f} on the way there, {down.summary.mean:.2f} on the way back; "
         f"asked: {one.by:g} more"
     )
-    answers = [mean_above(paired(first, second) - one.by, len(pairs)) for first, second in pairs]
+    answers = [
+        mean_above(paired(first, second).plus(-one.by), len(pairs)) for first, second in pairs
+    ]
     return [(text, any_of(answers))]

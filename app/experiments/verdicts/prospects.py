@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from app.experiments.experiment import Experiment
-from app.experiments.file import Endures, Every, Faster, Found, Published, Said
-from app.experiments.verdicts.answer import NEARLY_ALL, least, quantile, runs_for_share
-from app.experiments.verdicts.comparison import PUBLISHED_RUNS, TOLERANCE
+from app.experiments.file import Endures, Every, Faster, Found, Said
+from app.experiments.verdicts.answer import runs_for_share
+from app.experiments.verdicts.comparison import runs_to_agree
+from app.experiments.verdicts.judge import FEWEST_RUNS
 from app.experiments.verdicts.phase_map import HALF
 from worlds.counting import counted
-
-SPREAD = 2
-"""Runs from which on a spread is known, and with it whether means differ."""
 
 
 def prospects(experiment: Experiment, runs: int) -> str:
@@ -43,15 +40,15 @@ def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
             yield name, needed_for(experiment, one, asked)
     for sweep in {id(case.sweep): case.sweep for case in experiment.cases if case.sweep}.values():
         if sweep.trend:
-            yield f"{sweep.parameter} {sweep.trend}", SPREAD
+            yield f"{sweep.parameter} {sweep.trend}", FEWEST_RUNS
         if sweep.flat_from is not None:
-            yield f"{sweep.parameter} flat", SPREAD
+            yield f"{sweep.parameter} flat", FEWEST_RUNS
     for case in experiment.cases:
         for measure in experiment.measures:
             published = case.published(measure.name)
             spared = measure.name in experiment.not_compared
             if published and published.average is not None and not spared:
-                yield f"{measure.symbol} agrees", to_agree(published)
+                yield f"{measure.symbol} agrees", runs_to_agree(published)
 
 
 def rows_of(experiment: Experiment, one: Said) -> int:
@@ -69,22 +66,9 @@ def needed_for(experiment: Experiment, one: Said, rows: int) -> int | None:
     if isinstance(one, Every):
         if experiment.runs == 1:
             return 1
-        whole = one.share == 1.0
-        return runs_for_share(1.0, NEARLY_ALL if whole else one.share, 1 if whole else rows)
+        return runs_for_share(1.0, one.share, 1 if one.share == 1.0 else rows)
     if isinstance(one, Faster | Endures):
-        return runs_for_share(1.0, NEARLY_ALL)
+        return runs_for_share(1.0, 1.0)
     if isinstance(one, Found):
         return runs_for_share(1.0, HALF, rows)
-    return SPREAD
-
-
-def to_agree(published: Published) -> int | None:
-    """Runs with which equal means can be told to agree; None if too few runs were published."""
-    theirs = len(published.values)
-
-    def decides(n: int) -> bool:
-        free = n - 1 if theirs < SPREAD else n + theirs - 2
-        error = math.sqrt(1.0 / n + 1.0 / (theirs or PUBLISHED_RUNS))
-        return quantile(free) * error < TOLERANCE
-
-    return least(decides)
+    return FEWEST_RUNS

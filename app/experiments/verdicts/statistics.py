@@ -3,29 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-RESAMPLES = 2000
-"""Resamples of a bootstrap."""
+from app.experiments.verdicts.judge import INTERVAL_CONFIDENCE, RunRanges
 
 
 @dataclass(frozen=True)
 class Summary:
-    """A measure over the runs of a case."""
+    """A measure over the runs of a case; a run that was given up counts as its limit."""
 
     runs: int
     """Runs that have a value."""
     absent: int
-    """Runs without one, such as those given up; they count in no number here."""
+    """Runs without one."""
+    limit: float | None
+    """What those are at least, if they were given up; None where they count in no number here."""
     mean: float
+    """With `limit`: of min(value, limit), and the true one is at least this."""
     sd: float
-    """Standard deviation, n - 1; NaN below two runs."""
+    """Standard deviation, n - 1; NaN below two runs, and where runs were given up."""
     quartiles: tuple[float, float, float]
     interval: tuple[float, float]
-    """95 % confidence interval of the mean, by bootstrap."""
+    """95 % confidence interval of the mean, NaN where nothing is known; infinite above where runs
+    were given up."""
     least: float
     most: float
 
@@ -40,39 +42,47 @@ class Summary:
         return self.sd / math.sqrt(self.runs) if self.runs else math.nan
 
 
-def summary(values: Sequence[float | None]) -> Summary:
-    """Summary of a measure's values; None stands for a run that has none.
+def summary(values: RunRanges) -> Summary:
+    """Summary of what runs gave.
 
-    >>> summary([1, 2, 3, 4, None]).quartiles
+    >>> from app.experiments.verdicts.judge import ranges_of
+    >>> summary(ranges_of([1, 2, 3, 4, None])).quartiles
     (1.75, 2.5, 3.25)
+    >>> summary(ranges_of([1, 2, 3, 4, None], limit=10)).mean
+    4.0
     """
-    there = np.array([k for k in values if k is not None], float)
-    absent = len(values) - there.size
+    ended = values.least == values.most
+    absent = values.runs - int(ended.sum())
+    limits = values.least[~ended]
+    is_limited = bool(absent) and bool(np.isfinite(limits).all())
+    there = values.least if is_limited else values.least[ended]
     nan = math.nan
     if there.size == 0:
-        return Summary(0, absent, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
+        return Summary(0, absent, None, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
     low, middle, high = (float(q) for q in np.percentile(there, (25, 50, 75)))
-    sd = float(there.std(ddof=1)) if there.size > 1 else nan
+    known = values if is_limited else RunRanges(there, there, values.bounds, values.binary)
     return Summary(
-        there.size,
+        int(ended.sum()),
         absent,
+        float(limits.max()) if is_limited else None,
         float(there.mean()),
-        sd,
+        float(there.std(ddof=1)) if there.size > 1 and not is_limited else nan,
         (low, middle, high),
-        interval_of_mean(there),
+        interval_of_mean(known),
         float(there.min()),
         float(there.max()),
     )
 
 
-def interval_of_mean(values: np.ndarray) -> tuple[float, float]:
-    """95 % confidence interval of the mean: 2.5 and 97.5 % of the means of resamples, (R,) -> 2.
+def interval_of_mean(
+    values: RunRanges, confidence: float = INTERVAL_CONFIDENCE
+) -> tuple[float, float]:
+    """Confidence interval of the mean, for all who show one; NaN where the runs are equal or one.
 
-    The resamples are drawn with a fixed seed: the same values give the same interval. NaN below two
-    values.
+    >>> from app.experiments.verdicts.judge import ranges_of
+    >>> low, high = interval_of_mean(ranges_of([1.0, 2.0, 3.0]))
+    >>> round(low, 3), round(high, 3)
+    (-7.901, 11.901)
     """
-    if values.size < 2:
-        return math.nan, math.nan
-    rows = np.random.default_rng(0).integers(0, values.size, (RESAMPLES, values.size))
-    low, high = np.percentile(values[rows].mean(axis=1), (2.5, 97.5))
-    return float(low), float(high)
+    low, high = values.interval(confidence)
+    return (low, high) if math.isfinite(low) or math.isfinite(high) else (math.nan, math.nan)

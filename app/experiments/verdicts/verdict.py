@@ -13,6 +13,7 @@ from app.experiments.experiment import Case, Experiment
 from app.experiments.file import Expected, Published, Sweep
 from app.experiments.kinds.settings import Measure, Number
 from app.experiments.verdicts.comparison import Comparison, compare
+from app.experiments.verdicts.judge import RunRanges
 from app.experiments.verdicts.statistics import Summary, summary
 
 
@@ -24,6 +25,8 @@ class Verdict:
     measure: Measure
     values: list[Number | None]
     """By seed; None for a run that has none."""
+    ranges: RunRanges
+    """The same, as far as it is known of runs that have none."""
     summary: Summary
     published: Published | None
     comparison: Comparison | None = None
@@ -70,7 +73,7 @@ class Verdict:
         if case.tick is not None:
             row |= {"tick": case.tick}
         row |= {"measure": self.measure.name, "unit": self.unit}
-        row |= {"runs": s.runs, "absent": s.absent, "mean": s.mean, "sd": s.sd}
+        row |= {"runs": s.runs, "absent": s.absent, "limit": s.limit, "mean": s.mean, "sd": s.sd}
         row |= dict(zip(("q25", "median", "q75"), s.quartiles, strict=True))
         row |= dict(zip(("low95", "high95"), s.interval, strict=True))
         row |= {"least": s.least, "most": s.most}
@@ -89,6 +92,8 @@ class Verdict:
         return {
             "verdict": self.word,
             "needed": one and one.needed,
+            "undecided_because": one and one.why,
+            "p": one and one.p,
             "difference": one and one.difference,
             "difference_low99": low,
             "difference_high99": high,
@@ -109,28 +114,35 @@ def verdicts(experiment: Experiment, measured: list[Measured]) -> list[Verdict]:
 def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
     """The verdict of a measure of a row."""
     values = one.values[measure.name]
-    s = summary(values)
+    ranges = ranges_of_runs(values, measure, experiment.settings.limit_of(measure))
     published = one.case.published(measure.name)
     spared = experiment.not_compared.get(measure.name, "")
     compared = published is not None and not spared
-    there = np.array([value for value in values if value is not None], float)
     return Verdict(
         one.case,
         measure,
         values,
-        s,
+        ranges,
+        summary(ranges),
         published,
-        compare(there, published) if published and compared else None,
+        compare(ranges, published) if published and compared else None,
         (published and published.expected) or experiment.expected.get(measure.name),
         spared,
         experiment.runs == 1,
     )
 
 
-def paired(a: Verdict, b: Verdict) -> np.ndarray:
-    """What b has more than a, seed by seed, (R,); of seeds of which both have a value."""
-    both = zip(a.values, b.values, strict=True)
-    return np.array([y - x for x, y in both if x is not None and y is not None], float)
+def ranges_of_runs(values: list[Number | None], measure: Measure, limit: float | None) -> RunRanges:
+    """What is known of runs: of one without a value its limit, or else the measure's bounds."""
+    low, high, binary, rare = measure.bounds
+    least = [(low if limit is None else limit) if value is None else value for value in values]
+    most = [high if value is None else value for value in values]
+    return RunRanges(np.array(least, float), np.array(most, float), (low, high), binary, rare)
+
+
+def paired(a: Verdict, b: Verdict) -> RunRanges:
+    """What b has more than a, seed by seed."""
+    return b.ranges.minus(a.ranges)
 
 
 def of(made: list[Verdict], measure: str) -> list[Verdict]:

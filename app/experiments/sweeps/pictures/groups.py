@@ -37,8 +37,8 @@ class Group:
 
     @property
     def half(self) -> float:
-        """Half of the 95 % interval of the mean; nan below two values."""
-        return half_width(self.values) if len(self.values) > 1 else math.nan
+        """Half of the 95 % interval of the mean; nan below two values, and of equal ones."""
+        return half_width(self.values)
 
 
 def groups_of(kept: Kept, observable: str | None, where: str = "") -> tuple[str, list[Group]]:
