@@ -349,6 +349,25 @@ def test_a_welcome_that_fails_keeps_no_flock_from_beginning_and_is_said(capfd, m
     assert "no such picture" in captured.out + captured.err
 
 
+@pytest.mark.parametrize(
+    "said_first",
+    ["", "GET /alive HTTP/1.1\r\n", "GET /alive HTTP/1.1\r\nHost: localhost:{}\r\n\r\n"],
+    ids=["silent", "half", "whole"],
+)
+def test_no_line_that_is_kept_open_holds_up_who_closes_a_page(early, said_first):
+    """viser gives up on its loop after 6 s, and leaves it running."""
+    server, _ = early
+    admit_browsers(server)
+    port = server.get_port()
+    with socket.create_connection(("127.0.0.1", port), timeout=LATE) as line:
+        line.sendall(said_first.format(port).encode())
+        if said_first.endswith("\r\n\r\n"):
+            assert line.makefile("rb").readline() == b"HTTP/1.1 200 OK\r\n"
+        assert ask(port).status == 200  # so the one before it is there
+        close_server(server)
+        assert server._event_loop.is_closed()
+
+
 def test_visitors_that_waited_are_counted_out(early):
     server, _ = early
     seen = entrances[server].visitors
