@@ -147,8 +147,10 @@ def carried_out(
     from app.experiments.workers.processes import cores
 
     begun = time.monotonic()
+    again = f"flockscope {shlex.join(sys.argv[1:])}"
+    stopped = f"flockscope: stopped; finished runs are in {folder / RUNS}; go on with: {again}"
     try:
-        with Stopping(at_once=True), Progress(experiment.name, quiet) as progress:
+        with Stopping(at_once=stopped), Progress(experiment.name, quiet) as progress:
             done = conduct(
                 experiment,
                 folder,
@@ -160,9 +162,7 @@ def carried_out(
                 retry=retry,
             )
     except KeyboardInterrupt:
-        again = f"flockscope {shlex.join(sys.argv[1:])}"
-        kept = folder / RUNS
-        tell(f"flockscope: stopped; finished runs are in {kept}; go on with: {again}")
+        tell(stopped)
         raise typer.Exit(INTERRUPTED) from None
     if not quiet:
         spent = duration(time.monotonic() - begun)

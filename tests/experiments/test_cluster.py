@@ -380,3 +380,20 @@ def test_workers_end_before_their_job(walltime):
     lifetime, stagger = cluster.lifetime
     assert 0.7 * cluster.seconds < lifetime - stagger
     assert lifetime + stagger <= cluster.seconds - 30
+
+
+def test_two_interrupts_while_a_cluster_opens_are_one_line(tmp_path):
+    (tmp_path / "s.toml").write_text(LARGE)
+    asked = ("sweep", "run", tmp_path / "s.toml", "--out", tmp_path / "out", "--cluster", "local")
+    process = start(*asked, "--workers", "2")
+    opening = psutil.Process(process.pid)
+    wait_until(opening.children, process)  # Dask begins its workers
+    begun = opening.children(recursive=True)
+    process.send_signal(signal.SIGINT)
+    said = [next(line for line in process.stderr if "stopped" in line)]
+    process.send_signal(signal.SIGINT)
+    said += process.communicate(timeout=60)[1].splitlines()
+    assert len(said) == 1, said
+    assert "finished runs are in" in said[0]
+    assert process.returncode in (130, -signal.SIGINT)  # it may be as good as over
+    assert psutil.wait_procs(begun, timeout=60)[1] == []

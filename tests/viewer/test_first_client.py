@@ -7,6 +7,7 @@ import inspect
 import socket
 import threading
 from contextlib import closing
+from functools import partial
 from http.client import HTTPConnection
 
 import pytest
@@ -24,6 +25,8 @@ from app.viewer.notebook.place import Place
 from app.viewer.notebook.view import View
 from app.viewer.run.home import at_home
 from app.viewer.watching.watching import Watching
+from app.viewer.web.incoming.connection import HELD
+from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.waiting import Admission
 from app.viewer.web.server import (
     admit_browsers,
@@ -34,7 +37,8 @@ from app.viewer.web.server import (
     stops,
 )
 from app.viewer.web.serving.front import Front
-from tests.attacks.raw import Raw
+from tests.attacks.raw import Raw, said
+from tests.live.stand_in import CAMERA
 from tests.viewer.http_client import ask
 from tests.viewer.stub_operator import Operators, driver
 from tests.viewer.waiting import until
@@ -233,6 +237,62 @@ def test_who_goes_before_the_page_is_whole_is_never_called(early):
     assert len(called) == 1
 
 
+@pytest.fixture
+def judged(monkeypatch):
+    """A clock that the test turns on, s, and a count of the messages that were judged by it."""
+    now, count = [0.0], []
+    judge = Messages.pass_on
+
+    def counted(self, data):
+        found = judge(self, data)
+        count.append(data)
+        return found
+
+    monkeypatch.setattr(Messages, "pass_on", counted)
+    by_it = partial(Messages, clock=lambda: now[0])
+    monkeypatch.setattr("app.viewer.web.incoming.connection.Messages", by_it)
+    return now, count
+
+
+def test_who_moves_its_camera_all_the_while_a_page_begins_is_not_cut_off(judged, early):
+    """A browser tells of its camera 50 times a second: in 40 s more than a line takes at once."""
+    (now, count), (server, called) = judged, early
+    moved = said(**CAMERA)
+    with Raw(server.get_port(), camera=False) as browser:
+        for second in range(1, 41):
+            assert browser.say(50 * moved, 50)
+            until(lambda second=second: len(count) == 50 * second, LATE)
+            now[0] += 1.0
+        browser.say(said(**CAMERA | {"image_height": 1234}))
+        until(lambda: len(count) == 2001, LATE)
+        assert not called
+        admit_browsers(server)
+        (client,) = until(server.get_clients, LATE).values()
+        assert client.camera.image_height == 1234
+        assert not browser.closed
+
+
+def test_what_a_browser_says_meanwhile_is_heard_later_within_bounds(judged, early):
+    (_, count), (server, _) = judged, early
+    box = server.gui.add_number("Number", 0)
+    heard: list[float] = []
+
+    async def told(event):
+        heard.append(event.target.value)
+
+    box.on_update(told)
+    with Raw(server.get_port()) as browser:
+        for value in range(1, HELD + 3):
+            change = {"uuid": box._impl.uuid, "updates": {"value": value}}
+            browser.say(said(type="GuiUpdateMessage", **change))
+        until(lambda: len(count) == HELD + 3, LATE)
+        admit_browsers(server)
+        until(lambda: len(heard) == HELD, LATE)
+        browser.say(said(type="GuiUpdateMessage", uuid=box._impl.uuid, updates={"value": -1}))
+        until(lambda: heard[-1] == -1, LATE)
+    assert heard == [*range(1, HELD + 1), -1]
+
+
 def test_who_waits_is_sent_away_when_a_server_closes_whose_page_never_was_whole(early):
     server, called = early
     port = server.get_port()
@@ -287,6 +347,25 @@ def test_a_welcome_that_fails_keeps_no_flock_from_beginning_and_is_said(capfd, m
         until(lambda: runs(made), LATE)
     captured = capfd.readouterr()
     assert "no such picture" in captured.out + captured.err
+
+
+@pytest.mark.parametrize(
+    "said_first",
+    ["", "GET /alive HTTP/1.1\r\n", "GET /alive HTTP/1.1\r\nHost: localhost:{}\r\n\r\n"],
+    ids=["silent", "half", "whole"],
+)
+def test_no_line_that_is_kept_open_holds_up_who_closes_a_page(early, said_first):
+    """viser gives up on its loop after 6 s, and leaves it running."""
+    server, _ = early
+    admit_browsers(server)
+    port = server.get_port()
+    with socket.create_connection(("127.0.0.1", port), timeout=LATE) as line:
+        line.sendall(said_first.format(port).encode())
+        if said_first.endswith("\r\n\r\n"):
+            assert line.makefile("rb").readline() == b"HTTP/1.1 200 OK\r\n"
+        assert ask(port).status == 200  # so the one before it is there
+        close_server(server)
+        assert server._event_loop.is_closed()
 
 
 def test_visitors_that_waited_are_counted_out(early):

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import urllib.request
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,8 +17,13 @@ from cli.calling import refusal
 
 from app.cli.lab import opened_by, parameters
 from app.viewer.gallery.collection import FIRST, built_in
+from tests.cli.test_rule_files import CODE
+from tests.live.stand_in import StandIn
+from tests.viewer.waiting import until
 from worlds.refusal import Refusal
 
+COLD = 120.0
+"""Seconds for what a busy machine compiles without a cache."""
 ROOT = Path(__file__).parents[2]
 COMMAND = [sys.executable, "-c", "from app.cli.main import main; main()", "lab"]
 
@@ -60,6 +66,41 @@ def test_it_stops_cleanly_while_it_compiles(tmp_path):
     code, err = stopped(start("--port", "0", FLOCKSCOPE_CACHE=str(tmp_path)), signal.SIGTERM)
     assert code == 0
     assert "Assertion" not in err
+
+
+@contextmanager
+def first_browser(process):
+    """The first browser of a laboratory that is starting; both are ended."""
+    try:
+        address = re.search(r"http://localhost:(\d+)", process.stdout.readline())
+        with StandIn(int(address[1])) as browser:
+            yield browser
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def panels(browser) -> str:
+    """All that the page's panels say."""
+    return " ".join(str(one.get("content", "")) for one in tuple(browser.controls.values()))
+
+
+def test_who_comes_while_a_model_compiles_sees_a_preview_and_then_the_run(tmp_path):
+    process = start("--port", "0", FLOCKSCOPE_CACHE=str(tmp_path))
+    with first_browser(process) as browser:
+        until(lambda: "</b> until compiled:" in panels(browser) and browser.nodes, COLD)
+        until(lambda: "</b> until compiled:" not in panels(browser), COLD)
+        assert "Stopped." not in panels(browser)
+
+
+def test_who_comes_to_a_rule_with_a_fault_is_told_it_in_one_line(tmp_path):
+    rule = tmp_path / "mine.py"
+    rule.write_text(CODE.replace("for j in", "nothing = me.no_such_field\n    for j in", 1))
+    line = next(n for n, one in enumerate(CODE.splitlines(), 1) if "for j in" in one)
+    words = f"decide, line {line}: me has no &#x27;no_such_field&#x27; (mine.py)<br>"
+    process = start("--port", "0", "--rule", str(rule), FLOCKSCOPE_CACHE=str(tmp_path / "cache"))
+    with first_browser(process) as browser:
+        until(lambda: words in panels(browser), COLD)
 
 
 def test_a_busy_port_is_one_line_and_exit_code_2():

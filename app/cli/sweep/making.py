@@ -52,12 +52,13 @@ def demand_sound(workers: int | None, nice: int, limit: int | None) -> None:
 @contextmanager
 def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
     """A bar while runs are made; after Ctrl-C a line tells how to go on."""
+    again = f"flockscope {shlex.join(sys.argv[1:])}"
+    stopped = f"flockscope: stopped; finished runs are in {folder}; go on with: {again}"
     try:
-        with Stopping(at_once=True), Progress(folder.name, quiet) as progress:
+        with Stopping(at_once=stopped), Progress(folder.name, quiet) as progress:
             yield progress
     except KeyboardInterrupt:
-        again = f"flockscope {shlex.join(sys.argv[1:])}"
-        tell(f"flockscope: stopped; finished runs are in {folder}; go on with: {again}")
+        tell(stopped)
         raise typer.Exit(INTERRUPTED) from None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import logging
 import os
 from collections.abc import Iterator
@@ -96,7 +97,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
 def local_cluster(workers: int, security: Security) -> Any:
     """Dask's cluster of processes of this machine, whose scheduler is in this one."""
     from distributed import Nanny
-    from distributed.deploy.spec import SpecCluster
+    from distributed.deploy.spec import SpecCluster, close_clusters
 
     from app.experiments.cluster.hosted import SweepScheduler, SweepWorker
 
@@ -111,13 +112,21 @@ def local_cluster(workers: int, security: Security) -> Any:
             "silence_logs": logging.CRITICAL,
         },
     }
-    return SpecCluster(
-        scheduler={"cls": SweepScheduler, "options": here | {"dashboard": False}},
-        workers=dict.fromkeys(range(workers), worker),
-        worker=worker,
-        security=security,
-        silence_logs=logging.CRITICAL,
-    )
+    try:
+        return SpecCluster(
+            scheduler={"cls": SweepScheduler, "options": here | {"dashboard": False}},
+            workers=dict.fromkeys(range(workers), worker),
+            worker=worker,
+            security=security,
+            silence_logs=logging.CRITICAL,
+        )
+    except KeyboardInterrupt:
+        # Dask closes what is left as the interpreter ends: of a cluster that never was open it
+        # cannot, waits, and shows a traceback for the next Ctrl-C. Workers end with this process.
+        with suppress(Exception):
+            close_clusters()
+        atexit.unregister(close_clusters)
+        raise
 
 
 def hush() -> None:

@@ -232,7 +232,7 @@ class Laboratory:
             self.more = MoreNumbers(gui)
             self.numbers = NumbersTable(self.server, self.more, self.plots.sender)
         dock(gui, left)
-        self.guide = Guide(Tries(self.simulation, self.parameters, self.setup))
+        self.guide = Guide(self.server, Tries(self.simulation, self.parameters, self.setup))
         self.inspector = Inspector(gui, lambda: self.select(None))
 
     def take_uploads(self) -> None:

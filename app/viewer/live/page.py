@@ -114,7 +114,7 @@ class LivePage:
         """Build the panels."""
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
-        self.state = StatePanel(gui, self.session)
+        self.state = StatePanel(self.server, self.session)
         self.time_line = TimeLinePanel(gui, self.session)
         recorded = gui.add_html("", visible=False)
         tabs = gui.add_tab_group()

@@ -26,7 +26,7 @@ from viser import _messages as messages
 from websockets.http11 import Request, Response
 
 from app.viewer.web.icons import keep_icons_open
-from app.viewer.web.incoming.connection import PROTOCOL, Connection
+from app.viewer.web.incoming.connection import FAREWELL, PROTOCOL, Connection
 from app.viewer.web.incoming.controls import guard
 from app.viewer.web.incoming.door import Door
 from app.viewer.web.incoming.failures import log_failures, logger
@@ -152,10 +152,26 @@ def close_server(server: viser.ViserServer) -> None:
         entrance.door.close()
     if entrance is not None and entrance.admission is not None:
         entrance.admission.decide(False)
+        with contextlib.suppress(RuntimeError):  # the loop is closed, and nobody is there
+            entrance.admission.loop.call_soon_threadsafe(end_lines, entrance)
     with starting, quiet():
         server.stop()
     if entrance is not None:
         entrance.log.close()
+
+
+def end_lines(entrance: Entrance) -> None:
+    """On viser's loop: let all have read what they are told last, then end their lines.
+
+    websockets would wait until they go, and viser for that, 6 s in all: a client that keeps its
+    line open, or says no more, would hold up whoever closes a page.
+    """
+
+    def end() -> None:
+        for connection in list(entrance.inner.handlers):
+            connection.transport.abort()
+
+    asyncio.get_running_loop().call_later(FAREWELL, end)
 
 
 @contextlib.contextmanager

@@ -28,10 +28,15 @@ class Question:
 class Confirming:
     """A question in the browser that wants to arm, at most one in each."""
 
-    def __init__(self, session: Session):
+    def __init__(self, server: viser.ViserServer, session: Session):
         self.session = session
         self.open: dict[int, Question] = {}
         """By browser."""
+        server.on_client_disconnect(self.forget_client)
+
+    async def forget_client(self, client: viser.ClientHandle) -> None:
+        """A browser has gone, and its question with it: that holds all that viser has of it."""
+        self.open.pop(client.client_id, None)
 
     def ask(self, client: viser.ClientHandle) -> None:
         """Ask, unless it is being asked."""

@@ -26,9 +26,10 @@ class StatePanel:
     The stop is on top and never moves.
     """
 
-    def __init__(self, gui: viser.GuiApi, session: Session):
+    def __init__(self, server: viser.ViserServer, session: Session):
+        gui = server.gui
         self.session = session
-        self.confirming = Confirming(session)
+        self.confirming = Confirming(server, session)
         self.stop = gui.add_button(
             "EMERGENCY STOP",
             icon=viser.Icon.HAND_STOP,

@@ -143,8 +143,7 @@ class Viewpoints:
         wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
         told = client.camera._state
         stand = Stand(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
-        with self._lock:
-            self._stands[client.client_id] = stand
+        self._keep(self._stands, client, stand)
         _set(client, wanted)
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
@@ -160,8 +159,7 @@ class Viewpoints:
         if picture.stage.dim == 2:
             low[2] = high[2] = at[2]
         _set(client, view("follow", picture.stage.dim, low, high, _aspect(client)))
-        with self._lock:
-            self._followed[client.client_id] = side, int(picture.frame.ids[row])
+        self._keep(self._followed, client, (side, int(picture.frame.ids[row])))
 
     def ride(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Put one browser's camera behind the agent now in `row` of the flock `side`."""
@@ -174,8 +172,7 @@ class Viewpoints:
         before = View(camera.position.copy(), camera.look_at.copy(), camera.fov)
         ride = Ride(self._sights[side].picture, row, self._sights[side].aside, side, before)
         _set(client, ride.view)
-        with self._lock:
-            self._riders[client.client_id] = ride
+        self._keep(self._riders, client, ride)
 
     def update(self, sights: tuple[Sight, ...]) -> None:
         """Take in a new frame: welcome a new world, and move the cameras that follow."""
@@ -262,7 +259,8 @@ class Viewpoints:
             if out or stand.run != self._sights[0].picture.frame.run:
                 self._place(client, stand.preset, stand.leans, AHEAD if out else 0.0)
 
-    def _welcome(self, client: ClientHandle) -> None:
+    async def _welcome(self, client: ClientHandle) -> None:
+        """On the event loop: on viser's thread pool it might come after the farewell."""
         if self._sights:
             self.place(client, self.first or _first(self._sights[0].picture))
 
@@ -289,6 +287,16 @@ class Viewpoints:
     async def _farewell(self, client: ClientHandle) -> None:
         """On the event loop: viser's thread pool may be gone when the server stops."""
         self._forget(client)
+
+    def _keep[T](self, kept: dict[int, T], client: ClientHandle, entry: T) -> None:
+        """Keep something about a browser, unless it has gone meanwhile.
+
+        The drawing thread places cameras of browsers that were there a moment ago. After the
+        farewell nobody would forget the entry, and it holds all that viser has of the browser.
+        """
+        with self._lock:
+            if client.client_id in self._server.get_clients():
+                kept[client.client_id] = entry
 
     def _forget(self, client: ClientHandle) -> None:
         """Neither follow nor ride on anybody any more."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -14,7 +15,7 @@ from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
 from app.viewer.web.incoming.heard import Heard
-from app.viewer.web.incoming.kinds import Kind
+from app.viewer.web.incoming.kinds import CAMERA, LONGEST, Kind, kind_of
 from app.viewer.web.incoming.log import Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.visitors import Visitors, address_of
@@ -27,6 +28,8 @@ FAREWELL = 0.5
 """Seconds that a browser has to read why it is cut off."""
 PROTOCOL = f"viser-v{viser.__version__}"
 REQUEST_LINE = re.compile(rb"([A-Z]{1,20}) (\S+) HTTP/1\.[01]\r?\n")
+HELD = 64
+"""Messages of one browser that are kept for a page that begins, beside its camera; no files."""
 LONGEST_LINE = 8192
 """Bytes of a request line, as websockets has it."""
 
@@ -52,6 +55,8 @@ class Connection(ServerConnection):
         self.visitors = visitors
         self.renders = renders
         self.log = log
+        self.held: list[Any] = []
+        """What viser gets once the page is whole; the browser's newest camera comes first."""
         self.cut_off = False
         self.method = ""
         """How it asks; empty until its request line is there."""
@@ -124,13 +129,47 @@ class Connection(ServerConnection):
         viser calls a browser connected, and begins to call what is registered for browsers, at
         their first message: so it is here that they wait. What it sends them meanwhile they get.
         """
+        while not self.admission.decided.done():
+            await self.hold(decode)
+        while True:
+            if self.held:
+                data = self.held.pop(0)
+            else:
+                data = await self.next_allowed(decode)
+            if self.admission.decided.result():  # else the server closes: the next look says so
+                self.heard.note(self.loop)
+                return data
+
+    async def next_allowed(self, decode: bool | None) -> Any:
+        """The next message that its browser may send."""
         while True:
             data = await super().recv(decode)
             if self.messages.pass_on(data):
-                if not await self.admission.admits(self):
-                    continue  # it is gone, or the server closes: the next look says so
-                self.heard.note(self.loop)
                 return data
+            self.end_if_told()
+
+    async def hold(self, decode: bool | None) -> None:
+        """Keep the next message until the page is whole, or return as soon as it is.
+
+        Messages are judged as they come: left on the line, all would come at once later, and too
+        many at once end a connection. Of cameras only the newest counts.
+        """
+        message = asyncio.create_task(self.next_allowed(decode))
+        try:
+            ends = (message, self.admission.decided)
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+            if not message.done():
+                return
+            data = message.result()
+        finally:
+            message.cancel()
+            await asyncio.gather(message, return_exceptions=True)  # two cannot wait for a message
+        if kind_of(data) == CAMERA:
+            self.held[:1] = [data]
+        elif len(self.held) <= HELD and len(data) <= LONGEST:
+            self.held.append(data)
+        else:
+            self.messages.drop()
             self.end_if_told()
 
     def end_if_told(self) -> None:

@@ -18,10 +18,15 @@ from app.viewer.panels.style import CSS, block
 class Guide:
     """Opens the guide in the browser that asks for it, once at a time."""
 
-    def __init__(self, tries: Tries) -> None:
+    def __init__(self, server: viser.ViserServer, tries: Tries) -> None:
         self.tries = tries
         self.open: set[int] = set()
         """Browsers in which it is open."""
+        server.on_client_disconnect(self.forget_client)
+
+    async def forget_client(self, client: viser.ClientHandle) -> None:
+        """A browser has gone, and its guide with it."""
+        self.open.discard(client.client_id)
 
     def show(self, client: viser.ClientHandle, model_name: str) -> None:
         """Open it, unless it is open."""
