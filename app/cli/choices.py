@@ -12,6 +12,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from app.cli.terminal import make_console
 from worlds.counting import counted
 
 Rows = list[dict[str, Any]]
@@ -158,10 +159,9 @@ ARTICLES = {
 def show(made: dict[str, Rows]) -> None:
     """Print tables for people."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console()
+    console = make_console()
     for kind, rows in made.items():
         columns = ON_SCREEN.get(kind) or tuple(rows[0])
         table = Table(*columns, title=kind, title_justify="left", box=SIMPLE_HEAD)

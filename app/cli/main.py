@@ -12,6 +12,7 @@ from typer.core import TyperCommand
 from typer.main import get_command
 
 from app.cli.refusals import told
+from app.cli.terminal import guard_streams
 from app.cli.usage import Group, OneCommand
 
 
@@ -127,6 +128,7 @@ def show_warning(message: Warning | str, *_: object, **__: object) -> None:
 
 def main() -> None:
     """Entry point of the command line; without a command, options are those of `lab`."""
+    guard_streams()
     warnings.showwarning = show_warning
     given = sys.argv[1:]
     bare = not given or (given[0].startswith("-") and given[0] not in OWN_OPTIONS)

@@ -22,6 +22,7 @@ from app.cli.sweep.making import (
     under_way,
     warn,
 )
+from app.cli.terminal import make_console
 from app.results import PICTURES
 
 if TYPE_CHECKING:
@@ -139,7 +140,6 @@ def report(
         typer.echo(as_json(value))
         return
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
     from app.cli.sweep.show import plain
@@ -154,7 +154,7 @@ def report(
         table.add_row(
             one.what, *values, *("-" if mean is None else str(mean) for mean in one.means)
         )
-    console = Console()
+    console = make_console()
     console.print(table)
     for line in answer.words():
         console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -16,6 +16,7 @@ from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.stopping import Stopping
+from app.cli.terminal import make_console
 from app.results import demand_folder, picture_files
 from app.settings import at_least, names, whole_numbers
 from worlds.counting import counted, duration
@@ -225,12 +226,10 @@ def report(outcomes: list[Outcome], everything: bool, json_asked: bool, quiet: b
         values = [one.value for one in outcomes]
         typer.echo(as_json({"papers": values} if everything else values[0]))
     else:
-        from rich.console import Console
-
         from app.experiments.reports.overview import overview
         from app.experiments.reports.report import show
 
-        console = Console()
+        console = make_console()
         for one in outcomes:
             show(console, one.experiment, one.made, one.said)
         if everything:

@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any
 
+from app.cli.terminal import make_console
 from worlds.counting import duration
 
 PATIENCE = 2.0
@@ -58,7 +59,6 @@ class Progress:
 def make_bar() -> Any:
     """A bar of rich on stderr that vanishes when it is done."""
     from rich import progress
-    from rich.console import Console
 
     return progress.Progress(
         progress.TextColumn("{task.description}"),
@@ -66,6 +66,6 @@ def make_bar() -> Any:
         progress.TaskProgressColumn(),
         progress.TextColumn("{task.fields[left]}"),
         progress.TextColumn("[dim]{task.fields[text]}"),
-        console=Console(stderr=True),
+        console=make_console(stderr=True),
         transient=True,
     )

@@ -22,6 +22,7 @@ from app.cli.sweep.making import (
     demand_sound,
     warn,
 )
+from app.cli.terminal import make_console
 from app.results import PICTURES
 
 if TYPE_CHECKING:
@@ -99,12 +100,11 @@ def sensitivity(
 def show(found: list[Sensitivity], title: str) -> None:
     """Print a table and sentences for each thing that is measured."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
     from app.experiments.sensitivity.answer import in_words
 
-    console = Console()
+    console = make_console()
     for one in found:
         total, alone = one.symbols
         spread = ["sigma"] if one.kind == "morris" else []

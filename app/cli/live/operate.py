@@ -13,6 +13,7 @@ import typer
 from app.cli.live.keys import Keys
 from app.cli.outcome import as_json
 from app.cli.stopping import Stopping
+from app.cli.terminal import rewrite_line
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.events import Event
 from app.live.control.status import Status
@@ -168,7 +169,9 @@ class OperatorConsole:
 
 def rewritten(line: str, wide: int) -> int:
     """Write over the line before, which was so wide; how wide this one is."""
-    typer.echo("\r" + line.ljust(wide) + ("" if line else "\r"), nl=False, err=True)
+    rewrite_line(line.ljust(wide))
+    if not line:
+        rewrite_line("")
     return len(line)
 
 

@@ -9,6 +9,7 @@ import typer
 from app.cli.outcome import as_json
 from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
+from app.cli.terminal import make_console
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -95,7 +96,6 @@ def faults(kept: Kept) -> list[dict[str, Any]]:
 def show_cells(kept: Kept, rows: list[dict[str, Any]]) -> None:
     """Print the cells as a table, and the runs that failed."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
     from app.experiments.sweeps.table import axes_of, measured
@@ -111,7 +111,7 @@ def show_cells(kept: Kept, rows: list[dict[str, Any]]) -> None:
         cells += [str(row["runs"]), *(str(row[key] or "") for key in extra)]
         cells += [interval(row.get(column)) for column in columns]
         table.add_row(*cells)
-    console = Console()
+    console = make_console()
     console.print(table)
     if len(rows) > MOST:
         console.print(f"and {len(rows) - MOST} more cells: `flockscope sweep export` has them all")

@@ -1,0 +1,103 @@
+"""No text of a file reaches a terminal, or a pipe, as a command to a terminal."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import app.cli
+from cli.calling import start
+
+HOSTILE = "a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7fz"
+SHOWN = r"a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7fz"
+RAW = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+PRINTS = f"""
+import json, logging, sys, warnings
+import typer
+from app.cli import main
+from app.cli.terminal import rewrite_line
+text = {HOSTILE!r}
+
+def everything(*_, **__):
+    typer.echo(text)
+    typer.echo(text, err=True)
+    print(text)
+    print(text, file=sys.stderr)
+    sys.stderr.writelines([text])
+    logging.warning(text)
+    warnings.warn(text)
+    rewrite_line(text)
+    from rich.table import Table
+    from app.cli.terminal import make_console
+    table = Table(title=text)
+    table.add_column(text, no_wrap=True)
+    table.add_row(text)
+    make_console(width=400).print(table)
+    make_console(width=400, stderr=True).print(table)
+
+main.app = everything
+main.main()
+"""
+
+
+def run_program(*command):
+    """What a program of its own prints into pipes."""
+    from subprocess import run
+
+    done = run(command, capture_output=True, timeout=120, check=False)
+    return done.stdout.decode(), done.stderr.decode()
+
+
+def test_pipes_carry_no_control_characters():
+    out, err = run_program(sys.executable, "-c", PRINTS)
+    assert "Traceback" not in err
+    assert not RAW.search(out + err.replace("\r", ""))  # ours, of the line that is rewritten
+    assert SHOWN in out  # of print; typer leaves colours and the like out of pipes
+    assert err.count(SHOWN) >= 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals here")
+def test_a_terminal_is_sent_no_more_than_colours():
+    import os
+    import pty
+    from subprocess import Popen
+
+    ours, theirs = pty.openpty()
+    program = Popen([sys.executable, "-c", PRINTS], stdin=theirs, stdout=theirs, stderr=theirs)
+    os.close(theirs)
+    sent = b""
+    while True:
+        try:
+            piece = os.read(ours, 65536)
+        except OSError:  # Linux says so at the end
+            break
+        if not piece:
+            break
+        sent += piece
+    os.close(ours)
+    assert program.wait(60) == 0
+    text = re.sub("\x1b\\[[0-9;]*m|\r", "", sent.decode())
+    assert SHOWN in text
+    assert not RAW.search(text)
+
+
+def test_no_command_makes_a_console_of_its_own():
+    makers = [
+        path.name
+        for path in Path(app.cli.__file__).parent.rglob("*.py")
+        if re.search(r"import Console\b|rich\.print|rich import print", path.read_text("utf-8"))
+    ]
+    assert makers == ["terminal.py"]
+
+
+def test_a_spec_with_a_hostile_name_is_refused_without_commands(tmp_path):
+    path = tmp_path / "world.toml"
+    path.write_text(f"title = {json.dumps(HOSTILE)}\n{json.dumps(HOSTILE)} = 1\n")
+    program = start("world", "check", path)
+    out, err = program.communicate(timeout=120)
+    assert not RAW.search(out + err)
+    assert program.returncode == 2
