@@ -104,14 +104,14 @@ def new_digest():
     return digest
 
 
-TOLD: set[str] = set()
-"""What has been told of."""
+WARNED_OF: set[str] = set()
+"""What the user has been warned of."""
 
 
 def tell_once(words: str, about: str) -> None:
     """Tell the user something on stderr, the first time that it is about this."""
-    if about not in TOLD:
-        TOLD.add(about)
+    if about not in WARNED_OF:
+        WARNED_OF.add(about)
         print(f"flockscope: {words}", file=sys.stderr)
 
 

@@ -47,8 +47,8 @@ def plain(value: Any) -> Any:
 
 
 def as_json(values: Any) -> str:
-    """Values as one line of JSON."""
-    return json.dumps(plain(values), allow_nan=False)
+    """Values as one line of JSON, which any terminal can show: of ASCII, without DEL."""
+    return json.dumps(plain(values), allow_nan=False).replace("\x7f", "\\u007f")
 
 
 def outcome(

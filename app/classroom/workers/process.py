@@ -26,7 +26,7 @@ def context() -> Any:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     chosen = multiprocessing.get_context("forkserver")
-    chosen.set_forkserver_preload([worker.__name__, "app.classroom.workers.measuring"])
+    chosen.set_forkserver_preload([worker.__name__, f"{__package__}.measuring"])
     return chosen
 
 

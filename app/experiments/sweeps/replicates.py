@@ -26,7 +26,10 @@ def half_width(values: Sequence[float], confidence: float = INTERVAL_CONFIDENCE)
     9.901
     """
     low, high = interval_of_mean(ranges_of(values), confidence)
-    return max(float(np.mean(values)) - low, high - float(np.mean(values))) if values else math.nan
+    if math.isnan(low) or not math.isfinite(high - low):
+        return math.nan
+    mean = float(np.mean(values))
+    return max(mean - low, high - mean)
 
 
 def is_precise(values: Sequence[float], asked: Precision) -> bool:
