@@ -36,7 +36,8 @@ class ParquetTable:
     """A Parquet file, its rows read as they are asked for.
 
     `path` names it; `content`: its bytes where there is no file. `kind`: what it should be, for
-    messages, as "a recording". Raises Refusal for what cannot be read.
+    messages, as "a recording". `longest`: bytes of a text in it. Raises Refusal for what cannot be
+    read.
 
     Attributes
     ----------
@@ -44,12 +45,13 @@ class ParquetTable:
     offsets: of each row group the first row, and at the end the number of all rows.
     """
 
-    def __init__(self, path: str | Path, content: bytes | None, kind: str):
+    def __init__(self, path: str | Path, content: bytes | None, kind: str, longest: int = LONGEST):
         demand_parquet(f"reading {str(path)!r}")
         import pyarrow as pa
         import pyarrow.parquet as pq
 
         self.path, self.content, self.kind = Path(path), content, kind
+        self.longest = longest
         self.origin = repr(str(path))
         try:
             self.open().close()  # whose errors have words of their own
@@ -116,6 +118,8 @@ class ParquetTable:
         """
         names = self.names if columns is None else list(columns)
         for k in range(self.meta.num_row_groups) if group is None else (group,):
+            if not self.meta.row_group(k).num_rows:
+                continue
             self.demand_modest(k, names)
             count = 0
             with self.reading():
@@ -151,8 +155,10 @@ class ParquetTable:
         for name, column in zip(batch.schema.names, batch.columns, strict=True):
             if pa.types.is_dictionary(column.type):
                 words = column.dictionary
-                if is_text(words.type) and (pc.max(pc.binary_length(words)).as_py() or 0) > LONGEST:
-                    raise self.damaged(f"a text of it is longer than {LONGEST} bytes")
+                if is_text(words.type) and (
+                    (pc.max(pc.binary_length(words)).as_py() or 0) > self.longest
+                ):
+                    raise self.damaged(f"a text of it is longer than {self.longest} bytes")
                 column = column.dictionary_decode()
             columns.append(column)
             fields.append(self.schema.field(name).with_type(column.type))

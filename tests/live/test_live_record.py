@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from agents import parquet
 from app.live.control.arm import OperatorRequest
 from app.live.control.control import Control
 from app.live.control.injected import Injected
@@ -349,6 +350,15 @@ def test_a_full_disk_is_said_and_holds_nothing_up(tmp_path):
     assert ("recording", journal.trouble) in kinds
     assert "No space left on device" in journal.trouble
     assert journal.waiting.qsize() <= 1
+
+
+def test_a_table_of_a_recording_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
+    record(tmp_path / "run", 30)
+    monkeypatch.setattr(parquet, "MOST_NUMBERS", 10)
+    found = read(tmp_path / "run")
+    for look in (lambda: found.table("commands"), lambda: list(found.ticks()), found.events):
+        with pytest.raises(Refusal, match="at most 10 numbers are read at once"):
+            look()
 
 
 def test_what_is_no_recording_is_refused(tmp_path):

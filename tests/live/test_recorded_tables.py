@@ -2,10 +2,12 @@
 
 import math
 
-import pyarrow
-import pyarrow.parquet
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
+from agents import parquet
 from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import Axes
 from app.live.sources.recorded import Recorded
@@ -38,7 +40,7 @@ def parquet_of(folder, **changed):
     } | changed
     path = folder / "trial.parquet"
     kept = {name: values for name, values in columns.items() if values is not None}
-    pyarrow.parquet.write_table(pyarrow.table(kept), path)
+    pq.write_table(pa.table(kept), path)
     return path
 
 
@@ -148,10 +150,10 @@ def test_files_that_are_none_are_refused_in_one_line(tmp_path):
         "no-rows.csv": "no-rows.csv has no rows",
         "twice.csv": "twice.csv has the column x twice",
         "binary.csv": "binary.csv is not a CSV file in UTF-8",
-        "wrong.parquet": "wrong.parquet is not a Parquet file: ",
+        "wrong.parquet": "wrong.parquet' is not a Parquet file",
         "wrong.c3d": "wrong.c3d is not a C3D file",
         "none.csv": "none.csv cannot be read: No such file",
-        "none.parquet": "none.parquet cannot be read: ",
+        "none.parquet": "none.parquet' cannot be read: No such file",
         "none.c3d": "none.c3d cannot be read: there is no such file",
         "trial.txt": "unknown kind of recording '.txt'",
     }
@@ -162,3 +164,15 @@ def test_files_that_are_none_are_refused_in_one_line(tmp_path):
             Recorded(tmp_path / name).recording()
         assert said in str(refused.value)
         assert "\n" not in str(refused.value)
+
+
+def test_a_small_table_of_endless_rows_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
+    monkeypatch.setattr(parquet, "MOST_NUMBERS", 1000)
+    rows = 5000
+    columns = {name: pa.array(np.zeros(rows)) for name in ("t", "x", "y", "z")}
+    columns |= {name: pa.array(np.zeros(rows)) for name in ("qx", "qy", "qz", "qw")}
+    columns |= {"frame": pa.array(np.zeros(rows, int)), "name": pa.array(["red"] * rows)}
+    table = pa.table(columns | {"valid": pa.array(["1"] * rows)})
+    pq.write_table(table, tmp_path / "many.parquet")
+    with pytest.raises(Refusal, match=r"many\.parquet' holds .* numbers in a row group"):
+        Recorded(tmp_path / "many.parquet").recording()

@@ -125,19 +125,15 @@ def ending(folder: str | Path) -> Ending | None:
 
 def last_rows(part: Part, name: str, count: int | None) -> list[dict[str, Any]]:
     """The last rows of a table, at most those of its last group. Raises Refusal."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+    from app.live.recording.replay import open_table
 
-    try:
-        file = pq.ParquetFile(part.table(name))
-        for group in reversed(range(file.num_row_groups)):
-            table = file.read_row_group(group)
-            if table.num_rows:
-                first = 0 if count is None else max(table.num_rows - count, 0)
-                rows: list[dict[str, Any]] = table.slice(first).to_pylist()
-                return rows
-    except (OSError, pa.ArrowException) as error:
-        raise Refusal(f"{str(part.table(name))!r} cannot be read: {error}") from None
+    file = open_table(part.table(name))
+    for group in reversed(range(len(file.offsets) - 1)):
+        table = file.group(group)
+        if table.num_rows:
+            first = 0 if count is None else max(table.num_rows - count, 0)
+            rows: list[dict[str, Any]] = table.slice(first).to_pylist()
+            return rows
     return []
 
 

@@ -5,7 +5,6 @@ What comes out must be what was sent, to the bit; where it is not, a replay says
 
 from __future__ import annotations
 
-import json
 import os
 import struct
 from collections.abc import Callable, Iterator, Sequence
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from agents.parquet import ParquetTable
 from agents.record import KEY, SHEET, table_writer
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.control import Control, Step
@@ -22,7 +22,6 @@ from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
 from app.live.recording.columns import columns_of, described
 from app.live.recording.record import TABLES
-from worlds.extra import demand_parquet
 from worlds.refusal import Refusal, unknown
 from worlds.writing import writing
 
@@ -31,6 +30,8 @@ if TYPE_CHECKING:
 
 BATCH = 10_000
 """Rows that are read at once."""
+LONGEST = 2**20
+"""Bytes of a text in a table: events keep what was asked, whatever a browser sent."""
 Row = dict[str, Any]
 
 
@@ -92,17 +93,14 @@ class StoredRecording:
 
     def rows(self, name: str) -> int:
         """How many rows a table has in all parts."""
-        import pyarrow.parquet as pq
-
-        return sum(pq.read_metadata(part.table(name)).num_rows for part in self.parts)
+        return sum(open_table(part.table(name)).rows for part in self.parts)
 
     def table(self, name: str) -> Any:
         """A table with the rows of all parts, as a pyarrow Table. Raises Refusal."""
         import pyarrow as pa
-        import pyarrow.parquet as pq
 
         self.demand_table(name)
-        return pa.concat_tables(pq.read_table(part.table(name)) for part in self.parts)
+        return pa.concat_tables(open_table(part.table(name)).read() for part in self.parts)
 
     def to_dataframe(self, name: str) -> pd.DataFrame:
         """A table as a data frame of pandas; `attrs` has units, meanings, the time of a tick, the
@@ -173,31 +171,25 @@ def demand_recording(folder: Path) -> None:
 
 def meta_of(path: Path) -> dict[str, Any]:
     """The metadata of a table. Raises Refusal if it is none of a recording."""
-    demand_parquet("a recording of the laboratory")
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     if path.with_name(path.name + ".part").exists():
         raise Refusal(f"{str(path.parent)!r} was killed: recover it first")
-    try:
-        schema = pq.read_schema(path)
-        meta = json.loads((schema.metadata or {})[KEY])
-    except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror or error}") from None
-    except (pa.ArrowException, KeyError, ValueError):
-        raise Refusal(f"{str(path)!r} is not a table of a laboratory's recording") from None
-    missing = [name for name in TABLES[path.stem] if name not in schema.names]
+    table = open_table(path)
+    meta = table.metadata(KEY)
+    missing = [name for name in TABLES[path.stem] if name not in table.names]
     if missing:
         raise Refusal(f"{str(path)!r} has no column {missing[0]!r}")
     return meta
 
 
 def rows(path: Path) -> Iterator[Row]:
-    """The rows of a table, read as they are asked for."""
-    import pyarrow.parquet as pq
-
-    for batch in pq.ParquetFile(path).iter_batches(BATCH):
+    """The rows of a table, read as they are asked for. Raises Refusal."""
+    for batch in open_table(path).batches(rows=BATCH):
         yield from batch.to_pylist()
+
+
+def open_table(path: Path) -> ParquetTable:
+    """A table of a recording, whoever made it; and what is read of it is bounded."""
+    return ParquetTable(path, None, "a table of a laboratory's recording", LONGEST)
 
 
 class Cursor:

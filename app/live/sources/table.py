@@ -15,10 +15,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from agents.parquet import ParquetTable
 from app.live.control.pose import Sighting, unseen
 from app.live.sources.axes import Axes
 from app.live.sources.recording import RecordedFrame
-from worlds.extra import demand_parquet
 from worlds.refusal import Refusal
 
 POINT = ("x", "y", "z")
@@ -153,23 +153,13 @@ def _of_csv(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _of_parquet(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
     """The rows of a Parquet file and where each stands, the first being row 1."""
-    demand_parquet(str(path))
-    import pyarrow
-    import pyarrow.parquet
-
-    try:
-        file = pyarrow.parquet.ParquetFile(path)
-        _check_columns(path, file.schema_arrow.names)
-        number = 0
-        for batch in file.iter_batches(columns=list(COLUMNS)):
-            for values in batch.to_pylist():
-                number += 1
-                yield f"{path}, row {number}", values
-    except OSError as trouble:
-        raise Refusal(f"{path} cannot be read: {trouble.strerror or trouble}") from None
-    except pyarrow.ArrowException as trouble:
-        reason = str(trouble).splitlines()[0]
-        raise Refusal(f"{path} is not a Parquet file: {reason}") from None
+    file = ParquetTable(path, None, "a Parquet file")
+    _check_columns(path, file.names)
+    number = 0
+    for batch in file.batches(COLUMNS):
+        for values in batch.to_pylist():
+            number += 1
+            yield f"{path}, row {number}", values
 
 
 def _check_columns(path: Path, given: list[str] | Any) -> None:

@@ -19,7 +19,7 @@ from app.live.control.status import CarStatus, Status, tracking
 from app.live.control.timing import KEPT, Summary
 from app.live.laboratory.parts import Part
 from app.live.links.link import RUN
-from app.live.recording.replay import StoredRecording, read
+from app.live.recording.replay import StoredRecording, open_table, read
 from app.viewer.live.framing import Setting, frame_of
 from app.viewer.live.opening import KEPT as PAST
 from app.viewer.live.readings import RoomReadings
@@ -110,9 +110,7 @@ class Replaying:
 
 def span(part: Part) -> tuple[int, int]:
     """The first and the last tick of a part. Raises Refusal if it has none."""
-    import pyarrow.parquet as pq
-
-    ticks = pq.read_table(part.table("ticks"), columns=["tick"])["tick"].to_numpy()
+    ticks = open_table(part.table("ticks")).read(["tick"])["tick"].to_numpy()
     if not len(ticks) or (np.diff(ticks) <= 0).any():
         raise Refusal(f"{str(part.folder)!r} holds no ticks in their order")
     return int(ticks[0]), int(ticks[-1])
@@ -186,9 +184,7 @@ class Tables:
 
 def columns(part: Part, table: str) -> dict[str, np.ndarray]:
     """The columns of a table; what is missing is NaN, and words are objects."""
-    import pyarrow.parquet as pq
-
-    found = pq.read_table(part.table(table))
+    found = open_table(part.table(table)).read()
     return {name: found[name].to_numpy() for name in found.column_names}
 
 
