@@ -282,13 +282,13 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
     one, now = lab(text), 100.0
     driver = FlockDriver(one)
     control = Control(one.safety(), driver)
-    everywhere = (Pose(-0.35, 0.0, 0.0), Pose(0.35, 0.0, 0.0))  # no place is 0.6 m from both
-    bodies = tuple(seen(*pair) for pair in zip(("blue body", "red"), everywhere, strict=True))
     target = Pose(0.0, 0.3, 0.0)
     events, modes = [], []
     for number in range(25):
         now += 0.01
         asked = [OperatorRequest("arm", "test")] if number == 5 else []
+        far = 0.35 + 1e-6 * number  # no place is 0.6 m from both
+        bodies = seen("blue body", Pose(-far, 0.0, 0.0)), seen("red", Pose(far, 0.0, 0.0))
         control.see(now, asked, MocapFrame(number, now, bodies))
         step = control.act(now, target)
         events += step.events

@@ -142,6 +142,9 @@ def test_arming_after_a_freeze_begins_anew():
     room.ticks(1.0)
     room.frozen = False
     room.tick()
+    refused = [event for event in room.tick(ARM).events if event.kind == "refused"]
+    assert "as no car can" in refused[0].words, "they are seen elsewhere at once"
+    room.ticks(2.1)
     assert room.tick(ARM).verdict.mode == RUN
     assert room.ticks(1.0).verdict.mode == RUN
 
