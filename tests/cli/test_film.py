@@ -23,7 +23,7 @@ from agents import Flock
 from agents.record import Recorder
 from app.cli.take.film import planned
 from app.cli.take.renderer import aim_of
-from app.viewer.pictures.browser import find_browser
+from app.viewer.pictures.browser import GUARD, find_browser
 from app.viewer.pictures.camera import Aim, Camera
 from app.viewer.pictures.film import Encoder, pictures
 from app.viewer.pictures.player import HOLDS
@@ -162,12 +162,16 @@ def test_a_film_that_is_killed_leaves_no_process_and_no_folder(tmp_path, rendere
             if one.pid != os.getpid() and str(place) in " ".join(one.info["cmdline"] or [])
         ]  # fmt: skip
 
+    def guards():
+        return [one for one in begun() if GUARD in one.info["cmdline"]]
+
     process = start(
         "film", *RUN, "--to", 100_000, "--pixels", "400x320", "--renderer", renderer,
         "--out", tmp_path / "a.mp4", env=os.environ | {"TMPDIR": str(place)},
     )  # fmt: skip
     try:
-        wait_until(lambda: folders() >= wanted and len(begun()) >= 2 * len(wanted), process)
+        wait_until(lambda: folders() >= wanted and len(guards()) == len(wanted), process)
+        wait_until(lambda: len(begun()) >= 2 * len(wanted), process)
         process.kill()
         process.communicate()
         end = time.monotonic() + 60.0

@@ -99,9 +99,9 @@ def is_far() -> bool:
 
 GUARD = """
 import os, shutil, signal, sys, time
-program, folder = int(sys.argv[1]), sys.argv[2]
-ended = sys.stdin.read()  # nothing where its parent is gone, or has not come to end it
-for _ in range(0 if ended else 50):
+folder, words = sys.argv[1], sys.stdin.read().split()  # to the end: until its parent is gone
+program = int(words[0]) if words and words[-1] != "ended" else 0  # 0: none began, or it has ended
+for _ in range(50 if program else 0):
     try:
         os.kill(program, signal.SIGKILL if os.name == "posix" else signal.SIGTERM)
     except OSError:
@@ -116,19 +116,27 @@ for _ in range(50):
 """Waits until the process that began it is gone, however it ended, and tidies up after it."""
 
 
-def guarded(program: int, folder: str) -> subprocess.Popen:
-    """A small process that ends a program and removes its folder once our end of its pipe closes.
+def begin_guard(folder: str) -> subprocess.Popen:
+    """A small process that removes a folder once our end of its pipe closes.
 
+    It begins before the program whose folder it is: `guard_program` names that, to be ended too.
     Not even SIGKILL keeps the system from closing a pipe; in a session of its own no Ctrl-C or
     SIGTERM for a whole group ends it.
     """
     return subprocess.Popen(
-        [sys.executable, "-I", "-S", "-c", GUARD, str(program), folder],
+        [sys.executable, "-I", "-S", "-c", GUARD, folder],
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
+
+
+def guard_program(guard: subprocess.Popen, program: int) -> None:
+    """Have a guard end a program, by its number, before it removes the folder."""
+    assert guard.stdin is not None
+    guard.stdin.write(f"{program}\n".encode())
+    guard.stdin.flush()
 
 
 class Browser:
@@ -142,7 +150,7 @@ class Browser:
         self.server = open_server(port=0, front=Front(("sharp.js",)))
         self.profile = tempfile.mkdtemp(prefix="flockscope-browser-")
         self.process: Any = None
-        self.guard: Any = None
+        self.guard = begin_guard(self.profile)
         try:
             self.scene = Scene(self.server)
             admit_browsers(self.server)
@@ -171,7 +179,7 @@ class Browser:
             stderr=subprocess.DEVNULL,
             env=os.environ | ({"TMPDIR": "/tmp"} if is_far() else {}),
         )
-        self.guard = guarded(self.process.pid, self.profile)
+        guard_program(self.guard, self.process.pid)
         until = time.monotonic() + STARTS
         while not self.server.get_clients():
             if self.process.poll() is not None:
@@ -215,8 +223,7 @@ class Browser:
             except subprocess.TimeoutExpired:
                 self.process.kill()
                 self.process.wait()
-        if self.guard is not None:
-            self.guard.communicate(b"ended")  # so that it kills no other that has its number now
+        self.guard.communicate(b"ended")  # so that it kills no other that has its number now
         close_server(self.server)
         for _ in range(10):  # what it has begun to write may come late
             shutil.rmtree(self.profile, ignore_errors=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from agents.snapshot import Snapshot
-from app.viewer.pictures.browser import Browser, guarded
+from app.viewer.pictures.browser import Browser, begin_guard, guard_program
 from app.viewer.pictures.camera import USUAL, Aim, Camera
 from app.viewer.pictures.plots import Plots
 from app.viewer.pictures.seen import SeenSheet, as_png, eye_of
@@ -65,6 +65,7 @@ class Encoder:
         import imageio_ffmpeg
 
         self.folder = tempfile.TemporaryDirectory(prefix="flockscope-film-")
+        self.guard = begin_guard(self.folder.name)
         self.made = Path(self.folder.name) / f"film{self.path.suffix.lower()}"
         self.errors = tempfile.TemporaryFile()
         wide, tall = self.size
@@ -77,7 +78,7 @@ class Encoder:
             words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self.errors,
             start_new_session=True,
         )  # fmt: skip
-        self.guard = guarded(self.process.pid, self.folder.name)
+        guard_program(self.guard, self.process.pid)
         return self
 
     def add(self, pixels: np.ndarray) -> None:
