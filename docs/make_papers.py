@@ -23,7 +23,8 @@ KEPT = ("name", "title", "source", "claims")
 ROW = (
     *("label", "agents", "parameter", "value", "against", "at", "way", "tick"),
     *("measure", "unit", "commonest", "runs", "absent", "mean", "least", "most", "published_mean"),
-    *("verdict", "needed", "difference_low99", "difference_high99", "z", "d", "expected", "why"),
+    *("verdict", "needed", "because", "difference_low99", "difference_high99"),
+    *("z", "d", "expected", "why"),
 )
 """What is kept of an outcome, and of its rows as far as they have it."""
 MOST_ROWS = 40
@@ -103,6 +104,8 @@ def compared_table(rows: list[dict[str, Any]]) -> str:
         verdict = SIGNS.get(row["verdict"], row["verdict"])
         if row["needed"]:
             verdict += f", about {row['needed']} runs would decide"
+        elif row.get("because"):
+            verdict += f": {row['because']}"
         numbers = (row["mean"], row["published_mean"])
         cells = [n, of, row["measure"], str(row["runs"]), *(plain(one) for one in numbers), between]
         lines.append("| " + " | ".join([*cells, plain(row["z"]), plain(row["d"]), verdict]) + " |")
