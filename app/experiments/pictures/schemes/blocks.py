@@ -27,9 +27,9 @@ from app.experiments.pictures.schemes.marks import (
 from app.experiments.trial import flock_of
 
 FORCE, NOW, NEXT = "#c0392b", ZONE_COLOURS[2], "#1f9d63"
-RANKS = ((-6.2, 3.1), (-4.6, 0.9), (-4.2, -1.0), (-6.4, -0.6), (-5.9, 1.6))
+RANKS = ((-6.7, 3.7), (-4.4, 1.2), (-4.2, -1.1), (-6.6, -1.6), (-6.2, 1.5))
 """Where agents 1 to 5 stand, from the middle of the block, length: the thesis draws no numbers."""
-NEAR = (-2.9, 0.75)
+NEAR = (-2.7, 1.9)
 """Where the agent that avoids stands."""
 LEVELS = (0.05, 0.2, 0.8, 3.2)
 """Of the potential."""
@@ -42,10 +42,10 @@ def draw_meeting(figure: Any, experiment: Experiment, seed: int) -> None:
     case = experiment.cases[0]
     several = replace(case, spec=case.spec.but(agents=len(RANKS)))
     flock = with_block(flock_of(several, seed), settings.side)
-    middle = centre_of(flock)
+    middle, p = centre_of(flock), flock.parameters
     flock.position[:] = middle + np.array(RANKS)
     flock.heading[:] = (1.0, 0.0)
-    flock.speed[:] = flock.parameters.v0
+    flock.speed[:] = p.v0
     figure.set_size_inches(12.4, 6.2)
     left, right = figure.subplots(1, 2)
     scene(left, flock)
@@ -61,15 +61,15 @@ def draw_meeting(figure: Any, experiment: Experiment, seed: int) -> None:
             arrow(left, place, 1.6 * unit, FORCE, 2.4, 9.0)
             word(left, place + 1.6 * unit, f"$F_{row + 1}$ = {np.linalg.norm(force):.2g}", FORCE,
                  (-4, -11), 9.5)  # fmt: skip
-    bare(left, middle + np.array([-2.4, 0.4]), 6.2)
+    bare(left, middle + np.array([-2.4, 0.4]), 6.4)
     left.set_title("(a) pushed are those that have the block ahead and within Q*", loc="left")
-    ticks = round(9.0 / (flock.parameters.v0 * flock.parameters.tau))
+    ticks = round(9.0 / (p.v0 * p.tau))
     track = flock.trace(ticks)
     scene(right, flock)
     for row in range(len(flock.ids)):
         right.plot(*track[:, row].T, color=NOW, linewidth=1.2, zorder=4)
         dart(right, flock.position[row], flock.heading[row], INK, 0.75)
-    bare(right, middle + np.array([0.4, 0.4]), 6.2)
+    bare(right, middle + np.array([-1.0, 0.8]), 8.4)
     right.set_title(f"(b) {ticks * flock.dt:.0f} s later, and the ways they took", loc="left")
     explain(
         figure,
@@ -80,8 +80,8 @@ def draw_meeting(figure: Any, experiment: Experiment, seed: int) -> None:
             stroke(FORCE, "force (4.1)", width=2.4),
             stroke(FAINT, "range Q* of the field", (0, (4, 2)), 1.2),
         ],
-        f"thesis, v_0 = {flock.parameters.v0:g}; the thesis gives neither places nor eta, Q*, m: here "
-        f"eta = {flock.parameters.gain:g}, Q* = {flock.parameters.Q:g}, m = {flock.parameters.m:g}",
+        f"thesis, v_0 = {p.v0:g}; the thesis gives neither places nor eta, Q*, m: "
+        f"here eta = {p.gain:g}, Q* = {p.Q:g}, m = {p.m:g}",
     )
 
 
@@ -129,7 +129,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     track = flock.trace(round(6.0 / (p.v0 * p.tau)))[:, 0]
     axes.plot(*track.T, color=INK, linewidth=1.1, zorder=3, linestyle=(0, (1.5, 1.5)))
     dart(axes, place, np.array([1.0, 0.0]), INK, 0.42)
-    bare(axes, middle + np.array([-0.9, 1.2]), 4.1)
+    bare(axes, middle + np.array([-0.9, 1.2]), 3.9)
     explain(
         figure,
         [
@@ -141,8 +141,8 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
         ],
         f"thesis, v_0 = {p.v0:g}; lines around the block: the potential (4.1), U = "
         f"{', '.join(f'{one:g}' for one in LEVELS)}; eta = {p.gain:g}, Q* = {p.Q:g} and "
-        f"m = {p.m:g} are ours:\nthe thesis gives none; f is (4.1) downhill, the print of (4.2) has "
-        "it uphill",
+        f"m = {p.m:g} are ours:\nthe thesis gives none; f is (4.1) downhill, the print of (4.2) "
+        "has it uphill",
     )
 
 

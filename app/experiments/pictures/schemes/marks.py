@@ -53,8 +53,15 @@ def arrow(axes: Any, tail: np.ndarray, vector: np.ndarray, colour: str, width: f
     )  # fmt: skip
 
 
-def word(axes: Any, at: np.ndarray, words: str, colour: str = INK, shift: tuple[float, float] = (0, 0),
-         size: float = 10.0, **more: Any) -> None:  # fmt: skip
+def word(
+    axes: Any,
+    at: np.ndarray,
+    words: str,
+    colour: str = INK,
+    shift: tuple[float, float] = (0, 0),
+    size: float = 10.0,
+    **more: Any,
+) -> None:
     """Write words at a place (2,) shifted by points, on a white ground."""
     axes.annotate(
         words, at, shift, textcoords="offset points", color=colour, fontsize=size, zorder=9,

@@ -18,8 +18,6 @@ SCALE = 1.6
 """Length of a velocity of 1 m/s, m."""
 AWAY = 0.45, 0.75
 """Distance of the agent that is drawn, of r."""
-SLANT = 0.35, 0.8
-"""Part of its velocity along the surface, of it."""
 
 
 def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
@@ -33,7 +31,7 @@ def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
         mine = settings.model_copy(update={"beside": beside})
         flock = flock_of(experiment.cases[0], seed)
         found = mine.projected(flock)
-        one = max(found, key=lambda each: suits(each, flock.parameters.r))
+        one = max(found, key=lambda each: suits(each, flock, mine))
         draw_one(axes, flock, mine, one)
         axes.set_title(f"({letter}) {words}", loc="left")
     explain(
@@ -50,13 +48,16 @@ def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
     )
 
 
-def suits(one: Projection, r: float) -> float:
+def suits(one: Projection, flock: Any, settings: Projections) -> float:
     """How well an occasion can be drawn: not too near, and its velocity slants to the surface."""
+    r = flock.parameters.r
+    x0, _, x1, _ = obstacle_of(flock.world, settings.beside).footprint().bounds
+    central = abs(one.q[0] - 0.5 * (x0 + x1)) < (2.5 if settings.beside == "wall" else x1 - x0)
     away = one.q - one.q_hat
     distance = float(np.linalg.norm(away))
     share = float(np.linalg.norm(one.p_hat) / np.linalg.norm(one.p))
     heads = float(away @ one.p) < 0.0
-    fits = AWAY[0] * r < distance < AWAY[1] * r and 0.5 < share < 0.85 and heads
+    fits = AWAY[0] * r < distance < AWAY[1] * r and 0.5 < share < 0.85 and heads and central
     return float(fits) * (1.0 + np.linalg.norm(one.p))
 
 
@@ -89,4 +90,5 @@ def draw_one(axes: Any, flock: Any, settings: Projections, one: Projection) -> N
     side = np.array([-out[1], out[0]])
     side *= -np.sign(side @ one.p_hat)
     word(axes, one.q_hat, "$\\hat q_{i,k}$", BETA, tuple(20.0 * side + 8.0 * out))
-    bare(axes, one.q - 1.5 * out, 1.25 * r)
+    shift, half = (4.0, 1.5 * r) if settings.beside == "disc" else (1.0, 1.25 * r)
+    bare(axes, one.q - shift * out, half)

@@ -38,7 +38,7 @@ from app.experiments.trial import flock_of
 
 WISH, TURN = "#c0392b", "#7b5ea7"
 NAMES = ("zor, repulsion", "zoo, orientation", "zoa, attraction")
-CELLS = 150
+CELLS = 220
 """Places along each side that the rule is asked about."""
 ROOM = 1.12
 SEEDS = 200
@@ -159,7 +159,7 @@ def mark_view(axes: Any, flock: Any, row: int, sight: float | None) -> None:
     back = 360.0 - view
     word(
         axes, 0.72 * flock.reach * turned(-heading, 0.25 * back), f"unseen: {back:g}°",
-        FAINT if view > 180.0 else INK, size=9.0,
+        INK, size=9.0,
     )  # fmt: skip
     if sight is not None:
         axes.add_patch(
@@ -249,7 +249,7 @@ CASES = (
 
 def draw_cases(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw an occasion of each of (3.9) to (3.12), from the first flocks that have one."""
-    figure.set_size_inches(10.6, 10.4)
+    figure.set_size_inches(12.0, 11.4)
     panels = figure.subplots(2, 2).ravel()
     for axes, (branch, letter, words) in zip(panels, CASES, strict=True):
         found = occasion(experiment, seed, branch)
@@ -266,8 +266,8 @@ def draw_cases(figure: Any, experiment: Experiment, seed: int) -> None:
             stroke(WISH, "the wish of the rule"),
             stroke(TURN, "the heading a tick later"),
         ],
-        f"agents of {experiment.cases[0].label} from the first flocks from seed {seed} on that have "
-        "such an occasion; lines: who counts; thin arrows: headings that count",
+        f"agents of {experiment.cases[0].label} from the first flocks from seed {seed} on that "
+        "have such an occasion; lines: who counts; thin arrows: headings that count",
     )
 
 
