@@ -27,7 +27,7 @@ from app.experiments.pictures.schemes.marks import (
 from app.experiments.trial import flock_of
 
 FORCE, NOW, NEXT = "#c0392b", ZONE_COLOURS[2], "#1f9d63"
-RANKS = ((-6.7, 3.7), (-4.4, 1.2), (-4.2, -1.1), (-6.6, -1.6), (-6.2, 1.5))
+RANKS = ((-6.7, 4.3), (-4.4, 0.9), (-4.2, -1.2), (-5.9, -3.2), (-5.8, 2.3))
 """Where agents 1 to 5 stand, from the middle of the block, length: the thesis draws no numbers."""
 NEAR = (-2.7, 1.9)
 """Where the agent that avoids stands."""

@@ -119,7 +119,7 @@ def draw_rims(axes: Any, flock: Any, row: int) -> None:
             Circle((0.0, 0.0), shell.radius, fill=False, edgecolor=ZONE_COLOURS[k], linewidth=1.3,
                    zorder=2)
         )  # fmt: skip
-        at = shell.radius * turned(back, (-24.0, -12.0, -8.0)[k])
+        at = shell.radius * turned(back, (-78.0, -38.0, -14.0)[k])
         word(axes, at, symbols[k], ZONE_COLOURS[k], size=9.5)
 
 
