@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from agents.inspection import NO_POINTS, as_me, as_near
+from agents.inspection import NO_POINTS, as_me, as_near, field_of_view
+from agents.inspection import shells as shells_of
 from agents.models.calling import call
 from agents.observables.neighbours import separation
 from app.experiments.kinds.settings import PERCENT, Measure, Number, Settings
@@ -91,7 +92,7 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     What it weighs another agent with that stands there says whether it is noticed; the zone is by
     the distance. -1 where it is not.
     """
-    radii = np.array([shell.radius for shell in flock.inspect(row).shells])
+    radii = np.array([shell.radius for shell in shells_of(flock)])
     signals = flock.arrays.memory
     me = as_me(flock, row, signals[:, row].copy())
     other = np.array([row])
@@ -110,7 +111,7 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
 
 def zones_by_hand(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     """The same by distance and angle alone: the definition of the zones and of the view."""
-    shells, view = flock.inspect(row).shells, flock.inspect(row).view
+    shells, view = shells_of(flock), field_of_view(flock)
     d = np.linalg.norm(places, axis=1)
     cosine = np.clip(places @ flock.heading[row] / np.where(d > 0.0, d, 1.0), -1.0, 1.0)
     seen = np.degrees(np.arccos(cosine)) <= 0.5 * view
@@ -124,11 +125,10 @@ def zones_by_hand(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
 
 def is_sure(flock: Flock, places: np.ndarray) -> np.ndarray:
     """Which of places (M, dim) from row 0 lie on no edge, (M,) bool."""
-    one = flock.inspect(0)
     d = np.linalg.norm(places, axis=1)
-    gap = np.min([np.abs(d - shell.radius) for shell in one.shells], axis=0)
+    gap = np.min([np.abs(d - shell.radius) for shell in shells_of(flock)], axis=0)
     cosine = places @ flock.heading[0] / d
-    return (gap > SURE) & (np.abs(cosine - np.cos(np.radians(0.5 * one.view))) > SURE)
+    return (gap > SURE) & (np.abs(cosine - np.cos(np.radians(0.5 * field_of_view(flock)))) > SURE)
 
 
 def around_of(flock: Flock, row: int) -> Around:
