@@ -1,9 +1,9 @@
 """A tick in which agents know of each other only what messages have brought.
 
 Every agent decides on its own present and on the others as the newest message from each tells of
-them, or as it takes that for (`agents.engine.past`). What is felt and not told, a touch, goes by the present. Like
-`sweep.py` this is a template that `agents.engine.loop` loads for each rule. Agents are kept in
-lists by the cell of the newest place that may be known of them.
+them, or as it takes that for (`agents.engine.past`). What is felt and not told, a touch, goes by
+the present. Like `sweep.py` this is a template that `agents.engine.loop` loads for each rule.
+Agents are kept in lists by the cell of the newest place that may be known of them.
 """
 
 from __future__ import annotations

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from agents.inspection import as_me
-from agents.models.calling import call
-from agents.rules.terms.potential_field import push
+from agents.inspection import obstacle_push
 from app.experiments.kinds.settings import PERCENT, Measure, Number, Settings
 from app.experiments.kinds.zoning import BRANCHES, around_of, branch_of
 from worlds.obstacles import Box
@@ -92,8 +90,5 @@ def block_of(flock: State):
 
 def push_on(flock: Flock, row: int) -> np.ndarray:
     """The force (4.1) of the obstacles on an agent, as its rule has it, (dim,)."""
-    me = as_me(flock, row, flock.arrays.memory[:, row].copy())
-    force = call(
-        flock.model, flock.interpret, push, me, flock.engine.surroundings, flock.context.parameters
-    )
-    return np.array(force[: flock.world.dim])
+    surroundings, context = flock.engine.surroundings, flock.context
+    return obstacle_push(flock, surroundings, context, row, flock.interpret)
