@@ -85,7 +85,7 @@ class Potential(Settings):
     @property
     def squash(self) -> Squash:
         """How two cars are looked at."""
-        return Squash(world=self.world, near=1e-6, far=100.0)
+        return Squash(world=self.world, near=1e-6, far=100.0, looks=200)
 
     def ticks(self, published: float | None, dt: float) -> float:
         """Those of looking at the cars."""

@@ -73,7 +73,9 @@ class Zoning(Settings):
         )
         before = flock.heading.copy()
         flock.run(1)
-        shares = {name: 100.0 * float((branch == k).mean()) for k, name in enumerate(BRANCHES)}
+        shares: dict[str, Number | None] = {
+            name: 100.0 * float((branch == k).mean()) for k, name in enumerate(BRANCHES)
+        }
         return shares | {
             "wrong": int((zone != expected)[sure].sum()),
             "seen": 100.0 * float((expected[inside] >= 0).mean()),

@@ -41,7 +41,7 @@ def draw_meeting(figure: Any, experiment: Experiment, seed: int) -> None:
     assert isinstance(settings, Dodging)
     case = experiment.cases[0]
     several = replace(case, spec=case.spec.but(agents=len(RANKS)))
-    flock = with_block(flock_of(several, seed), settings.side)
+    flock: Any = with_block(flock_of(several, seed), settings.side)
     middle, p = centre_of(flock), flock.parameters
     flock.position[:] = middle + np.array(RANKS)
     flock.heading[:] = (1.0, 0.0)
@@ -103,7 +103,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     settings = experiment.settings
     assert isinstance(settings, Dodging)
     case = experiment.cases[0]
-    flock = with_block(flock_of(case, seed), settings.side)
+    flock: Any = with_block(flock_of(case, seed), settings.side)
     middle, p = centre_of(flock), flock.parameters
     place = middle + np.array(NEAR)
     flock.position[0], flock.heading[0], flock.speed[0] = place, (1.0, 0.0), p.v0

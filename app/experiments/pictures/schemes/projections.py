@@ -67,7 +67,9 @@ def draw_one(axes: Any, flock: Any, settings: Projections, one: Projection) -> N
 
     r = flock.parameters.r
     draw_obstacles(axes, flock.world)
-    axes.add_patch(Circle(one.q, r, fill=False, edgecolor=REACH, linewidth=1.2, zorder=3))
+    axes.add_patch(
+        Circle((one.q[0], one.q[1]), r, fill=False, edgecolor=REACH, linewidth=1.2, zorder=3)
+    )
     axes.plot(*np.array([one.q, one.q_hat]).T, color=INK, linewidth=1.0, linestyle=(0, (3, 3)))
     printed = settings.equations(flock, one).p_hat
     arrow(axes, one.q, SCALE * one.p, ALPHA)

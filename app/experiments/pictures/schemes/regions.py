@@ -28,7 +28,7 @@ def draw_regions(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the regions of the first row's agents left, the force over the distance right."""
     settings = experiment.settings
     assert isinstance(settings, Regions)
-    flock = flock_of(experiment.cases[0], seed)
+    flock: Any = flock_of(experiment.cases[0], seed)
     edges = [0.0, warning_distance(flock), flock.parameters.d, flock.parameters.r]
     figure.set_size_inches(12.4, 5.9)
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.15])
