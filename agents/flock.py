@@ -57,7 +57,7 @@ class Flock(Motion, mesa.Model):
         activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
         noise: `angular` or `vectorial`: what `eta` means; one that is part of a rule stays;
         delay, jitter, lost: how old what agents know of each other is, time >= 0, and the share of
-        messages that get lost, in [0, 0.99];
+        messages that get lost, in [0, 0.99]; place_error: how exactly they know where others are;
         wind, wind_heading, wind_up, gusts, gust_time, pulse, pulse_at, pulse_lasts: what carries
         them along, see `agents.conditions.Conditions`;
         spacing: least distance at the start between agents and of agents to obstacles and solid
