@@ -20,7 +20,8 @@ class Downloads:
         gui.add_markdown("**Picture, film, page that plays**: *Take*, on the picture.")
         gui.add_markdown(
             "**Spec**: model, parameters, world and seed. Run it again with "
-            "`flockscope run FILE.toml`; it gives the same numbers."
+            "`flockscope run FILE.toml`. It gives the same numbers if nothing was changed while it "
+            "ran; if something was, the file says so."
         )
         spec = gui.add_button("Download spec (TOML)", icon=viser.Icon.FILE_TEXT, color="gray")
         gui.add_markdown(
