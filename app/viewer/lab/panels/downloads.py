@@ -25,8 +25,8 @@ class Downloads:
         )
         spec = gui.add_button("Download spec (TOML)", icon=viser.Icon.FILE_TEXT, color="gray")
         gui.add_markdown(
-            "**State**: every agent as it is now. `Flock.load` goes on from it. Of two models side "
-            "by side both files come as one ZIP."
+            "**State**: every agent as it is now. `flockscope run FILE.parquet` and `Flock.load` "
+            "go on from it. Of two models side by side both files come as one ZIP."
         )
         state = gui.add_button(
             "Download state (Parquet)", icon=viser.Icon.DATABASE_EXPORT, color="gray"
