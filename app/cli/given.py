@@ -105,7 +105,7 @@ def given(
             values["world"] = carried(layout, values, origins["layout"])
         parameters = {**values.pop("parameters", {}), **changed}
         spec = Spec(**values, parameters=parameters)
-    demand_parameters(changed, [find_model(spec.model).parameters])
+        demand_parameters(changed, [find_model(spec.model).parameters])
     return spec, origins
 
 

@@ -34,7 +34,7 @@ MODELS = "vem, vem-a, ivem"
         (["vem", "--world", "wrp"], ["unknown world 'wrp'", "did you mean 'wrap'?"]),
         (["vem", "--world", "no.toml"], ["no.toml", "No such file"]),
         (["vem", "--activation", "rand"], ["unknown activation 'rand'", "'random'"]),
-        (["vem", "--noise", "angle"], ["unknown noise 'angle'", "'angular'"]),
+        (["vem", "--noise", "angle"], ["unknown noise 'angle'", "(known: angular,"]),
         (["vem", "--threads", "0"], ["threads = 0", ">= 1"]),
         (["vem", "--ticks", "-1"], ["--ticks -1", ">= 0"]),
         (["vem", "--every", "0"], ["--every 0", ">= 1"]),

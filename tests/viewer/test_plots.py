@@ -122,11 +122,12 @@ def test_two_clocks_are_one_time():
         if runs[name == "beside"].flock.model.body.unit == "s":
             np.testing.assert_allclose(rows["time (s)"], rows.tick * dt)
     shown = made.shown(("polarisation",), keyed=True)
-    assert [curve.label for curve in shown.curves] == [
+    lines = [curve for curve in shown.curves if not curve.dots]
+    assert [line.label for line in lines] == [
         "polarisation, olfati-saber",
         "polarisation, reynolds",
     ]
-    assert [bool(curve.dash) for curve in shown.curves] == [False, True]
+    assert [bool(line.dash) for line in lines] == [False, True]
     lines = made.plotted(("polarisation",)).lines
     for line, readings, each in zip(lines, runs, made.each, strict=True):
         np.testing.assert_allclose(line.at, np.array([0, 5, 10]) * each * dts[0])
@@ -141,8 +142,9 @@ def test_a_run_that_is_over_lies_under_the_next():
     runs.follow([now])
     assert [one.conditions.seed for one in runs.kept] == [1]
     made = overlay(now, earlier=runs)
-    earlier, current = made.shown(("polarisation",), keyed=False).curves
-    assert earlier.label == "polarisation, seed 1 (before)"
+    earlier, dots, current = made.shown(("polarisation",), keyed=False).curves
+    assert earlier.label == "polarisation, before"
+    assert np.isnan(dots.values).all()
     at = made.shown(("polarisation",), keyed=False).at
     assert at[-1] == 40
     assert np.isnan(current.values[at > 20]).all()
@@ -152,7 +154,7 @@ def test_a_run_that_is_over_lies_under_the_next():
     table = taken(made, "polarisation")
     assert table.groupby("run").tick.max().to_dict() == {"now": 20, "seed 1 (before)": 40}
     assert overlay(now, earlier=runs, last=15).shown(("polarisation",), keyed=False).at[-1] == 20
-    assert len(overlay(now, earlier=runs, most=0).shown(("polarisation",), keyed=False).curves) == 1
+    assert len(overlay(now, earlier=runs, most=0).shown(("polarisation",), keyed=False).curves) == 2
 
 
 def test_few_earlier_runs_are_kept_and_the_same_one_once():
@@ -239,7 +241,8 @@ def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
     assert rows[rows.eta == 0.5].tick.tolist() == [0, 5, 10, 15, 20]
     assert rows[rows.eta == 2.0].tick.tolist() == [30]
     curves = made.shown(("polarisation",), keyed=True)
-    (dots,) = [one for one in curves.curves if one.dots]
+    dots, _, none, _ = curves.curves
+    assert np.isnan(none.values).all()
     assert curves.at[np.isfinite(dots.values)].tolist() == [20]
     at, values = before.series("polarisation").recorded()
     assert dots.values[curves.at == 20] == values[at == 20]
@@ -252,6 +255,19 @@ def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
     assert line.marks[0].tolist() == [20, 23]
     assert np.isfinite(line.marks[1]).all()
     assert made.plotted(ORDER).content("SVG") != overlay(run(seed=1)).plotted(ORDER).content("SVG")
+
+
+def test_a_chart_is_not_made_anew_by_a_change():
+    """A browser that makes a chart anew while the run goes on may lose the end of its time."""
+    runs = EarlierRuns()
+    runs.keep(Course.of(run(seed=1)))
+    now = run(seed=2)
+    pens = [one.pen for one in overlay(now, earlier=runs).shown(ORDER, keyed=True).curves]
+    changed(now, eta=2.0)
+    after = overlay(now, earlier=runs)
+    assert [one.pen for one in after.shown(ORDER, keyed=True).curves] == pens
+    assert "eta 0 → 2 at tick 20" in after.head(ORDER, keyed=True)
+    assert "eta 0 → 2 at tick 20" not in after.head(ORDER, keyed=True, changes=False)
 
 
 def test_a_mark_stands_on_the_curve_where_nothing_was_measured():

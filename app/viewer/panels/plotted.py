@@ -17,7 +17,7 @@ KINDS = ("CSV", "PNG", "SVG")
 LONGEST_NAME = 120
 """Letters of a file's name, but for its ending."""
 INCHES, DOTS = (6.4, 4.0), 200
-DOT = 7.0
+DOT = 6.0
 """Diameter of a mark on a curve, pixels."""
 PIXEL = 0.72
 """Points of a pen that is a pixel wide on the page."""

@@ -55,6 +55,14 @@ class Before:
     """0 for the last one of its model."""
     each: float
     """Ticks of the first flock that last as long as one of its own."""
+    whose: str = ""
+    """The name of its model, of two."""
+
+    @property
+    def short(self) -> str:
+        """What its curves are called under the mouse, whatever is changed in the runs of now."""
+        before = "before" if not self.age else f"{self.age + 1} before"
+        return ", ".join(filter(None, (self.whose, before)))
 
 
 class Overlay:
@@ -73,7 +81,8 @@ class Overlay:
             for age, course in enumerate(earlier.of(now.model)[:most]):
                 label = self.named(course.history.differences(history), now)
                 each = self.ratio(course.conditions)
-                self.before.append(Before(course, label, age, each))
+                whose = now.model.name if len(runs) > 1 else ""
+                self.before.append(Before(course, label, age, each, whose))
 
     def ratio(self, of: RunConditions) -> float:
         """Ticks of the first flock that last as long as one of another."""
@@ -97,8 +106,11 @@ class Overlay:
         first = self.of[0]
         return (1.0, "tick") if first.unit == TICKS else (first.dt, f"time ({first.unit})")
 
-    def shown(self, names: tuple[str, ...], keyed: bool) -> Shown:
-        """What a chart of observables shows; `keyed` if its head tells them apart."""
+    def shown(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> Shown:
+        """What a chart of observables shows; `keyed` if its head tells them apart.
+
+        `changes`: whether its head says what was changed in the runs of now.
+        """
         lasts, title = self.clock
         pairs = [(place, name) for place in range(len(self.runs)) for name in names]
         at, *now = together(
@@ -109,45 +121,21 @@ class Overlay:
         found = [self.window(self.scaled(one, name), at[-1]) for one, name in under]
         at, now, old = over_earlier(at, now, found, whole=np.isinf(self.last))
         at, now, old = with_ticks(self.all_marks, at, now, old)
-        curves = [
-            Curve(
-                f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}",
-                values,
-                f"{titled(name, self.models)}, {one.label}",
-                DOTS[one.age],
-                THIN,
-            )
-            for (one, name), values in zip(under, old, strict=True)
-            if np.isfinite(values).any()
-        ]
-        curves += [
-            mark
-            for (one, name), values in zip(under, old, strict=True)
-            for mark in dots(
-                f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}",
-                only_at(marks(one.course.history, one.each), at, values),
-                f"{titled(name, self.models)}, {one.label}: changed",
-            )
-        ]
-        curves += [
-            mark
-            for (k, name), values in zip(pairs, now, strict=True)
-            for mark in dots(
-                COLOURS[names.index(name)],
-                only_at(marks(self.histories[k], self.each[k]), at, values),
-                f"{self.label(name, k)}: changed",
-            )
-        ]
-        curves += [
-            Curve(
-                COLOURS[names.index(name)],
-                values,
-                self.label(name, k),
-                DASH if k else (),
-            )
-            for (k, name), values in zip(pairs, now, strict=True)
-        ]
-        head = self.head(names, keyed)
+        curves: list[Curve] = []
+        for (one, name), values in zip(under, old, strict=True):
+            if np.isfinite(values).any():
+                colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}"
+                label = f"{titled(name, self.models)}, {one.short}"
+                where = marks(one.course.history, one.each)
+                curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
+                curves.append(Curve(colour, values, label, DOTS[one.age], THIN))
+        for (k, name), values in zip(pairs, now, strict=True):
+            where = marks(self.histories[k], self.each[k])
+            curves.append(dots(COLOURS[names.index(name)], only_at(where, at, values)))
+        for (k, name), values in zip(pairs, now, strict=True):
+            dash = DASH if k else ()
+            curves.append(Curve(COLOURS[names.index(name)], values, self.label(name, k), dash))
+        head = self.head(names, keyed, changes)
         return Shown(head, at * lasts, tuple(curves), (title, self.axis(names)), axis(names))
 
     @property
@@ -188,7 +176,7 @@ class Overlay:
                 return title
         return f"value{of}"
 
-    def head(self, names: tuple[str, ...], keyed: bool) -> str:
+    def head(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> str:
         """The key to the curves: of those of now with their values, if `keyed`, then of others."""
         if not names:
             return ""
@@ -200,7 +188,8 @@ class Overlay:
                 entries.append((f"{html.escape(worded((name,)))} <b>{now}</b>", colour))
             made = key(entries)
         changed = "".join(
-            f'<span><i class="fs-dot"></i>{html.escape(one)}</span>' for one in self.changes()
+            f'<span><i class="fs-dot"></i>{html.escape(one)}</span>'
+            for one in (self.changes() if changes else ())
         )
         made += f'<div class="fs-key fs-changed">{changed}</div>' if changed else ""
         shown = [one for one in self.before if any(len(one.course.points(n)[0]) for n in names)]
@@ -302,9 +291,12 @@ def only_at(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.where(np.isin(at, some), values, np.nan)
 
 
-def dots(colour: str, values: np.ndarray, label: str) -> list[Curve]:
-    """Marks on a curve, as a curve of dots; none where there is nothing to be marked."""
-    return [Curve(colour, values, label, dots=True)] if np.isfinite(values).any() else []
+def dots(colour: str, values: np.ndarray) -> Curve:
+    """Marks on a curve, as a curve of dots without a label, which the mouse is told nothing of.
+
+    It is there without any mark, too: a browser makes a chart anew that gets one more curve.
+    """
+    return Curve(colour, values, dots=True)
 
 
 def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: float) -> Points:
