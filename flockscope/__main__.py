@@ -6,6 +6,11 @@ import errno
 import sys
 from contextlib import suppress
 
+try:
+    import resource
+except ImportError:  # Windows has no such limits
+    resource = None  # type: ignore[assignment]
+
 NO_MEMORY = (
     "annot allocate memory",
     "failed to map segment",
@@ -48,9 +53,7 @@ def lacks_memory(error: BaseException | None) -> bool:
 
 def memory_limit() -> str:
     """The limit of the address space, in words; nothing where there is none."""
-    try:
-        import resource
-    except ImportError:  # Windows has no such limits
+    if resource is None:
         return ""
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     if limit == resource.RLIM_INFINITY:

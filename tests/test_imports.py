@@ -15,7 +15,7 @@ import worlds
 
 PACKAGES = ("app", "agents", "worlds")
 LAZY = {
-    ("agents/recording.py", "pyarrow"),  # as for those who record
+    ("agents/parquet.py", "pyarrow"),  # as for those who record
     ("agents/frames.py", "pyarrow"),
     ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
     ("agents/conditions.py", "scipy"),  # 0.2 s, for runs with gusts

@@ -68,6 +68,8 @@ class Published(Strict):
     values: list[float] = Field(default_factory=list)
     """The runs themselves, where the paper prints them."""
     expected: Expected | None = None
+    by_construction: str = ""
+    """Why runs cannot but agree; empty where they can differ."""
 
     @model_validator(mode="after")
     def _has_one_mean(self) -> Published:
@@ -162,6 +164,8 @@ class Every(Claimed):
     says: Literal["every"]
     labels: list[str] = Field(default_factory=list)
     """The rows that it is said of; empty: all."""
+    agents: list[int] = Field(default_factory=list)
+    """The sizes that it is said of; empty: all."""
     tick: int | None = None
     """The tick at which it is said, where runs are measured several times."""
     share: float = Field(1.0, gt=0.0, le=1.0)
@@ -236,13 +240,17 @@ class Alike(Claimed):
 
 
 class Sizes(Claimed):
-    """At one value of a sweep, the mean of a measure rises or falls from size to size."""
+    """The mean of a measure rises or falls from size to size."""
 
     says: Literal["sizes"]
     label: str
-    value: Value
+    """Of rows, or of a sweep."""
+    value: Value | None = None
+    """The value of the sweep at which it is said; None: it is said of rows."""
     agents: list[int] = Field(min_length=2)
     trend: Literal["rises", "falls"]
+    by: float = Field(0.0, ge=0.0)
+    """Of the mean at each size, the share by which the next is more, or less, at least."""
 
 
 class Reaches(Claimed):

@@ -12,6 +12,7 @@ from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import Store
 from app.experiments.sweeps.conduct import STOP, conduct
 from app.experiments.sweeps.making.one_run import Wanted
+from app.experiments.sweeps.replicates import FIRST_LOOK
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.table import as_csv, long, wide
 from app.experiments.workers.makers import ThisProcess
@@ -159,13 +160,13 @@ when = "every 7"
 
 @pytest.mark.usefixtures("here")
 def test_precision_asks_for_more_where_it_is_wide_and_the_same_again(tmp_path):
-    precision = "precision = { observable = 'polarisation', within = 0.08, most = 12 }"
+    precision = "precision = { observable = 'polarisation', within = 0.03, most = 16 }"
     text = SMALL.replace("count = 4", f"count = 4\n{precision}")
     sweep = read(tmp_path, text=text)
     carry_out(sweep, tmp_path / "a")
     places = wide(Kept(tmp_path / "a"))["place"]
-    assert places.count(1) == 4, "without noise all runs are alike"
-    assert places.count(2) > 4
+    assert places.count(1) == FIRST_LOOK, "without noise all runs are alike"
+    assert places.count(2) > FIRST_LOOK
     for limit in (5, 9, None):
         carry_out(sweep, tmp_path / "b", limit=limit)
     assert table(tmp_path / "a") == table(tmp_path / "b")

@@ -31,6 +31,7 @@ class MeasureBounds(NamedTuple):
 
 UNBOUNDED = MeasureBounds()
 COUNT, PERCENT, SHARE = (MeasureBounds(0.0, high) for high in (math.inf, 100.0, 1.0))
+HALF_TURN = MeasureBounds(0.0, 180.0)
 SUCCESS, EITHER = PERCENT._replace(binary=True), SHARE._replace(binary=True)
 RARE, RARE_PERCENT = COUNT._replace(rare=True), PERCENT._replace(rare=True)
 

@@ -18,13 +18,13 @@ from app.experiments.verdicts.verdict import Verdict
 
 Judged = tuple[Experiment, list[Verdict], list[Claim]]
 """An experiment with the verdicts on its rows and the answers to its claims."""
-WORDS = ("agrees", "differs", "undecided")
+WORDS = ("agrees", "differs", "undecided", "by construction")
 ANSWERS = ("holds", "does not hold", "undecided", "by construction")
 
 
 def overview(outcomes: Sequence[Judged]) -> Any:
     """A line for each experiment: its rows beside published ones, its claims, what has changed."""
-    heads = ("agree", "differ", "open", "hold", "not", "open", "built", "news")
+    heads = ("agree", "differ", "open", "built", "hold", "not", "open", "built", "news")
     table = empty_table("paper", "runs", *heads)
     answers = [one for _, made, said in outcomes for one in answers_of(made, said)]
     table.title = (
@@ -49,8 +49,8 @@ def overview(outcomes: Sequence[Judged]) -> Any:
 def answers_of(made: Sequence[Verdict], said: Sequence[Claim]) -> list[Comparison | Answer]:
     """All that runs were asked and can be wrong about."""
     compared = [one.comparison for one in made if one.comparison]
-    claimed = [claim.answer for claim in said if claim.word != "by construction"]
-    return [*compared, *claimed]
+    found: list[Comparison | Answer] = [*compared, *(claim.answer for claim in said)]
+    return [one for one in found if one.word != "by construction"]
 
 
 def false_words(answers: Sequence[Comparison | Answer]) -> str:

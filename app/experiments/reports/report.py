@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from app.experiments.experiment import Experiment
 from app.experiments.reports.overview import answers_of, false_words
 from app.experiments.reports.tables import table_of
-from app.experiments.reports.verdict_words import styled
+from app.experiments.reports.verdict_words import STYLES, styled
 from app.experiments.verdicts.answer import ANSWERS_NOTE
 from app.experiments.verdicts.claim import Claim, beside
 from app.experiments.verdicts.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
@@ -47,7 +47,7 @@ def as_row(claim: Claim) -> dict[str, Any]:
         "text": claim.text,
         "verdict": claim.word,
         "needed": claim.answer.needed,
-        "undecided_because": claim.answer.why,
+        "because": claim.answer.why,
         "p": claim.answer.p,
         "expected": claim.expected.verdict if claim.expected else "",
         "why": claim.by_construction or (claim.expected.why if claim.expected else ""),
@@ -76,7 +76,7 @@ def show(console: Console, experiment: Experiment, made: list[Verdict], said: li
         tell(line)
     if answers := answers_of(made, said):
         tell(f"[dim]{false_words(answers)}[/]")
-    for line in undecided_rows(made):
+    for line in reasons_of_rows(made):
         tell(line)
     for claim in said:
         why = f": {claim.by_construction}" if claim.word == "by construction" else ""
@@ -132,16 +132,16 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
     return lines
 
 
-def undecided_rows(made: list[Verdict]) -> list[str]:
-    """What keeps rows undecided, a line for each reason and measure."""
-    found: dict[tuple[str, str], list[str]] = {}
+def reasons_of_rows(made: list[Verdict]) -> list[str]:
+    """What keeps rows undecided, or by construction, a line for each reason and measure."""
+    found: dict[tuple[str, str, str], list[str]] = {}
     for one in made:
         if one.comparison and one.comparison.why:
-            key = one.measure.symbol, one.comparison.why
+            key = one.word, one.measure.symbol, one.comparison.why
             found.setdefault(key, []).append(f"{one.case.label} N = {one.case.agents}{at(one)}")
     return [
-        f"[yellow]undecided[/]  {symbol}: {why}: {', '.join(rows)}"
-        for (symbol, why), rows in found.items()
+        f"[{STYLES[word]}]{word}[/]  {symbol}: {why}: {', '.join(rows)}"
+        for (word, symbol, why), rows in found.items()
     ]
 
 

@@ -1,4 +1,4 @@
-"""Claims about the points of sweeps: what size does at one, what is so at some, or at all."""
+"""Claims about what size does, and about the points of sweeps: what is so at some, or at all."""
 
 from __future__ import annotations
 
@@ -14,25 +14,28 @@ from app.experiments.verdicts.answer import (
     share_of_runs,
 )
 from app.experiments.verdicts.bounds import bounds_in_words, is_within
-from app.experiments.verdicts.verdict import Verdict, name, paired, sweeps_of
+from app.experiments.verdicts.verdict import Verdict, name, sweeps_of
 
 
 def sizes_claim(one: Sizes, made: list[Verdict]) -> list[tuple[str, Answer]]:
-    """Whether a measure falls, or rises, from each size of flock to the next, seed by seed."""
-    there = [row for row in made if row.case.sweep and row.case.value == one.value]
+    """Whether a measure falls, or rises, from each size of flock to the next, seed by seed.
+
+    By a share of a mean: what is left of it less the next, so that nothing is divided.
+    """
+    there = [row for row in made if row.case.value == one.value]
     by_size = {row.case.agents: row for row in there if row.case.label == one.label}
     if not set(one.agents) <= set(by_size):
         return []
     rows = [by_size[agents] for agents in one.agents]
     sign = 1.0 if one.trend == "rises" else -1.0
-    steps = [paired(a, b).times(sign) for a, b in pairwise(rows)]
+    steps = [
+        b.ranges.minus(a.ranges.times(1.0 + sign * one.by)).times(sign) for a, b in pairwise(rows)
+    ]
     sweep = rows[0].case.sweep
-    assert sweep is not None
-    means = ", ".join(f"{row.summary.mean:.3f} at N = {row.case.agents}" for row in rows)
-    text = (
-        f"{one.label}, {sweep.parameter} = {name(one.value)}: {rows[0].measure.symbol} {one.trend} "
-        f"with N: {means}"
-    )
+    at = f", {sweep.parameter} = {name(one.value)}" if sweep else ""
+    means = ", ".join(f"{row.summary.mean:.4g} at N = {row.case.agents}" for row in rows)
+    share = f" by {one.by:.0%} or more" if one.by else ""
+    text = f"{one.label}{at}: {rows[0].measure.symbol} {one.trend} with N{share}: {means}"
     return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
 
 

@@ -141,6 +141,7 @@ def mean_of(values: RunRanges, unit: str = "") -> str:
 def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     """Whether a measure is within bounds in every run, or in a share of the runs."""
     rows = [row for row in made if not one.labels or row.case.label in one.labels]
+    rows = [row for row in rows if not one.agents or row.case.agents in one.agents]
     rows = [row for row in rows if one.tick is None or row.case.tick == one.tick]
     rows = [row for row in rows if row.values]
     if not rows:
@@ -150,6 +151,8 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     came = [value for row in rows for value in row.values if value is not None]
     words = bounds_in_words(one)
     who = ", ".join(one.labels) or "all"
+    if one.agents:
+        who += f", N = {', '.join(map(str, one.agents))}"
     span = f"{number(min(came))} to {number(max(came))}" if came else measure.absent
     unit = "" if rows[0].unit == "1" else f" {rows[0].unit}"
     when = "" if one.tick is None else f" at tick {one.tick}"

@@ -45,7 +45,7 @@ WELCH_NOTE = (
     "that of the larger where it is less (Welch); z and d: measured less published mean, in "
     "standard errors and in standard deviations of a run"
 )
-BesideWord = Literal["agrees", "differs", "undecided"]
+BesideWord = Literal["agrees", "differs", "undecided", "by construction"]
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Comparison:
     needed: int | None = None
     """Of an undecided one: runs that would decide it, about; None if that is not known."""
     why: str = ""
-    """Of an undecided one: what keeps it undecided, other than the number of runs."""
+    """What keeps it undecided, other than the number of runs; or why it cannot but agree."""
     p: float = 1.0
     """The chance, at most, with which runs give this word where it is false; 1 if undecided."""
 
@@ -74,6 +74,15 @@ class Comparison:
 
 def compare(values: RunRanges, published: Published) -> Comparison | None:
     """How measured runs stand beside what was published; None without runs or a mean."""
+    found = compared(values, published)
+    why = published.by_construction
+    if found is None or not why or found.word == "differs":
+        return found
+    return replace(found, word="by construction", needed=None, why=why, p=1.0)
+
+
+def compared(values: RunRanges, published: Published) -> Comparison | None:
+    """The same, whatever can come out."""
     mean = published.average
     if mean is None or values.runs == 0 or np.isinf(values.least).any():
         return None

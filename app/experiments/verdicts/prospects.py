@@ -47,16 +47,20 @@ def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
         for measure in experiment.measures:
             published = case.published(measure.name)
             spared = measure.name in experiment.not_compared
-            if published and published.average is not None and not spared:
+            if published is None or published.by_construction:
+                continue
+            if published.average is not None and not spared:
                 yield f"{measure.symbol} agrees", runs_to_agree(published)
 
 
 def rows_of(experiment: Experiment, one: Said) -> int:
     """How many cases a claim is about; none where those that it names are not run."""
     labels = set(getattr(one, "labels", [])) or {getattr(one, "label", "")} - {""}
-    tick = getattr(one, "tick", None)
+    sizes, tick = getattr(one, "agents", []), getattr(one, "tick", None)
     return sum(
-        (not labels or case.label in labels) and tick in (None, case.tick)
+        (not labels or case.label in labels)
+        and (not sizes or case.agents in sizes)
+        and tick in (None, case.tick)
         for case in experiment.cases
     )
 

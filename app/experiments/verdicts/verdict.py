@@ -92,7 +92,7 @@ class Verdict:
         return {
             "verdict": self.word,
             "needed": one and one.needed,
-            "undecided_because": one and one.why,
+            "because": one and one.why,
             "p": one and one.p,
             "difference": one and one.difference,
             "difference_low99": low,
