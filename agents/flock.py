@@ -23,12 +23,14 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, Spec, versions, whole
+from agents.spec import DEFAULT, OPTIONS, Spec, versions, whole
 from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 
 MOST_THREADS = 1024
+OWN_WORDS = ("start", "rng", "threads", "interpret", "collect", "agent_reporters")
+"""What `Flock` takes beside options and parameters."""
 
 
 class Flock(Motion, mesa.Model):
@@ -103,7 +105,9 @@ class Flock(Motion, mesa.Model):
         begins = "random" if start is None else "given"
         self.options = spec.model_copy(update={"seed": self.seed, "start": begins})
         self.interpret = interpret
-        self.parameters = checked(self.model.parameters, spec.parameters)
+        self.parameters = checked(
+            self.model.parameters, spec.parameters, others=(*OPTIONS, *OWN_WORDS)
+        )
         self.world = find_world(self.options, self.model)
         if spec.informed and not self.model.rule.led:
             raise Refusal(
