@@ -163,12 +163,12 @@ def drawn(entity: Any, origin: str) -> list[Shape]:
         return [Curve(name, origin, (None, None), partial(chord_ends, entity))]
     if kind == "CIRCLE":
         centre = entity.ocs().to_wcs(entity.dxf.center)
-        return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin)]
+        return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin, is_line=True)]
     points, closed = curve(entity, kind, origin)
     if points and len(set(points)) == 1:
         return [Stray(name, origin, (None, None), points[0])]
     if closed or (len(points) > 3 and points[0] == points[-1]):
-        return [area(name, [points], origin)]
+        return [area(name, [points], origin, is_line=True)]
     return [line(name, points, origin)]
 
 

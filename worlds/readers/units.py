@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.readers.contents import Contents
+from worlds.readers.question import Choice, Question
 from worlds.readers.shapes import Bounds
 from worlds.refusal import Refusal, unknown
 
@@ -39,7 +40,7 @@ def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -
     return contents.unit or 1.0
 
 
-def doubt(contents: Contents, bounds: Bounds, scale: float) -> str | None:
+def doubt(contents: Contents, bounds: Bounds, scale: float) -> Question | None:
     """What to ask about a plan whose size is none of a room or a building, or None.
 
     `bounds` are in units of the file. It is asked only where nobody has said the unit.
@@ -58,7 +59,13 @@ def doubt(contents: Contents, bounds: Bounds, scale: float) -> str | None:
     ]
     keep = f"--unit {here}" if here else f"--scale {scale:g}"
     other = f", else {' or '.join(choices)}" if choices else ""
-    return (
+    answers = [
+        Choice(f"1 unit is 1 {name} ({side * UNITS[name]:.4g} m wide)", {"unit": name})
+        for name in dict.fromkeys([*([here] if here else []), *SUGGESTED])
+        if name == here or SMALLEST <= side * UNITS[name] <= LARGEST
+    ]
+    return Question(
         f"{contents.path}: the plan would be {side * scale:.4g} m wide ({says}): give {keep} if "
-        f"that is so{other}"
+        f"that is so{other}",
+        tuple(answers),
     )

@@ -35,13 +35,17 @@ def import_drawing(
     obstacle: Annotated[
         Layers, typer.Option("--obstacle", "--solid", help="A layer of what is solid.")
     ] = None,
+    wall: Annotated[
+        Layers,
+        typer.Option(help="A layer of lines, open or closed, that --thickness makes walls."),
+    ] = None,
     start: Annotated[Layers, typer.Option(help="A layer of the mission's start.")] = None,
     goal: Annotated[Layers, typer.Option(help="A layer of the mission's goal.")] = None,
     path: Annotated[Layers, typer.Option(help="A layer of the mission's path.")] = None,
     ignore: Annotated[
         Layers,
         typer.Option(
-            help="A layer that means nothing here. All six may be repeated; * stands for any "
+            help="A layer that means nothing here. All seven may be repeated; * stands for any "
             "letters, and alone for all layers without a role."
         ),
     ] = None,
@@ -63,8 +67,17 @@ def import_drawing(
         typer.Option("--drop-lines", help="Leave out lines that bound no area, naming each."),
     ] = False,
     thickness: Annotated[
-        float | None, typer.Option(help="Make walls of open lines, this thick, m.")
+        float | None,
+        typer.Option(
+            help="Make walls of open lines, and on layers of walls of all, this thick, m."
+        ),
     ] = None,
+    degrees: Annotated[
+        bool,
+        typer.Option(
+            "--degrees", help="The file is in degrees (GeoJSON, WKT): project it to metres."
+        ),
+    ] = False,
     edges: Annotated[
         str, typer.Option(help="solid, open or wrap for all sides, or one per axis: wrap,solid.")
     ] = "solid",
@@ -95,6 +108,7 @@ def import_drawing(
     asked = {
         "walkable": walkable,
         "obstacle": obstacle,
+        "wall": wall,
         "start": start,
         "goal": goal,
         "path": path,
@@ -103,7 +117,7 @@ def import_drawing(
     drawing = open_drawing(file)
     rows = cast(drawing, {role: layers for role, layers in asked.items() if layers})
     try:
-        geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines)
+        geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines, degrees)
     except Refusal:
         if not quiet:
             report(table(rows))
