@@ -16,6 +16,7 @@ from worlds.readers.degrees import places_of, projected, question_of_degrees
 from worlds.readers.dxf import read_dxf
 from worlds.readers.geojson import read_geojson
 from worlds.readers.join import chords, joined
+from worlds.readers.movingai import read_movingai
 from worlds.readers.outlines import MOST_OUTLINES, within
 from worlds.readers.question import Question
 from worlds.readers.roles import (
@@ -30,6 +31,7 @@ from worlds.readers.roles import (
     cast,
     unclear,
 )
+from worlds.readers.ros_map import read_ros_map, read_zipped_map
 from worlds.readers.shapes import (
     Curve,
     Line,
@@ -41,13 +43,17 @@ from worlds.readers.shapes import (
     at,
     bounds_of,
 )
+from worlds.readers.svg import read_svg
 from worlds.readers.units import doubt, metres_per_unit
+from worlds.readers.vadere import read_vadere
 from worlds.readers.walls import question_of_walls, walls_of
 from worlds.readers.wkt import read_wkt
 from worlds.refusal import Refusal, refusal_of
 
 READERS: dict[str, Callable[[Path], Contents]] = {
-    ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf
+    ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf,
+    ".svg": read_svg, ".scenario": read_vadere, ".map": read_movingai, ".yaml": read_ros_map,
+    ".yml": read_ros_map, ".zip": read_zipped_map,
 }  # fmt: skip
 """By the ending of the file's name."""
 FEW = 3
@@ -89,9 +95,10 @@ def read_geometry(
     drop_lines: bool = False,
     degrees: bool = False,
 ) -> Geometry:
-    """What a GeoJSON, WKT or DXF file says about a world.
+    """What a drawing or a map of another program says about a world: see `READERS`.
 
-    `roles` are layers by what they are: "walkable", "obstacle", "start", "goal", "path", "ignore";
+    `roles` are layers by what they are: "walkable", "obstacle", "wall", "start", "goal", "path",
+    "ignore";
     layers that are not named are guessed from their names, see `worlds.readers.roles`. For the
     rest see `geometry_of`. Raises Refusal with file and place for all that cannot be used.
     """
@@ -134,6 +141,7 @@ def geometry_of(
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise Refusal(f"{name} = {value:g} m is not a length > 0")
     problems = unclear(contents, rows)
+    question: Question | None = None
     projection = None
     if degrees:
         if scale is not None or unit is not None:
@@ -143,9 +151,8 @@ def geometry_of(
         contents, projection = projected(contents, rows)
     try:
         metres = metres_per_unit(contents, scale, unit)
-    except Refusal as refusal:
-        problems.append(str(refusal))
-        metres = 1.0
+    except Question as open_unit:
+        question, metres = open_unit, 1.0
     taken = Taking(contents, rows, metres, join, thickness)
     if projection is not None:
         taken.changes.insert(0, projection)
@@ -154,15 +161,15 @@ def geometry_of(
     problems += taken.problems
     plan = [shape for role in (WALKABLE, OBSTACLE) for _, shape in taken.made[role]]
     if problems:
-        raise refusal_of([*problems, *taken.unusable(thickness)])
+        asked_too = [str(question)] if question else []
+        raise refusal_of([*problems, *asked_too, *taken.unusable(thickness)])
     if not plan:
         layers = ", ".join(row.layer for row in rows if row.role != IGNORE)
         raise Refusal(f"{contents.path}: there is nothing on its layers ({layers or 'none'})")
     asked = next((row.layer for row in rows if row.role == WALKABLE), None)
     if asked is not None and not taken.made[WALKABLE]:
         raise Refusal(f"{contents.path}: there is nothing on the walkable layer {asked!r}")
-    question: Question | None = None
-    if scale is None and unit is None and not degrees:
+    if scale is None and unit is None and not degrees and question is None:
         shapes = [shape for held in taken.made.values() for _, shape in held]
         bounds = bounds_of([p for shape in plan for p in corners_of(shape.bounds())])
         question = question_of_degrees(contents, places_of(shapes))

@@ -14,13 +14,15 @@ UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.025
 """Metres."""
 SMALLEST, LARGEST = 1.0, 500.0
 """Longest side of a plan that is not questioned, m: a small room to the ground of a festival."""
+SILENT = {".dxf": "$INSUNITS", ".svg": "an SVG file has none"}
+"""Formats in which a unit may be anything, by the ending, and where it would stand."""
 SUGGESTED = ("m", "cm", "mm", "in", "ft")
 
 
 def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -> float:
     """Metres per unit of the file: as asked, or as the file says; 1 for GeoJSON and WKT.
 
-    Raises Refusal if both are asked for, and for a DXF file that does not say.
+    Raises Refusal if both are asked for, and Question for a DXF or SVG file that does not say.
     """
     if scale is not None and unit is not None:
         raise Refusal(f"scale = {scale:g} and unit = {unit} say the same thing: give one of them")
@@ -32,10 +34,12 @@ def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -
         if unit not in UNITS:
             raise unknown("unit", unit, UNITS)
         return UNITS[unit]
-    if contents.unit is None and contents.path.suffix.lower() == ".dxf":
-        raise Refusal(
-            f"{contents.path} does not say its unit ($INSUNITS): give --unit, one of "
-            f"{', '.join(UNITS)}, or a scale, metres per unit"
+    lacking = SILENT.get(contents.path.suffix.lower())
+    if contents.unit is None and lacking is not None:
+        raise Question(
+            f"{contents.path} does not say its unit ({lacking}): give --unit, one of "
+            f"{', '.join(UNITS)}, or a scale, metres per unit (--scale)",
+            tuple(Choice(f"1 unit is 1 {name}", {"unit": name}) for name in SUGGESTED),
         )
     return contents.unit or 1.0
 

@@ -14,6 +14,8 @@ from worlds.readers.question import Choice, Question
 from worlds.readers.roles import OBSTACLE, WALL, Row, shown
 from worlds.readers.shapes import Area, Circle, Line, Solid, bounds_of
 
+THICKEST = 1.0
+"""Mean thickness up to which a closed line may be a wall's own footprint, m."""
 THICK = 0.2
 """Thickness of a wall that a question proposes, m."""
 
@@ -45,15 +47,14 @@ def question_of_walls(
             continue
         outer = holder(shapes)
         lone = everything == 1 and not has_walkable and row.role == WALL
+        what = "it is all that is drawn" if lone else f"it holds all else on layer {row.layer!r}"
         if outer is None or (len(shapes) == 1 and not (lone and outer.is_line)):
+            outer = thick_line(shapes, metres) if row.role == WALL else None
+            what = "it is a closed line, too wide for the outline of a wall"
+        if outer is None:
             continue
         low_x, low_y, high_x, high_y = outer.bounds()
         size = f"{(high_x - low_x) * metres:.4g} x {(high_y - low_y) * metres:.4g} m"
-        what = (
-            "it is all that is drawn"
-            if lone
-            else f"its outline holds all else on layer {row.layer!r}"
-        )
         layer = shown(row.layer)
         return Question(
             f"{outer.origin}: {what}, and would be a solid block of {size}: give --solid {layer} "
@@ -63,6 +64,16 @@ def question_of_walls(
                 Choice("Walls", {"roles": {WALL: [row.layer]}}, thickness=True),
             ),
         )
+    return None
+
+
+def thick_line(shapes: Sequence[Solid], metres: float) -> Area | Circle | None:
+    """A closed line around more than a wall, or None."""
+    for shape in shapes:
+        if isinstance(shape, Area) and shape.is_line:
+            outline = footprint(shape)
+            if 2.0 * outline.area / outline.length * metres > THICKEST:
+                return shape
     return None
 
 
