@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from worlds.extra import demand
 from worlds.readers.contents import MOST_CORNERS, Contents, Item
-from worlds.readers.question import Choice, Question
+from worlds.readers.plan_question import PlanChoice, PlanQuestion
 from worlds.readers.roles import IGNORE, Row
 from worlds.readers.shapes import Bounds, Curve, Point, Shape, Stray, at, bounds_of
 from worlds.refusal import Refusal
@@ -24,7 +24,7 @@ READ = (".geojson", ".json", ".wkt")
 """Formats that may be in degrees."""
 
 
-def question_of_degrees(contents: Contents, places: Sequence[Point]) -> Question | None:
+def question_of_degrees(contents: Contents, places: Sequence[Point]) -> PlanQuestion | None:
     """What to ask of a plan that is, or may be, in degrees, and for which nobody has said it."""
     if contents.degrees == "no" or not places:
         return None
@@ -33,10 +33,10 @@ def question_of_degrees(contents: Contents, places: Sequence[Point]) -> Question
         return None
     says = "as the file says" if contents.degrees == "yes" else "as GeoJSON is unless it says else"
     lengths = "" if contents.degrees == "yes" else ", or --unit m if they are lengths"
-    choices = [Choice("Degrees", {"degrees": True})]
+    choices = [PlanChoice("Degrees", {"degrees": True})]
     if lengths:
-        choices.append(Choice("Metres", {"unit": "m"}))
-    return Question(
+        choices.append(PlanChoice("Metres", {"unit": "m"}))
+    return PlanQuestion(
         f"{contents.path}: its coordinates, {at(bounds[:2])} to {at(bounds[2:])}, look like "
         f"longitude and latitude ({says}): give --degrees to project them to metres{lengths}",
         tuple(choices),

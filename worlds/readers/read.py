@@ -18,7 +18,7 @@ from worlds.readers.geojson import read_geojson
 from worlds.readers.join import chords, joined
 from worlds.readers.movingai import read_movingai
 from worlds.readers.outlines import MOST_OUTLINES, within
-from worlds.readers.question import Question
+from worlds.readers.plan_question import PlanQuestion
 from worlds.readers.roles import (
     GOAL,
     IGNORE,
@@ -133,7 +133,7 @@ def geometry_of(
     than a building is then questioned. `thickness` (m) makes walls of open lines. `join` (m) joins
     lines that meet end to end within it, and draws splines by chords within it. `drop_lines` leaves
     out the lines that are still open then and have no thickness. `degrees` projects longitudes and
-    latitudes to metres around the middle of the plan. Raises Question, a Refusal with the choices
+    latitudes to metres around the middle of the plan. Raises PlanQuestion, a Refusal with the choices
     that answer it, for a drawing that may mean two things, and Refusal with file and place
     for all that cannot be used; nothing is repaired without being asked.
     """
@@ -141,7 +141,7 @@ def geometry_of(
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise Refusal(f"{name} = {value:g} m is not a length > 0")
     problems = unclear(contents, rows)
-    question: Question | None = None
+    question: PlanQuestion | None = None
     projection = None
     if degrees:
         if scale is not None or unit is not None:
@@ -151,7 +151,7 @@ def geometry_of(
         contents, projection = projected(contents, rows)
     try:
         metres = metres_per_unit(contents, scale, unit)
-    except Question as open_unit:
+    except PlanQuestion as open_unit:
         question, metres = open_unit, 1.0
     taken = Taking(contents, rows, metres, join, thickness)
     if projection is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from worlds.readers.contents import Contents
-from worlds.readers.question import Choice, Question
+from worlds.readers.plan_question import PlanChoice, PlanQuestion
 from worlds.readers.shapes import Bounds
 from worlds.refusal import Refusal, unknown
 
@@ -22,7 +22,7 @@ SUGGESTED = ("m", "cm", "mm", "in", "ft")
 def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -> float:
     """Metres per unit of the file: as asked, or as the file says; 1 for GeoJSON and WKT.
 
-    Raises Refusal if both are asked for, and Question for a DXF or SVG file that does not say.
+    Raises Refusal if both are asked for, and PlanQuestion for a DXF or SVG file that does not say.
     """
     if scale is not None and unit is not None:
         raise Refusal(f"scale = {scale:g} and unit = {unit} say the same thing: give one of them")
@@ -36,15 +36,15 @@ def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -
         return UNITS[unit]
     lacking = SILENT.get(contents.path.suffix.lower())
     if contents.unit is None and lacking is not None:
-        raise Question(
+        raise PlanQuestion(
             f"{contents.path} does not say its unit ({lacking}): give --unit, one of "
             f"{', '.join(UNITS)}, or a scale, metres per unit (--scale)",
-            tuple(Choice(f"1 unit is 1 {name}", {"unit": name}) for name in SUGGESTED),
+            tuple(PlanChoice(f"1 unit is 1 {name}", {"unit": name}) for name in SUGGESTED),
         )
     return contents.unit or 1.0
 
 
-def doubt(contents: Contents, bounds: Bounds, scale: float) -> Question | None:
+def doubt(contents: Contents, bounds: Bounds, scale: float) -> PlanQuestion | None:
     """What to ask about a plan whose size is none of a room or a building, or None.
 
     `bounds` are in units of the file. It is asked only where nobody has said the unit.
@@ -64,11 +64,11 @@ def doubt(contents: Contents, bounds: Bounds, scale: float) -> Question | None:
     keep = f"--unit {here}" if here else f"--scale {scale:g}"
     other = f", else {' or '.join(choices)}" if choices else ""
     answers = [
-        Choice(f"1 unit is 1 {name} ({side * UNITS[name]:.4g} m wide)", {"unit": name})
+        PlanChoice(f"1 unit is 1 {name} ({side * UNITS[name]:.4g} m wide)", {"unit": name})
         for name in dict.fromkeys([*([here] if here else []), *SUGGESTED])
         if name == here or SMALLEST <= side * UNITS[name] <= LARGEST
     ]
-    return Question(
+    return PlanQuestion(
         f"{contents.path}: the plan would be {side * scale:.4g} m wide ({says}): give {keep} if "
         f"that is so{other}",
         tuple(answers),

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import shapely
 
-from worlds.readers.question import Choice, Question
+from worlds.readers.plan_question import PlanChoice, PlanQuestion
 from worlds.readers.roles import OBSTACLE, WALL, Row, shown
 from worlds.readers.shapes import Area, Circle, Line, Solid, bounds_of
 
@@ -35,7 +35,7 @@ def question_of_walls(
     rows: Sequence[Row],
     metres: float,
     has_walkable: bool,
-) -> Question | None:
+) -> PlanQuestion | None:
     """What to ask where one outline holds all others of its layer, or is the only thing drawn.
 
     `held` are the solid shapes by layer. It is not asked of a layer that was named as solid.
@@ -56,12 +56,12 @@ def question_of_walls(
         low_x, low_y, high_x, high_y = outer.bounds()
         size = f"{(high_x - low_x) * metres:.4g} x {(high_y - low_y) * metres:.4g} m"
         layer = shown(row.layer)
-        return Question(
+        return PlanQuestion(
             f"{outer.origin}: {what}, and would be a solid block of {size}: give --solid {layer} "
             f"if that is so, or --wall {layer} --thickness {THICK:g} for walls along the lines",
             (
-                Choice("Solid block", {"roles": {OBSTACLE: [row.layer]}}),
-                Choice("Walls", {"roles": {WALL: [row.layer]}}, thickness=True),
+                PlanChoice("Solid block", {"roles": {OBSTACLE: [row.layer]}}),
+                PlanChoice("Walls", {"roles": {WALL: [row.layer]}}, thickness=True),
             ),
         )
     return None

@@ -10,7 +10,7 @@ from worlds.refusal import Refusal
 
 
 @dataclass(frozen=True)
-class Choice:
+class PlanChoice:
     """An answer: what a person reads, and what it adds to the call of `read_geometry`."""
 
     label: str
@@ -20,9 +20,9 @@ class Choice:
     """Whether it needs a thickness of walls beside."""
 
 
-class Question(Refusal):
+class PlanQuestion(Refusal):
     """A drawing that may mean two things; its text says how the command line answers it."""
 
-    def __init__(self, line: str, choices: tuple[Choice, ...]) -> None:
+    def __init__(self, line: str, choices: tuple[PlanChoice, ...]) -> None:
         super().__init__(line)
         self.choices = choices
