@@ -297,7 +297,7 @@ def test_what_is_asked_is_checked(geojson, tmp_path):
             read_geometry(path, scale=scale)
     with pytest.raises(Refusal, match="thickness = 0 m is not a length > 0"):
         read_geometry(path, thickness=0.0)
-    assert "is not a drawing that is read: .geojson, .json, .wkt, .dxf are" in refused(
+    assert "is not a drawing that is read: .geojson, .json, .wkt, .dxf, .svg, .scenario" in refused(
         tmp_path / "a.dwg"
     )
     for ending in ("geojson", "wkt", "dxf"):

@@ -63,7 +63,7 @@ def read_movingai(path: Path) -> Contents:
         held = np.isin(codes, signs)
         if held.any():
             items.append(cells(layer, held, grid, str(path)))
-    return Contents(path, tuple(items), tuple(item.layer for item in items), 1.0, roles=ROLES)
+    return Contents(path, tuple(items), tuple(item.layer for item in items), None, roles=ROLES)
 
 
 def header(lines: list[str], path: Path) -> tuple[int, int, int]:

@@ -133,9 +133,9 @@ def geometry_of(
     than a building is then questioned. `thickness` (m) makes walls of open lines. `join` (m) joins
     lines that meet end to end within it, and draws splines by chords within it. `drop_lines` leaves
     out the lines that are still open then and have no thickness. `degrees` projects longitudes and
-    latitudes to metres around the middle of the plan. Raises PlanQuestion, a Refusal with the choices
-    that answer it, for a drawing that may mean two things, and Refusal with file and place
-    for all that cannot be used; nothing is repaired without being asked.
+    latitudes to metres around the middle of the plan. Raises PlanQuestion, a Refusal
+    with the choices that answer it, for a drawing that may mean two things, and Refusal with file
+    and place for all that cannot be used; nothing is repaired without being asked.
     """
     for name, value in (("thickness", thickness), ("join", join)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):

@@ -50,7 +50,8 @@ def doubt(contents: Contents, bounds: Bounds, scale: float) -> PlanQuestion | No
     `bounds` are in units of the file. It is asked only where nobody has said the unit.
     """
     side = max(bounds[2] - bounds[0], bounds[3] - bounds[1])
-    if SMALLEST <= side * scale <= LARGEST:
+    in_metres = contents.unit is not None and contents.path.suffix.lower() != ".dxf"
+    if in_metres or SMALLEST <= side * scale <= LARGEST:
         return None
     says = "$INSUNITS says" if contents.unit is not None else "a unit is 1 m unless said"
     here = next((name for name, metres in UNITS.items() if math.isclose(metres, scale)), None)

@@ -1,4 +1,4 @@
-"""`flockscope world import`: a layout from a GeoJSON, WKT or DXF drawing."""
+"""`flockscope world import`: a layout from a drawing, or from a map of another program."""
 
 from __future__ import annotations
 
@@ -27,7 +27,12 @@ WIDEST = 40
 
 
 def import_drawing(
-    file: Annotated[Path, typer.Argument(help="A .geojson, .wkt or .dxf file.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="DXF, SVG, GeoJSON, WKT; .scenario of Vadere, .map of MovingAI, .yaml or .zip of ROS."
+        ),
+    ],
     out: Annotated[Path, typer.Option(help="The layout to write (TOML).")],
     walkable: Annotated[
         Layers, typer.Option(help="A layer of walkable areas: all else is solid.")
