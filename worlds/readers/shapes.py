@@ -25,7 +25,7 @@ Bounds = tuple[float, float, float, float]
 Span = tuple[float | None, float | None]
 """From which height to which a shape stands; None is the floor or the ceiling."""
 
-ROUNDING = 1e-9
+ROUNDING = 1e-6
 """Ends of an outline that are nearer than this, as a share of its extent, are one place: drawing
 programs compute the ends of arcs and turned lines, and round."""
 FARTHEST = 1e12

@@ -30,7 +30,7 @@ def import_drawing(
     file: Annotated[
         Path,
         typer.Argument(
-            help="DXF, SVG, GeoJSON, WKT; .scenario of Vadere, .map of MovingAI, .yaml or .zip of ROS."
+            help="DXF, SVG, GeoJSON, WKT; .scenario (Vadere), .map (MovingAI), .yaml, .zip (ROS)."
         ),
     ],
     out: Annotated[Path, typer.Option(help="The layout to write (TOML).")],
