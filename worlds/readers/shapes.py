@@ -340,10 +340,11 @@ def without_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Poly
             raise Refusal(f"{origin}: the outline has two holes that overlap at "
                           f"{at((place.x, place.y))}: draw them as one")  # fmt: skip
     left = outline.difference(shapely.union_all(holes))
-    if len(holes) > MOST_TOUCHING or not isinstance(left, shapely.Polygon) or not left.is_valid:
-        demand_valid(shapely.Polygon(rings[0], rings[1:]), origin)
-        parts = len(shapely.get_parts(left))
+    parts = len(shapely.get_parts(left))
+    if parts != 1:
         raise Refusal(f"{origin}: the outline is cut into {parts} by its holes: draw each part")
+    if len(holes) > MOST_TOUCHING or not left.is_valid:
+        demand_valid(shapely.Polygon(rings[0], rings[1:]), origin)
     return left
 
 
@@ -408,9 +409,13 @@ def at(point: Sequence[float]) -> str:
 
 def apart_at(one: Point, other: Point) -> tuple[str, str]:
     """Two places, with as many digits as it takes to tell them apart."""
-    if at(one) != at(other):
-        return at(one), at(other)
-    return (f"({one[0]!r}, {one[1]!r})", f"({other[0]!r}, {other[1]!r})")
+    for digits in range(9, 17):
+        ends = [[f"{x:.{digits}g}" for x in point] for point in (one, other)]
+        gap = math.dist(*([float(x) for x in end] for end in ends))
+        if math.isclose(gap, math.dist(one, other), rel_tol=0.01):
+            break
+    begin, end = (f"({', '.join(point)})" for point in ends)
+    return begin, end
 
 
 def bounds_of(points: Sequence[Point]) -> Bounds:
