@@ -7,6 +7,7 @@ the middle of every cell whether it is solid.
 import json
 import math
 import random
+import warnings
 import zipfile
 
 import numpy as np
@@ -158,8 +159,15 @@ def test_a_map_of_ros_that_cannot_be_used_is_told(tmp_path, changes, words):
 
 def test_maps_that_are_hostile_are_refused_before_they_take_memory(tmp_path):
     path = small_map(tmp_path)
-    (tmp_path / "m.pgm").write_bytes(b"P5\n90000 90000\n255\n")
-    refused(path, "90000 x 90000 cells are too many")
+    for side, words in (
+        (90000, "exceeds limit"),
+        (12000, "12000 x 12000 cells are too many"),
+        (6000, "6000 x 6000 cells are too many, at most 25000000"),
+    ):
+        (tmp_path / "m.pgm").write_bytes(f"P5\n{side} {side}\n255\n".encode())
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            refused(path, words)
     (tmp_path / "m.pgm").write_bytes(b"P5\n4 3\n255\n")
     refused(path, "cannot be read")
     noise = np.random.default_rng(1).integers(0, 2, (1500, 1500), np.uint8) * 254

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
 import zipfile
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -148,7 +149,9 @@ def contents(path: Path, values: dict[str, Any], data: bytes, name: str) -> Cont
 def image_of(data: bytes, origin: str) -> Image.Image:
     """The image, PGM or PNG. Raises Refusal."""
     try:
-        image = Image.open(io.BytesIO(data), formats=("PPM", "PNG"))
+        with warnings.catch_warnings():  # Pillow's, of many pixels; ours is an error
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            image = Image.open(io.BytesIO(data), formats=("PPM", "PNG"))
         demand_few_cells(*image.size, origin)
         image.load()
     except Refusal:
