@@ -72,10 +72,17 @@ def test_transforms_and_uses_are_followed(svg):
     )
     turned, disc = svg.read(body).obstacles
     # x: 5 - 1 to 5, y downwards: 4 + 1 to 4 + 3.
-    assert turned.footprint().equals_exact(shapely.box(4, 5, 5, 7).normalize(), 1e-9) or (
-        turned.footprint().symmetric_difference(shapely.box(4, 5, 5, 7)).area < 1e-9
-    )
+    assert turned.footprint().symmetric_difference(shapely.box(4, 5, 5, 7)).area < 1e-9
     assert disc == Disc(name="obstacle", centre=(10, 6), radius=2)
+    (oblique,) = svg.read('<circle cx="3" cy="3" r="1" transform="skewX(45)"/>').obstacles
+    assert oblique.footprint().area == pytest.approx(math.pi, rel=1e-3)
+    assert oblique.footprint().bounds[3] == pytest.approx(10.0, abs=1e-3)
+    width = oblique.footprint().bounds[2] - oblique.footprint().bounds[0]
+    assert width == pytest.approx(2 * math.sqrt(2), rel=1e-3)
+    (tilted,) = svg.read('<rect x="3" width="4" height="1" transform="rotate(30)"/>').obstacles
+    assert tilted.footprint().area == pytest.approx(4.0)
+    x, y = 3 * math.cos(math.pi / 6), 12 - 3 * math.sin(math.pi / 6)
+    assert tilted.points[0] == pytest.approx((x, y))
 
 
 @pytest.mark.parametrize(

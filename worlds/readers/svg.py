@@ -160,9 +160,12 @@ def shapes(element: Any, height: float, origin: str) -> list[Shape]:
         if isinstance(element, svgelements.Circle | svgelements.Ellipse):
             cx, cy = element.implicit_center
             rx, ry = float(element.implicit_rx), float(element.implicit_ry)
-            if abs(rx - ry) <= ROUND * max(rx, ry):
+            m = element.transform  # what svgelements could not put into the shape itself
+            stays_round = abs(m.a - m.d) <= ROUND and abs(m.b + m.c) <= ROUND
+            if stays_round and abs(rx - ry) <= ROUND * max(rx, ry):
                 return [circle("", (float(cx), height - cy), rx, origin, is_line=not is_filled)]
-        lines = [subpath(piece, height) for piece in svgelements.Path(element).as_subpaths()]
+        path = svgelements.Path(element).reify()
+        lines = [subpath(piece, height) for piece in path.as_subpaths()]
     except Refusal:
         raise
     except STUMBLES as error:
