@@ -50,7 +50,7 @@ def read_svg(path: Path) -> Contents:
         root.attrib.pop(key, None)
     text = io.BytesIO(Xml.tostring(root))
     try:
-        drawn = svgelements.SVG.parse(text, reify=True)
+        drawn = svgelements.SVG.parse(text, reify=False)
     except (
         ArithmeticError,
         AttributeError,
@@ -157,15 +157,16 @@ def shapes(element: Any, height: float, origin: str) -> list[Shape]:
 
     try:
         is_filled = element.fill is not None and element.fill.value is not None
+        matrix = element.transform
         if isinstance(element, svgelements.Circle | svgelements.Ellipse):
-            cx, cy = element.implicit_center
-            rx, ry = float(element.implicit_rx), float(element.implicit_ry)
-            m = element.transform  # what svgelements could not put into the shape itself
-            stays_round = abs(m.a - m.d) <= ROUND and abs(m.b + m.c) <= ROUND
-            if stays_round and abs(rx - ry) <= ROUND * max(rx, ry):
-                return [circle("", (float(cx), height - cy), rx, origin, is_line=not is_filled)]
-        path = svgelements.Path(element).reify()
-        lines = [subpath(piece, height) for piece in path.as_subpaths()]
+            scale = math.hypot(matrix.a, matrix.b)
+            if abs(element.rx - element.ry) <= ROUND * element.rx and keeps_round(matrix):
+                centre = matrix.point_in_matrix_space((element.cx, element.cy))
+                place = (float(centre.x), height - float(centre.y))
+                radius = float(element.rx) * scale
+                return [circle("", place, radius, origin, is_line=not is_filled)]
+        path = svgelements.Path(element)
+        lines = [subpath(piece, matrix, height) for piece in path.as_subpaths()]
     except Refusal:
         raise
     except STUMBLES as error:
@@ -194,8 +195,17 @@ def shapes(element: Any, height: float, origin: str) -> list[Shape]:
     return [area("", found, origin) for found in nested(rings)]
 
 
-def subpath(piece: Any, height: float) -> list[Point]:
-    """The points of a piece of a path, curves drawn by chords."""
+def keeps_round(matrix: Any) -> bool:
+    """Whether a circle stays one: turned, mirrored, moved, and scaled alike along both axes."""
+    a, b, c, d = (float(one) for one in (matrix.a, matrix.b, matrix.c, matrix.d))
+    near = ROUND * max(abs(a), abs(b))
+    turned = abs(a - d) <= near and abs(b + c) <= near
+    mirrored = abs(a + d) <= near and abs(b - c) <= near
+    return turned or mirrored
+
+
+def subpath(piece: Any, matrix: Any, height: float) -> list[Point]:
+    """The points of a piece of a path where they are drawn; curves are drawn by chords."""
     points: list[Point] = []
     for segment in piece:
         kind = type(segment).__name__
@@ -205,10 +215,9 @@ def subpath(piece: Any, height: float) -> list[Point]:
             count = max(1, math.ceil(abs(float(segment.sweep)) / STEP - 1e-9))
         else:
             count = CHORDS if kind in ("QuadraticBezier", "CubicBezier") else 1
-        for k in range(1, count):
-            place = segment.point(k / count)
-            points.append((float(place.x), height - float(place.y)))
-        points.append((float(segment.end.x), height - float(segment.end.y)))
+        for place in [*(segment.point(k / count) for k in range(1, count)), segment.end]:
+            drawn = matrix.point_in_matrix_space(place)
+            points.append((float(drawn.x), height - float(drawn.y)))
     return points
 
 

@@ -39,7 +39,8 @@ class PlanQuestions:
             assert client is not None
             loop.call_soon_threadsafe(self.ask, client, name, content, options or {}, question)
 
-        self.simulation.edits.open_layout(name, content, options, None if client is None else ask)
+        asked = None if client is None else ask
+        self.simulation.edits.open_layout(name, content, options or {}, asked)
 
     def ask(
         self,
