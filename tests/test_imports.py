@@ -22,6 +22,8 @@ LAZY = {
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
     ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
     ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined
+    ("worlds/readers/degrees.py", "pyproj"),  # an extra, for plans in degrees
+    ("worlds/readers/svg.py", "svgelements"),  # 0.1 s, for those who read an SVG file
     ("worlds/readers/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
 }
 """Libraries that a file of agents or worlds imports within a function, because they are slow."""
