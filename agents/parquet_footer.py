@@ -22,7 +22,7 @@ from agents.parquet_thrift import (
     TRUE,
     Damaged,
     Shape,
-    ThriftReader,
+    read_struct,
     written_struct,
 )
 
@@ -108,7 +108,7 @@ def sound_footer(file: BinaryIO) -> bytes:
         raise Damaged
     start = size - 8 - length
     file.seek(start)
-    footer = ThriftReader(file.read(length)).struct(FOOTER)
+    footer, _ = read_struct(file.read(length), 0, FOOTER)
     again = written_struct(FOOTER, checked(footer, start))
     return MAGIC + again + len(again).to_bytes(4, "little") + MAGIC
 

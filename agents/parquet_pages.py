@@ -6,7 +6,7 @@ https://github.com/apache/parquet-format.
 
 from __future__ import annotations
 
-from agents.parquet_thrift import I32, Damaged, Shape, ThriftReader
+from agents.parquet_thrift import I32, Damaged, Shape, read_struct
 
 MOST_PAGES = 20_000
 """Pages of a column chunk."""
@@ -22,12 +22,11 @@ def unpacked_bytes(content: bytes) -> int:
     """
     total = pages = at = 0
     while at < len(content):
-        reader = ThriftReader(content, at)
-        header = reader.struct(HEADER)
+        header, begins = read_struct(content, at, HEADER)
         packed, unpacked = header.get(PACKED, -1), header.get(UNPACKED, -1)
         pages += 1
         if packed < 0 or unpacked < 0 or pages > MOST_PAGES:
             raise Damaged
         total += unpacked
-        at = reader.at + packed
+        at = begins + packed
     return total

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
-INTEGERS = (I16, I32, I64)
 BITS = {I16: 16, I32: 32, I64: 64}
 DEEPEST = 16
 """Structs and lists within each other."""
@@ -29,156 +28,188 @@ class Shape(NamedTuple):
     fields: Mapping[int, Any]
 
 
-class ThriftReader:
-    """Reads structs from the bytes of `content`, from byte `at` on."""
-
-    def __init__(self, content: bytes, at: int = 0):
-        self.content = content
-        self.at = at
-
-    def byte(self) -> int:
-        """The next byte. Raises Damaged at the end."""
-        if not 0 <= self.at < len(self.content):
-            raise Damaged
-        self.at += 1
-        return self.content[self.at - 1]
-
-    def number(self) -> int:
-        """A number of seven bits in each byte, below 2^64."""
-        value = self.byte()
-        if value < 0x80:
-            return value
-        value &= 0x7F
-        for shift in range(7, 70, 7):
-            more = self.byte()
-            value |= (more & 0x7F) << shift
-            if more < 0x80:
-                if value >> 64:
-                    raise Damaged
-                return value
-        raise Damaged
-
-    def signed(self, bits: int = 64) -> int:
-        """A number whose last bit is its sign. Raises Damaged for one of more bits."""
-        value = self.number()
-        if value >> bits:
-            raise Damaged
-        return (value >> 1) ^ -(value & 1)
-
-    def binary(self) -> bytes:
-        """Bytes that begin with their length."""
-        end = self.number() + self.at
-        if end > len(self.content):
-            raise Damaged
-        found = self.content[self.at : end]
-        self.at = end
-        return found
-
-    def count(self) -> tuple[int, int]:
-        """How many values a list has, and of which kind. Raises Damaged for more than can be."""
-        head = self.byte()
-        count = self.number() if head >> 4 == 15 else head >> 4
-        if count > len(self.content) - self.at:  # each has a byte at least
-            raise Damaged
-        return count, head & 0x0F
-
-    def struct(self, shape: Shape, depth: int = 0) -> dict[int, Any]:
-        """The fields of a struct by their numbers, of those that its shape has.
-
-        Raises Damaged for a field that is there twice or has another kind.
-        """
-        if depth > DEEPEST:
-            raise Damaged
-        found: dict[int, Any] = {}
-        field = 0
-        while head := self.byte():
-            field = field + (head >> 4) if head >> 4 else self.signed(16)
-            kind = head & 0x0F
-            wanted = shape.fields.get(field)
-            if wanted is None:
-                if kind not in (TRUE, FALSE):  # which have no bytes of their own in a struct
-                    self.skip(kind, depth + 1)
-            elif field in found:
-                raise Damaged
-            elif kind in (TRUE, FALSE) and wanted == TRUE:
-                found[field] = kind == TRUE
-            else:
-                found[field] = self.value(kind, wanted, depth + 1)
-        return found
-
-    def value(self, kind: int, wanted: Any, depth: int) -> Any:
-        """A value of a kind, which must be the one that is wanted."""
-        if kind in INTEGERS and kind == wanted:
-            return self.signed(BITS[kind])
-        if kind == BINARY == wanted:
-            return self.binary()
-        if kind == BYTE == wanted:
-            return self.byte()
-        if kind == STRUCT and isinstance(wanted, Shape):
-            return self.struct(wanted, depth)
-        if kind == LIST and isinstance(wanted, list):
-            count, kind = self.count()
-            return [self.value(kind, wanted[0], depth + 1) for _ in range(count)]
-        raise Damaged
-
-    def skip(self, kind: int, depth: int) -> None:
-        """Read over a value. Raises Damaged for what Parquet does not have."""
-        if depth > DEEPEST:
-            raise Damaged
-        if kind in (TRUE, FALSE, BYTE):
-            self.at += 1
-        elif kind in INTEGERS:
-            self.number()
-        elif kind == DOUBLE:
-            self.at += 8
-        elif kind == BINARY:
-            self.binary()
-        elif kind in (LIST, SET):
-            count, kind = self.count()
-            for _ in range(count):
-                self.skip(kind, depth + 1)
-        elif kind == STRUCT:
-            self.struct(NOTHING, depth)
-        else:
-            raise Damaged
-
-
 NOTHING = Shape({})
 """Of a struct that is read over."""
 
 
+def read_struct(content: bytes, at: int, shape: Shape) -> tuple[dict[int, Any], int]:
+    """The fields, by their numbers, of a struct that begins at a byte; and where it ends.
+
+    Of the fields only those that its shape has. Raises Damaged for one that is there twice or has
+    another kind, and for what is no struct.
+    """
+    try:
+        return struct(content, at, shape, 0)
+    except IndexError:  # the bytes have an end
+        raise Damaged from None
+
+
+def struct(content: bytes, at: int, shape: Shape, depth: int) -> tuple[dict[int, Any], int]:
+    """As `read_struct`, `depth` structs and lists down. Raises IndexError at the end.
+
+    A footer of a long recording has a million fields: what most of them are is read in place.
+    """
+    if depth > DEEPEST:
+        raise Damaged
+    fields = shape.fields
+    found: dict[int, Any] = {}
+    field = 0
+    while head := content[at]:
+        at += 1
+        kind = head & 0x0F
+        if head > 0x0F:
+            field += head >> 4
+        else:
+            field, at = signed(content, at, I16)
+        wanted = fields.get(field)
+        value: Any
+        if kind in BITS:
+            value = content[at]
+            at += 1
+            if value > 0x7F:
+                value, at = number(content, at - 1)
+                if value >> BITS[kind]:
+                    raise Damaged
+            value = (value >> 1) ^ -(value & 1)
+        elif kind == BINARY:
+            value, at = binary(content, at)
+        elif kind <= FALSE:  # which has no bytes of its own in a struct
+            value, kind = kind == TRUE, TRUE
+        elif kind == BYTE:
+            value = content[at]
+            at += 1
+        elif kind == STRUCT:
+            is_wanted = isinstance(wanted, Shape)
+            value, at = struct(content, at, wanted if is_wanted else NOTHING, depth + 1)
+            kind = wanted if is_wanted else kind
+        elif kind == LIST and isinstance(wanted, list):
+            value, at = items(content, at, wanted[0], depth + 1)
+            kind = wanted
+        else:
+            value, at = skipped(content, at, kind, depth + 1)
+        if wanted is not None:
+            if field in found or kind != wanted:
+                raise Damaged
+            found[field] = value
+    return found, at + 1
+
+
+def number(content: bytes, at: int) -> tuple[int, int]:
+    """A number of seven bits in each byte, below 2^64; and where it ends."""
+    value = 0
+    for shift in range(0, 70, 7):
+        more = content[at]
+        at += 1
+        value |= (more & 0x7F) << shift
+        if more < 0x80:
+            if value >> 64:
+                raise Damaged
+            return value, at
+    raise Damaged
+
+
+def signed(content: bytes, at: int, kind: int) -> tuple[int, int]:
+    """A number of a kind whose last bit is its sign; and where it ends."""
+    value, at = number(content, at)
+    if value >> BITS[kind]:
+        raise Damaged
+    return (value >> 1) ^ -(value & 1), at
+
+
+def binary(content: bytes, at: int) -> tuple[bytes, int]:
+    """Bytes that begin with their length; and where they end."""
+    length = content[at]
+    at += 1
+    if length > 0x7F:
+        length, at = number(content, at - 1)
+    end = at + length
+    if end > len(content):
+        raise Damaged
+    return content[at:end], end
+
+
+def count(content: bytes, at: int) -> tuple[int, int, int]:
+    """How many values a list has, of which kind, and where they begin."""
+    head = content[at]
+    at += 1
+    size = head >> 4
+    if size == 15:
+        size, at = number(content, at)
+    if size > len(content) - at:  # each has a byte at least
+        raise Damaged
+    return size, head & 0x0F, at
+
+
+def items(content: bytes, at: int, wanted: Any, depth: int) -> tuple[list[Any], int]:
+    """The values of a list, all of the kind that is wanted; and where it ends."""
+    size, kind, at = count(content, at)
+    found: list[Any] = []
+    if kind != kind_of(wanted):
+        if size:
+            raise Damaged
+        return found, at
+    for _ in range(size):
+        value: Any
+        if kind == STRUCT:
+            value, at = struct(content, at, wanted, depth)
+        elif kind == BINARY:
+            value, at = binary(content, at)
+        else:
+            value, at = signed(content, at, kind)
+        found.append(value)
+    return found, at
+
+
+def skipped(content: bytes, at: int, kind: int, depth: int) -> tuple[None, int]:
+    """Nothing, and where a value ends that is read over. Raises Damaged for no kind of Parquet."""
+    if depth > DEEPEST:
+        raise Damaged
+    if kind in (TRUE, FALSE, BYTE):
+        at += 1
+    elif kind in BITS:
+        _, at = number(content, at)
+    elif kind == DOUBLE:
+        at += 8
+    elif kind == BINARY:
+        _, at = binary(content, at)
+    elif kind in (LIST, SET):
+        size, kind, at = count(content, at)
+        for _ in range(size):
+            _, at = skipped(content, at, kind, depth + 1)
+    elif kind == STRUCT:
+        _, at = struct(content, at, NOTHING, depth)
+    else:
+        raise Damaged
+    return None, at
+
+
 def written_struct(shape: Shape, values: Mapping[int, Any]) -> bytes:
-    """A struct of these fields, as `ThriftReader.struct` reads it."""
+    """A struct of these fields, all of which are of its shape, as `read_struct` reads it."""
     out = bytearray()
     write_struct(out, shape, values)
     return bytes(out)
 
 
 def write_struct(out: bytearray, shape: Shape, values: Mapping[int, Any]) -> None:
-    """Append a struct of these fields, all of which are of its shape."""
+    """Append a struct of these fields."""
     last = 0
     for field, value in sorted(values.items()):
         wanted = shape.fields[field]
-        kind = kind_of(wanted, value)
-        step = field - last
-        if step < 16:
-            out.append(step << 4 | kind)
-        else:
-            out.append(kind)
-            write_number(out, field << 1)
+        kind = FALSE if value is False else kind_of(wanted)
+        out.append((field - last) << 4 | kind)  # no field here is sixteen after another
         last = field
-        if kind not in (TRUE, FALSE):
+        if kind in BITS:
+            write_number(out, value << 1 if value >= 0 else (-value << 1) - 1)
+        elif kind > FALSE:
             write_value(out, wanted, value)
     out.append(0)
 
 
-def kind_of(wanted: Any, value: Any) -> int:
-    """The protocol's number for a value of a declared kind."""
-    if isinstance(wanted, Shape):
-        return STRUCT
-    if isinstance(wanted, list):
-        return LIST
-    return FALSE if wanted == TRUE and not value else int(wanted)
+def kind_of(wanted: Any) -> int:
+    """The protocol's number for a declared kind."""
+    if isinstance(wanted, int):
+        return wanted
+    return STRUCT if isinstance(wanted, Shape) else LIST
 
 
 def write_value(out: bytearray, wanted: Any, value: Any) -> None:
@@ -186,7 +217,7 @@ def write_value(out: bytearray, wanted: Any, value: Any) -> None:
     if isinstance(wanted, Shape):
         write_struct(out, wanted, value)
     elif isinstance(wanted, list):
-        kind = kind_of(wanted[0], True)
+        kind = kind_of(wanted[0])
         if len(value) < 15:
             out.append(len(value) << 4 | kind)
         else:
