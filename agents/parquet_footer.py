@@ -138,7 +138,7 @@ def leaves_of(elements: list[dict[int, Any]]) -> Iterator[Leaf]:
     """
     if not 1 < len(elements) <= MOST_COLUMNS or KIND in elements[0]:
         raise Damaged
-    left = [(elements[0].get(CHILDREN, 0), [], False)]
+    left: list[tuple[int, list[bytes], bool]] = [(elements[0].get(CHILDREN, 0), [], False)]
     """Of each group that is open: how many are still to come in it, its path, its repetition."""
     if left[0][0] < 1:
         raise Damaged
@@ -179,8 +179,7 @@ def checked_group(group: dict[int, Any], leaves: list[Leaf], start: int) -> dict
     if rows < 0 or len(chunks) != len(leaves):
         raise Damaged
     made = [
-        checked_chunk(chunk, leaf, rows, start)
-        for chunk, leaf in zip(chunks, leaves, strict=True)
+        checked_chunk(chunk, leaf, rows, start) for chunk, leaf in zip(chunks, leaves, strict=True)
     ]
     total = sum(chunk[META][UNPACKED] for chunk in made)
     return {CHUNKS: made, BYTES: min(total, 2**62), GROUP_ROWS: rows}

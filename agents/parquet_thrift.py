@@ -13,6 +13,8 @@ TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range
 BITS = {I16: 16, I32: 32, I64: 64}
 DEEPEST = 16
 """Structs and lists within each other."""
+MOST_STRUCTS = 2**20
+"""Structs that are kept: half a gigabyte, and the footer of a recording of 800 000 000 rows."""
 
 
 class Damaged(ValueError):
@@ -39,24 +41,30 @@ def read_struct(content: bytes, at: int, shape: Shape) -> tuple[dict[int, Any], 
     another kind, and for what is no struct.
     """
     try:
-        return struct(content, at, shape, 0)
+        return struct(content, at, shape, 0, [MOST_STRUCTS])
     except IndexError:  # the bytes have an end
         raise Damaged from None
 
 
-def struct(content: bytes, at: int, shape: Shape, depth: int) -> tuple[dict[int, Any], int]:
-    """As `read_struct`, `depth` structs and lists down. Raises IndexError at the end.
+def struct(
+    content: bytes, at: int, shape: Shape, depth: int, left: list[int]
+) -> tuple[dict[int, Any], int]:
+    """As `read_struct`, `depth` structs and lists down, of which `left[0]` may still come.
+
+    Raises IndexError at the end of the bytes.
 
     A footer of a long recording has a million fields: what most of them are is read in place.
     """
-    if depth > DEEPEST:
+    if shape is not NOTHING:  # which takes no memory
+        left[0] -= 1
+    if depth > DEEPEST or left[0] < 0:
         raise Damaged
     fields = shape.fields
     found: dict[int, Any] = {}
     field = 0
     while head := content[at]:
         at += 1
-        kind = head & 0x0F
+        kind: Any = head & 0x0F
         if head > 0x0F:
             field += head >> 4
         else:
@@ -79,14 +87,14 @@ def struct(content: bytes, at: int, shape: Shape, depth: int) -> tuple[dict[int,
             value = content[at]
             at += 1
         elif kind == STRUCT:
-            is_wanted = isinstance(wanted, Shape)
-            value, at = struct(content, at, wanted if is_wanted else NOTHING, depth + 1)
-            kind = wanted if is_wanted else kind
+            inner = wanted if isinstance(wanted, Shape) else NOTHING
+            value, at = struct(content, at, inner, depth + 1, left)
+            kind = wanted if inner is wanted else kind
         elif kind == LIST and isinstance(wanted, list):
-            value, at = items(content, at, wanted[0], depth + 1)
+            value, at = items(content, at, wanted[0], depth + 1, left)
             kind = wanted
         else:
-            value, at = skipped(content, at, kind, depth + 1)
+            value, at = skipped(content, at, kind, depth + 1, left)
         if wanted is not None:
             if field in found or kind != wanted:
                 raise Damaged
@@ -140,7 +148,9 @@ def count(content: bytes, at: int) -> tuple[int, int, int]:
     return size, head & 0x0F, at
 
 
-def items(content: bytes, at: int, wanted: Any, depth: int) -> tuple[list[Any], int]:
+def items(
+    content: bytes, at: int, wanted: Any, depth: int, left: list[int]
+) -> tuple[list[Any], int]:
     """The values of a list, all of the kind that is wanted; and where it ends."""
     size, kind, at = count(content, at)
     found: list[Any] = []
@@ -151,7 +161,7 @@ def items(content: bytes, at: int, wanted: Any, depth: int) -> tuple[list[Any], 
     for _ in range(size):
         value: Any
         if kind == STRUCT:
-            value, at = struct(content, at, wanted, depth)
+            value, at = struct(content, at, wanted, depth, left)
         elif kind == BINARY:
             value, at = binary(content, at)
         else:
@@ -160,7 +170,7 @@ def items(content: bytes, at: int, wanted: Any, depth: int) -> tuple[list[Any], 
     return found, at
 
 
-def skipped(content: bytes, at: int, kind: int, depth: int) -> tuple[None, int]:
+def skipped(content: bytes, at: int, kind: int, depth: int, left: list[int]) -> tuple[None, int]:
     """Nothing, and where a value ends that is read over. Raises Damaged for no kind of Parquet."""
     if depth > DEEPEST:
         raise Damaged
@@ -175,9 +185,9 @@ def skipped(content: bytes, at: int, kind: int, depth: int) -> tuple[None, int]:
     elif kind in (LIST, SET):
         size, kind, at = count(content, at)
         for _ in range(size):
-            _, at = skipped(content, at, kind, depth + 1)
+            _, at = skipped(content, at, kind, depth + 1, left)
     elif kind == STRUCT:
-        _, at = struct(content, at, NOTHING, depth)
+        _, at = struct(content, at, NOTHING, depth, left)
     else:
         raise Damaged
     return None, at

@@ -79,8 +79,6 @@ def recover(folder: str | Path) -> dict[str, int]:
 def recovered(part: Part) -> dict[str, int]:
     """The rows by table of what was left of a part, of which tables are made. Raises Refusal."""
     demand_parquet("a recording of the laboratory")
-    import pyarrow as pa
-
     found = {}
     for name in TABLES:
         stream = part.stream(name)
@@ -88,7 +86,7 @@ def recovered(part: Part) -> dict[str, int]:
             continue
         try:
             found[name] = finish(stream, part.table(name))
-        except (OSError, pa.ArrowInvalid) as error:
+        except OSError as error:
             raise Refusal(f"{str(stream)!r} cannot be recovered: {error}") from None
     return found
 

@@ -22,6 +22,7 @@ from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
 from app.live.recording.columns import columns_of, described
 from app.live.recording.record import TABLES
+from app.live.recording.stream import LONGEST, arrow_type
 from worlds.refusal import Refusal, unknown
 from worlds.writing import writing
 
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
 BATCH = 10_000
 """Rows that are read at once."""
-LONGEST = 2**20
-"""Bytes of a text in a table: events keep what was asked, whatever a browser sent."""
 Row = dict[str, Any]
 
 
@@ -178,6 +177,10 @@ def meta_of(path: Path) -> dict[str, Any]:
     missing = [name for name in TABLES[path.stem] if name not in table.names]
     if missing:
         raise Refusal(f"{str(path)!r} has no column {missing[0]!r}")
+    for name, kind in TABLES[path.stem].items():
+        there = table.schema.field(name).type
+        if there != arrow_type(kind):
+            raise Refusal(f"{str(path)!r}: its column {name!r} is {there}, {kind} is needed")
     return meta
 
 
