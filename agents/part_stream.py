@@ -118,10 +118,10 @@ class PartStream:
                 waiting.append(batch)
                 count += batch.num_rows
             if count >= rows:
-                yield pa.concat_batches(waiting)
+                yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
                 waiting, count = [], 0
         if waiting:
-            yield pa.concat_batches(waiting)
+            yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
 
     def next_batch(self) -> Any:
         """The next record batch; None where no sound one follows. Raises Refusal, OSError."""
