@@ -292,7 +292,8 @@ def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:
     axes = AXES[:dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        signals = [column[name] for name in one.columns]
+        unread = dict.fromkeys(one.rule.written, np.zeros(table.num_rows))
+        signals = [(unread | column)[name] for name in one.columns]
         mortal = one.body.touches is not None
         crash_record = [column[name] for name in crash_columns(dim)] if mortal else []
         arrays = Arrays(

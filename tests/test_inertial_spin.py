@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -101,31 +102,77 @@ def test_a_chain_has_the_waves_of_the_linear_theory(mode):
 
 
 def test_friction_stops_a_lone_turn():
-    """ds/dt = -(eta / chi) s: a factor of 1 / (1 + eta dt / chi) each tick."""
+    """ds/dt = -(eta / chi) s: e^(-eta t / chi) of it is left, and it has turned by its integral."""
     first = {"position": [[0.0, 0.0]], "heading": [[1.0, 0.0]]}
     flock = Flock(
         "inertial-spin", start=first, world="open", size=9.0, dim=2, eta=0.5, chi=2.0, T=0.0, dt=0.1
     )
     flock.arrays.memory[2, 0] = 0.4
     flock.run(10)
-    left = 1.0 / (1.0 + 0.5 * 0.1 / 2.0)
-    assert spins(flock)[0] == pytest.approx([0.0, 0.0, 0.4 * left**10])
-    turned = 0.1 / 2.0 * 0.4 * sum(left**k for k in range(1, 11))
+    left = math.exp(-0.5 * 1.0 / 2.0)
+    assert spins(flock)[0] == pytest.approx([0.0, 0.0, 0.4 * left])
+    turned = 0.4 / 0.5 * (1.0 - left)
     assert flock.heading[0] == pytest.approx([math.cos(turned), math.sin(turned)])
     assert flock.speed[0] == 1.0
 
 
+LAWS = [
+    (0.05, 5.0, 0.05),
+    (1.0, 0.1, 0.05),
+    (0.001, 100.0, 1.0),
+    (100.0, 0.01, 1.0),
+    (1.5, 3.0, 0.02),
+]
+"""chi, eta and dt from one end of their ranges to the other."""
+
+
 @pytest.mark.parametrize("dim", [2, 3])
-def test_alone_the_spin_has_the_energy_of_its_temperature(dim):
-    """<s^2> / (2 chi) is T / 2 for each of the d - 1 ways to turn."""
-    n, chi, T, eta, dt = 4000, 1.5, 0.2, 3.0, 0.02
+@pytest.mark.parametrize(("chi", "eta", "dt"), LAWS)
+def test_alone_the_spin_has_the_energy_of_its_temperature(dim, chi, eta, dt):
+    """<s^2> / (2 chi) is T / 2 for each of the d - 1 ways to turn, at any length of a tick."""
+    n, T = 200_000, 0.01
     flock = Flock(
-        "inertial-spin", agents=n, size=500.0, dim=dim, rng=2, J=0.0, chi=chi, T=T, eta=eta, dt=dt
+        "inertial-spin",
+        agents=n,
+        size=2000.0,
+        dim=dim,
+        rng=2,
+        r=0.05,
+        J=0.0,
+        chi=chi,
+        T=T,
+        eta=eta,
+        dt=dt,
     )
-    flock.run(250)  # ten times chi / eta
+    a = eta * dt / chi
+    flock.run(min(25, math.ceil(4.0 / a)))
+    passed = 1.0 - math.exp(-2.0 * a * flock.tick)
     per_way = (spins(flock) ** 2).sum(axis=1).mean() / (dim - 1)
-    expected = chi * T / (1.0 + 0.5 * eta * dt / chi)
-    assert per_way == pytest.approx(expected, rel=5.0 * math.sqrt(2.0 / (n * (dim - 1))))
+    assert per_way == pytest.approx(chi * T * passed, rel=0.01)
+    across = (spins(flock)[:, :dim] * flock.heading).sum(axis=1)
+    assert np.abs(across).max() < 1e-9 * math.sqrt(chi * T), "a spin stays across its heading"
+
+
+@pytest.mark.parametrize(("chi", "eta", "dt"), LAWS)
+def test_alone_it_turns_at_random_as_far_as_its_law_says(chi, eta, dt):
+    """Ornstein and Fuerth: <angle^2> of a spin that begins at 0, in the plane, after t."""
+    n, T, ticks = 40_000, 1e-4, 20
+    place = np.indices((200, 200)).reshape(2, n).T * 2.0
+    first = {"position": place, "heading": planar(np.zeros(n))}
+    flock = Flock(
+        "inertial-spin", start=first, world="open", dim=2, rng=3, r=0.05, v0=STILL, J=0.0, chi=chi,
+        T=T, eta=eta, dt=dt,
+    )  # fmt: skip
+    flock.run(ticks)
+    g, t = eta / chi, ticks * dt
+    e = math.exp(-g * t)
+    if g * t > 1e-2:
+        law = 2.0 * T * eta / (chi * g) ** 2 * (t - 2.0 * (1.0 - e) / g + (1.0 - e * e) / (2.0 * g))
+    else:
+        law = 2.0 * T * eta / chi**2 * t**3 * (1.0 / 3.0 - g * t / 4.0)
+    angle = np.arctan2(flock.heading[:, 1], flock.heading[:, 0])
+    assert (angle**2).mean() == pytest.approx(law, rel=5.0 * math.sqrt(2.0 / n))
+    assert angle.mean() == pytest.approx(0.0, abs=5.0 * math.sqrt(law / n))
 
 
 def test_without_inertia_it_is_a_vicsek_model_in_continuous_time():
@@ -155,3 +202,17 @@ def test_an_information_agent_keeps_its_heading_and_the_others_come_round():
     flock.run(3000)
     assert flock.heading[0] == pytest.approx([math.cos(1.0), math.sin(1.0)])
     assert flock.observe("polarisation") > 0.999
+
+
+def test_a_state_from_before_there_was_a_mean_spin_goes_on(tmp_path):
+    """It is written anew in each tick, so that nothing is lost."""
+    flock = Flock("inertial-spin", agents=20, rng=1)
+    flock.run(20)
+    flock.save(tmp_path / "new.parquet")
+    flock.run(10)
+    table = pq.read_table(tmp_path / "new.parquet")
+    old = [name for name in table.column_names if not name.startswith("mean_spin")]
+    pq.write_table(table.select(old), tmp_path / "old.parquet")
+    again = Flock.load(tmp_path / "old.parquet")
+    again.run(10)
+    np.testing.assert_array_equal(again.heading, flock.heading)

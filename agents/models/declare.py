@@ -258,6 +258,8 @@ class Rule:
     """Compiled: (me, near, p, out). Signals for the next tick."""
     memory: tuple[str, ...] = ()
     """What an agent keeps to itself, in the order of `me.memory`; 0 at the start."""
+    written: tuple[str, ...] = ()
+    """Of its memory, what each tick writes before it is read: files without it are read as well."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Units of its signals and its memory by name, of points and vectors NAME_x, NAME_y, ... by
     NAME; what has none is a pure number."""

@@ -12,8 +12,10 @@ with white noise xi, of variance 2 eta T per time in each component. Without ine
 is a Vicsek model in continuous time. In the plane s is across it, and the angle phi of the heading
 goes by chi d^2 phi/dt^2 = J sum_j sin(phi_j - phi) - eta dphi/dt + noise.
 
-A tick takes the spin first, its friction implicitly, then the velocity: without friction and noise
-that is symplectic, and friction of any strength is stable.
+A tick takes the torque first, then friction, noise and turning together, as their equations are
+solved exactly (Uhlenbeck and Ornstein 1930, Physical Review 36, 823): so the temperature, and how
+far an agent without neighbours turns at random, are right at any length of the tick. Without
+friction and noise that is symplectic.
 """
 
 from __future__ import annotations
@@ -26,6 +28,8 @@ from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import Proof, Try
 from worlds.compiled import compiled
 
+SMALL = 0.01
+"""Of eta dt / chi, below which series are taken: differences of near numbers tell nothing."""
 DRAW = 4
 """The first of the draws of a rule's own; each normal number takes two."""
 
@@ -99,24 +103,61 @@ def cross(ax, ay, az, bx, by, bz):
 
 
 @compiled
-def shaken(me, p):
-    """u x xi dt over a tick: normal, of variance 2 eta T dt along each axis across the heading.
+def left_of(a):
+    """What friction leaves of a spin after a tick, and of it over the tick in the mean: e^-a and
+    (1 - e^-a) / a, where a = eta dt / chi."""
+    if a < SMALL:
+        mean = 1.0 - a * (1.0 / 2.0 - a * (1.0 / 6.0 - a * (1.0 / 24.0 - a / 120.0)))
+        return 1.0 - a * mean, mean
+    left = math.exp(-a)
+    return left, (1.0 - left) / a
+
+
+@compiled
+def noise_of(a, left, mean):
+    """What noise adds to a spin over a tick, in units of sqrt(T chi): its standard deviation, the
+    share of it that the mean over the tick has, and the standard deviation of that mean's rest."""
+    deviation = math.sqrt(a * mean * (1.0 + left))
+    if a < SMALL:
+        half = a * (1.0 / 3.0 - a * (1.0 / 4.0 - a * 7.0 / 60.0))
+    else:
+        half = (1.0 - mean) / a - 0.5 * mean * mean
+    rest = 2.0 * half - a * mean**3 / (1.0 + left)
+    return deviation, mean / (1.0 + left), math.sqrt(max(rest, 0.0))
+
+
+@compiled
+def shaken(me, size, draw):
+    """u x xi: normal, of standard deviation `size` along each axis across the heading.
 
     In the plane it is along z alone.
     """
-    size = math.sqrt(2.0 * p.eta * p.T * p.dt)
-    if size == 0.0:
-        return 0.0, 0.0, 0.0
-    one = size * normal(me.key, me.id, DRAW)
+    one = size * normal(me.key, me.id, draw)
     if me.uz == 0.0 and me.memory[0] == 0.0 and me.memory[1] == 0.0:
         return 0.0, 0.0, one
-    two, three = size * normal(me.key, me.id, DRAW + 2), size * normal(me.key, me.id, DRAW + 4)
+    two, three = size * normal(me.key, me.id, draw + 2), size * normal(me.key, me.id, draw + 4)
     return cross(me.ux, me.uy, me.uz, one, two, three)
 
 
 @compiled
+def turn_with(s, angle):
+    """Turn the spin s[0:3] as its agent turns, about s[3:6] by so much for each unit of it."""
+    size = math.sqrt(s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
+    if size == 0.0:
+        return
+    ax, ay, az = s[3] / size, s[4] / size, s[5] / size
+    c, si = math.cos(angle * size), math.sin(angle * size)
+    x, y, z = cross(ax, ay, az, s[0], s[1], s[2])
+    along = (1.0 - c) * (ax * s[0] + ay * s[1] + az * s[2])
+    s[0] = c * s[0] + si * x + along * ax
+    s[1] = c * s[1] + si * y + along * ay
+    s[2] = c * s[2] + si * z + along * az
+
+
+@compiled
 def perceive(me, near, surroundings, p):
-    """The spin after this tick: ds/dt = J u x sum_j u_j - (eta / chi) s + u x xi.
+    """The spin after this tick, and its mean over it: ds/dt = J u x sum_j u_j - (eta / chi) s +
+    u x xi.
 
     With dv/dt = s x v / chi the friction v x (eta / v_0^2) dv/dt is (eta / chi) s, as s stays
     across v.
@@ -128,22 +169,34 @@ def perceive(me, near, surroundings, p):
         y += n * near.uy[j]
         z += n * near.uz[j]
     tx, ty, tz = cross(me.ux, me.uy, me.uz, x, y, z)
-    nx, ny, nz = shaken(me, p)
     s = me.memory
     along = s[0] * me.ux + s[1] * me.uy + s[2] * me.uz  # 0 but where an edge has turned the heading
-    left = 1.0 / (1.0 + p.eta * p.dt / p.chi)
+    a = p.eta * p.dt / p.chi
+    left, mean = left_of(a)
     h = p.J * p.dt
-    s[0] = left * (s[0] - along * me.ux + h * tx + nx)
-    s[1] = left * (s[1] - along * me.uy + h * ty + ny)
-    s[2] = left * (s[2] - along * me.uz + h * tz + nz)
+    x = s[0] - along * me.ux + h * tx
+    y = s[1] - along * me.uy + h * ty
+    z = s[2] - along * me.uz + h * tz
+    nx = ny = nz = rx = ry = rz = share = 0.0
+    size = math.sqrt(p.T * p.chi)
+    if a * size > 0.0:
+        deviation, share, rest = noise_of(a, left, mean)
+        nx, ny, nz = shaken(me, size * deviation, DRAW)
+        rx, ry, rz = shaken(me, size * rest, DRAW + 6)
+    s[0], s[1], s[2] = left * x + nx, left * y + ny, left * z + nz
+    s[3] = mean * x + share * nx + rx
+    s[4] = mean * y + share * ny + ry
+    s[5] = mean * z + share * nz + rz
+    if a * size > 0.0:
+        turn_with(s, p.dt / p.chi)
 
 
 @compiled
 def decide(me, near, surroundings, p):
-    """dv/dt = (1 / chi) s x v."""
+    """dv/dt = (1 / chi) s x v, with the mean of s over the tick."""
     h = p.v0 / p.chi
     s = me.memory
-    x, y, z = cross(s[0], s[1], s[2], me.ux, me.uy, me.uz)
+    x, y, z = cross(s[3], s[4], s[5], me.ux, me.uy, me.uz)
     return Wish(h * x, h * y, h * z)
 
 
@@ -159,9 +212,10 @@ RULE = Rule(
     parameters=Spins,
     decide=decide,
     wish="acceleration",
-    memory=("spin_x", "spin_y", "spin_z"),
-    units={"spin": "s"},
-    words={"spin": "spin"},
+    memory=("spin_x", "spin_y", "spin_z", "mean_spin_x", "mean_spin_y", "mean_spin_z"),
+    written=("mean_spin_x", "mean_spin_y", "mean_spin_z"),
+    units={"spin": "s", "mean_spin": "s"},
+    words={"spin": "spin", "mean_spin": "mean spin of the last tick"},
     perceive=perceive,
     checked="a turn runs through the flock as a wave, the faster the stronger it is ordered "
     "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "

@@ -36,10 +36,12 @@ def step(x, u, s, p, size=None):
             if j != i and np.linalg.norm(images(x[j] - x[i], size)) <= p["r"]:
                 pull += in_space(p["v0"] * u[j])
         torque = p["J"] / p["v0"] ** 2 * np.cross(v, pull)
-        # friction implicitly: s' - s = dt (torque - v x (eta / v0^2) dv/dt), dv/dt = s' x v / chi
-        spin = (s[i] + p["dt"] * torque) / (1 + p["dt"] * p["eta"] / p["chi"])
-        rate = np.linalg.norm(spin) / p["chi"]
-        if rate > 0:
-            v = turned(v, spin / np.linalg.norm(spin), rate * p["dt"])
+        # the torque at once, then ds/dt = - v x (eta / v0^2) dv/dt = -(eta / chi) s, solved
+        spin = s[i] + p["dt"] * torque
+        a = p["dt"] * p["eta"] / p["chi"]
+        angle = np.linalg.norm(spin) / p["chi"] * p["dt"] * (-np.expm1(-a) / a if a > 0 else 1)
+        if angle > 0:
+            v = turned(v, spin / np.linalg.norm(spin), angle)
+        spin = np.exp(-a) * spin
         new_s[i], new_u[i] = spin, v[:dim] / p["v0"]
     return x + p["dt"] * p["v0"] * new_u, new_u, new_s
