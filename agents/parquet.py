@@ -162,6 +162,7 @@ class ParquetTable:
         for name, column in zip(batch.schema.names, batch.columns, strict=True):
             if pa.types.is_dictionary(column.type):
                 words = column.dictionary
+                words.validate(full=True)  # text that is no UTF-8
                 if is_text(words.type) and (
                     (pc.max(pc.binary_length(words)).as_py() or 0) > self.longest
                 ):
