@@ -17,6 +17,7 @@ PACKAGES = ("app", "agents", "worlds")
 LAZY = {
     ("agents/parquet.py", "pyarrow"),  # as for those who record
     ("agents/frames.py", "pyarrow"),
+    ("agents/part_stream.py", "pyarrow"),
     ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
     ("agents/conditions.py", "scipy"),  # 0.2 s, for runs with gusts
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
