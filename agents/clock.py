@@ -18,6 +18,7 @@ class TickClock(mesa.Model):
     that are used here are the same in Mesa 3.5 and 4.0.0a0, and `tests/mesa` says when not.
     """
 
+    time: float
     _tick = 0
     _loops = 0
     """How many of Mesa's event loops are under way, one inside the other."""

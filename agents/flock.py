@@ -24,7 +24,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, Spec, versions, whole
+from agents.spec import DEFAULT, OPTIONS, Spec, versions, whole
 from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
@@ -32,6 +32,11 @@ from worlds.refusal import Refusal, unknown
 MOST_THREADS = 1024
 MADE_ANEW = {"_engine", "_wind", "context", "passing"}
 """Attributes of a flock that follow from the others, and hold compiled code."""
+OWN_WORDS = (
+    *("start", "rng", "threads", "interpret"),
+    *("collect", "model_reporters", "agent_reporters"),
+)
+"""What `Flock` takes beside options and parameters."""
 
 
 class Flock(TickClock, Motion):
@@ -62,7 +67,7 @@ class Flock(TickClock, Motion):
         activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
         noise: `angular` or `vectorial`: what `eta` means; one that is part of a rule stays;
         delay, jitter, lost: how old what agents know of each other is, time >= 0, and the share of
-        messages that get lost, in [0, 0.99];
+        messages that get lost, in [0, 0.99]; place_error: how exactly they know where others are;
         wind, wind_heading, wind_up, gusts, gust_time, pulse, pulse_at, pulse_lasts: what carries
         them along, see `agents.conditions.Conditions`;
         spacing: least distance at the start between agents and of agents to obstacles and solid
@@ -115,7 +120,9 @@ class Flock(TickClock, Motion):
         begins = "random" if start is None else "given"
         self.options = spec.model_copy(update={"seed": self.seed, "start": begins})
         self.interpret = interpret
-        self.parameters = checked(self.model.parameters, spec.parameters)
+        self.parameters = checked(
+            self.model.parameters, spec.parameters, others=(*OPTIONS, *OWN_WORDS)
+        )
         self.world = find_world(self.options, self.model)
         if spec.informed and not self.model.rule.led:
             raise Refusal(
@@ -344,14 +351,14 @@ class Flock(TickClock, Motion):
         super().deregister_agent(member)
         member.leave()
 
-    def reset_rng(self, rng: Any = None) -> None:
+    def reset_rng(self, rng: Any = None) -> None:  # noqa: ARG002 - as in Mesa
         """Refused: the noise of a run follows its seed alone."""
         raise Refusal(
             "reset_rng would not reset a flock: its noise follows its seed, tick and agents; make "
             "a new Flock(..., rng=SEED)"
         )
 
-    def reset_randomizer(self, seed: int | None = None) -> None:
+    def reset_randomizer(self, seed: int | None = None) -> None:  # noqa: ARG002 - as in Mesa
         """Refused, as `reset_rng`."""
         raise Refusal(
             "reset_randomizer would not reset a flock: its noise follows its seed, tick and "
@@ -369,7 +376,7 @@ class Flock(TickClock, Motion):
         return state | {"model": self.model.name, "parameters": self.parameters.model_dump()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
+        self.__dict__.update(state)
         self.model = catalogue.model(state["model"])
         self.parameters = checked(self.model.parameters, state["parameters"])
         self._use(self.arrays)

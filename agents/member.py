@@ -54,7 +54,9 @@ class Member(mesa.Agent):
     def row(self) -> int:
         """Its row in the flock's arrays now. Raises Refusal once it is gone, as all else does."""
         if self._row is None:
-            raise Refusal(f"agent {self.unique_id} is gone: it left the flock at tick {self._gone_at}")
+            raise Refusal(
+                f"agent {self.unique_id} is gone: it left the flock at tick {self._gone_at}"
+            )
         return self._row
 
     @row.setter
@@ -116,7 +118,9 @@ class Member(mesa.Agent):
                 "flock.set(...), see `flockscope list`"
             )
         if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < np.inf):
-            raise Refusal(f"speed = {shortened(value)} is not allowed: a finite number >= 0 is needed")
+            raise Refusal(
+                f"speed = {shortened(value)} is not allowed: a finite number >= 0 is needed"
+            )
         flock.speed[row] = value
 
     @property
@@ -167,7 +171,9 @@ def vector(name: str, value: Any, dim: int) -> np.ndarray:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (dim,) or not np.isfinite(array).all():
-        raise Refusal(f"{name} = {shortened(value)} is not allowed: {dim} finite numbers are needed")
+        raise Refusal(
+            f"{name} = {shortened(value)} is not allowed: {dim} finite numbers are needed"
+        )
     return array
 
 

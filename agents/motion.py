@@ -279,7 +279,7 @@ class Motion(State):
         return kept
 
     def _demand_as_many(self, n: int) -> None:
-        """Raise Refusal where an event has changed the number of agents of a run that counts them."""
+        """Raise Refusal where an event has changed the number of agents of such a run."""
         if len(self.ids) != n:
             raise Refusal(
                 f"an event at tick {self.tick} left {len(self.ids)} agents of {n}: a run that "

@@ -1,11 +1,13 @@
-"""Writes docs/papers.md from its text and from stored results of full runs.
+"""Writes docs/papers.md, and what README.md counts of it, from stored results of full runs.
 
     uv run flockscope paper --all --json > results/all.json
-    uv run python docs/make_papers.py [results/all.json]
+    uv run python docs/make_papers.py [results/all.json ...]
 
-With a file, its results are stored beside the text first, as `docs/papers/NAME.json`, and the
-pictures that it names with them. A line `{NAME}` of the text becomes the table and the claims of
-that experiment. A test holds the page against both.
+With files, of all papers or of one, their results are stored beside the text first, as
+`docs/papers/NAME.json`, and the pictures that they name with them; words that are others than those
+stored before are noted in `docs/papers/changed.json`. A line `{NAME}` of the text becomes the table
+and the claims of that experiment, `{judge}` what `benchmarks/judge.py --json` has printed into
+`docs/papers/judge.json`. A test holds the pages against all of them.
 """
 
 from __future__ import annotations
@@ -15,10 +17,14 @@ import re
 import shutil
 import sys
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 HERE = Path(__file__).parent / "papers"
 TEXT, PAGE = HERE / "papers.md.in", HERE.parent / "papers.md"
+README, CHANGED = HERE.parents[1] / "README.md", HERE / "changed.json"
+COUNTED = re.compile(r"(?<=<!-- counted by docs/make_papers.py -->\n).*?(?=\n<!-- -->)", re.S)
+"""Where README.md says how many rows agree."""
 KEPT = ("name", "title", "source", "claims")
 ROW = (
     *("label", "agents", "parameter", "value", "against", "at", "way", "tick"),
@@ -27,34 +33,140 @@ ROW = (
     *("z", "d", "expected", "why"),
 )
 """What is kept of an outcome, and of its rows as far as they have it."""
+WIDTH = 118
+"""Of a line of text."""
 MOST_ROWS = 40
 """Rows beyond which a table is left to the picture."""
 SIGNS = {"holds": "holds", "does not hold": "**does not hold**", "differs": "**differs**"}
 
 
 def main() -> None:
-    """Store results if there are any, and write the page."""
-    if len(sys.argv) > 1:
-        for one in json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))["papers"]:
+    """Store results if there are any, and write the pages."""
+    for path in sys.argv[1:]:
+        read = json.loads(Path(path).read_text(encoding="utf-8"))
+        for one in read.get("papers", [read]):
             store(one)
     PAGE.write_text(page(), encoding="utf-8")
+    README.write_text(counted(README.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 def store(outcome: dict[str, Any]) -> None:
-    """Keep an outcome, and its picture where the text shows it."""
+    """Keep an outcome, what it says otherwise than before, and its picture where it is shown."""
     kept = {key: outcome[key] for key in KEPT}
     kept["rows"] = [{key: row[key] for key in ROW if key in row} for row in outcome["rows"]]
     path = HERE / f"{outcome['name']}.json"
+    if path.exists():
+        before = json.loads(path.read_text(encoding="utf-8"))
+        if is_old(before):
+            note_changes(kept, before)
     path.write_text(json.dumps(kept, separators=(",", ":")) + "\n", encoding="utf-8")
     picture = outcome["files"].get("png")
     if picture and f"papers/{Path(picture).name})" in TEXT.read_text(encoding="utf-8"):
         shutil.copyfile(picture, HERE / Path(picture).name)
 
 
+def note_changes(now: dict[str, Any], before: dict[str, Any]) -> None:
+    """Note words that are others than those stored before."""
+    old, new = words_of(before), words_of(now)
+    found = json.loads(CHANGED.read_text(encoding="utf-8")) if CHANGED.exists() else {}
+    lines = [
+        f"{what}: {old[what]} before, now {word}"
+        for what, word in new.items()
+        if old.get(what, word) != word
+    ]
+    if lines:
+        found[now["name"]] = lines
+        CHANGED.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def words_of(outcome: dict[str, Any]) -> dict[str, str]:
+    """The words that an experiment gives, by what they are said of: rows, and claims as far as
+    their text is no measured number."""
+    rows = [row for row in outcome["rows"] if row.get("verdict")]
+    found = {f"N = {row['agents']}, {row_of(row)[1]}, {row['measure']}": row for row in rows}
+    for claim in outcome["claims"]:
+        text = re.split(r"[;(]| the mean changes by |, 99 %", claim["text"])[0]
+        found[re.sub(r"(?<=[a-zA-Z])(?<! of) [-+]?[\d.]+(?=( <|\s*$| and|,))", "", text)] = claim
+    return {what: one["verdict"] for what, one in found.items()}
+
+
 def page() -> str:
     """The page: the text with tables and claims in the places of their names."""
     text = TEXT.read_text(encoding="utf-8")
-    return re.sub(r"^\{([\w.-]+)\}$", lambda found: block(found[1]), text, flags=re.M)
+    made = {"judge": judge_table, "changed": changed_list}
+    return re.sub(
+        r"^\{([\w.-]+)\}$",
+        lambda found: made[found[1]]() if found[1] in made else block(found[1]),
+        text,
+        flags=re.M,
+    )
+
+
+def counted(readme: str) -> str:
+    """README.md with what it counts of the stored results."""
+    one, other = (
+        stored(f"liu2021-table{k}", measure) for k, measure in ((1, "k_con"), (2, "success"))
+    )
+    said = (
+        f"Of the {len(one)} rows of table 1 of Liu et al. 2021, {count_words(one)}. "
+        f"Of the {len(other)} success rates of table 2, whose scene is known from a picture only, "
+        f"{count_words(other)}."
+    )
+    return COUNTED.sub(fill(said, WIDTH), readme)
+
+
+def stored(name: str, measure: str) -> list[dict[str, Any]]:
+    """The rows of a stored result that are compared by a measure."""
+    rows = json.loads((HERE / f"{name}.json").read_text(encoding="utf-8"))["rows"]
+    return [row for row in rows if row["measure"] == measure and row.get("verdict")]
+
+
+def count_words(rows: list[dict[str, Any]]) -> str:
+    """How many rows have each word.
+
+    >>> count_words([{"verdict": "agrees"}, {"verdict": "differs"}, {"verdict": "agrees"}])
+    '2 agree and 1 differs'
+    """
+    words = {"agrees": "agree", "differs": "differ", "undecided": "undecided"}
+    counts = {word: sum(row["verdict"] == word for row in rows) for word in words}
+    said = [f"{n} {word if n == 1 else words[word]}" for word, n in counts.items() if n]
+    return " and ".join([", ".join(said[:-1]), said[-1]]) if said[1:] else said[0]
+
+
+def changed_list() -> str:
+    """The words that changed, by experiment, and the experiments that are still to be judged."""
+    found = json.loads(CHANGED.read_text(encoding="utf-8")) if CHANGED.exists() else {}
+    lines = [f"- `{name}`: {one}" for name, changed in sorted(found.items()) for one in changed]
+    old = [
+        path.stem
+        for path in sorted(HERE.glob("*.json"))
+        if is_old(json.loads(path.read_text(encoding="utf-8")))
+    ]
+    if old:
+        said = f"Still of the rule before, and made anew with their next runs: {', '.join(old)}."
+        lines += ["", fill(said, WIDTH, break_on_hyphens=False)]
+    return "\n".join(lines).strip()
+
+
+def is_old(outcome: dict[str, Any]) -> bool:
+    """Whether a stored result is judged by the rule before, which gave no reasons."""
+    judged = [row for row in outcome.get("rows", []) if row.get("verdict")]
+    return any("because" not in one for one in [*judged, *outcome.get("claims", [])])
+
+
+def judge_table() -> str:
+    """False words, coverage and power: of all laws that were drawn from, the worst."""
+    lines = ["| % of samples; runs: | 5 | 7 | 10 | 20 | 50 | 100 |", "|---|" + "---:|" * 6]
+    for what, laws in json.loads((HERE / "judge.json").read_text(encoding="utf-8")).items():
+        good = what.startswith(("95 %", "effects", "differences", "true means"))
+        shown = {f"{what}, {law}": [law] for law in laws} if "rare" in what else {what: list(laws)}
+        for line, of in shown.items():
+            columns = zip(*(laws[law] for law in of), strict=True)
+            cells = [plain((min if good else max)(column)) for column in columns]
+            before = [""] * (6 - len(cells) if len(cells) > 1 else 0)  # tables begin at 10 runs
+            cells = [*before, *cells, *[""] * 5][:6]
+            lines.append(f"| {line} | {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def block(name: str) -> str:
@@ -144,6 +256,8 @@ def said(claim: dict[str, Any]) -> str:
     if claim["needed"]:
         answer += f" (about {claim['needed']} runs would decide)"
     why = f"; {claim['why']}" if claim["why"] else ""
+    if claim.get("because") and not claim["needed"]:
+        answer += f" ({claim['because']})"
     return f"- {answer}: {claim['text']}{why}"
 
 

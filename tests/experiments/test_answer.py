@@ -182,6 +182,13 @@ def test_few_runs_decide_nothing():
     assert word([40.0, 60.0] * 50, mean=60.0) == "differs"
 
 
+def test_a_row_that_cannot_but_agree_says_so_unless_it_differs():
+    published = Published(values=[0.0] * 5, by_construction="nobody looks")
+    found = compare(spread_about(0.0, 100), published)
+    assert (found.word, found.why, found.needed) == ("by construction", "nobody looks", None)
+    assert compare(spread_about(50.0, 100), published).word == "differs"
+
+
 def test_five_published_runs_cannot_agree():
     found = compare(spread_about(50.0, 400), Published(values=[49.0, 50.0, 51.0, 49.5, 50.5]))
     assert (found.word, found.why) == ("undecided", "the paper gives 5 runs")

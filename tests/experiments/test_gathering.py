@@ -180,6 +180,10 @@ def test_a_claim_about_a_share_of_the_runs_at_a_tick(done):
     whole = said.model_copy(update={"share": 1.0})
     assert share(done, [0, 0, 0, 4], whole).word == "does not hold"
     assert share(done, [0] * 50, whole).word == "holds"
+    there = done[0].cases[0].agents
+    assert share(done, [0] * 50, whole.model_copy(update={"agents": [there]})).word == "holds"
+    with pytest.raises(ValueError, match="not enough values"):  # no claim of a size that is not run
+        share(done, [0] * 50, whole.model_copy(update={"agents": [there + 1]}))
     at_any = whole.model_copy(update={"tick": None})
     assert share(done, [0] * 50, at_any).word == "does not hold"
 

@@ -54,6 +54,16 @@ def test_an_evolution_is_measured_at_both_ends():
     assert found["order_0"] < 0.3 < found["order"]
 
 
+@pytest.mark.parametrize("number", [0, 5])
+def test_where_a_flock_has_come_to_is_measured(number):
+    settings, one = case("liu2021-table1", number)
+    flock = flock_of(one, 3)
+    found = settings.run(flock, nothing)
+    angle = np.angle(np.exp(1j * np.arctan2(*flock.heading.sum(0)[::-1])) / np.exp(0.25j * np.pi))
+    assert found["off"] == pytest.approx(np.degrees(abs(angle)), abs=1e-6)
+    assert (found["off"] < 1.0) == (one.spec.model == "hwvem"), "vem comes together anywhere"
+
+
 def test_a_start_is_measured_before_anything_moves():
     settings, one = case("thesis-fig5.6")
     assert isinstance(settings, Beginning)

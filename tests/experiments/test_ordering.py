@@ -164,6 +164,10 @@ def test_what_size_does_is_judged_at_one_noise(tmp_path):
     assert words(made, rises) == ["does not hold"]
     assert words(made_up(tmp_path, means | {(60, 6.0): 0.3}), claim) == ["undecided"]
     assert len(claims(made, [claim.model_copy(update={"agents": [20, 61]})])) == len(claims(made))
+    fifth = claim.model_copy(update={"by": 0.2})
+    assert words(made, fifth) == ["holds"], "it is a third less"
+    assert words(made, claim.model_copy(update={"by": 0.5})) == ["does not hold"]
+    assert "falls with N by 20% or more: 0.3" in claims(made, [fifth])[-1].text
 
 
 def test_what_comes_up_somewhere_or_nowhere(tmp_path):

@@ -26,6 +26,8 @@ from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.sweeps.sweeps import Sweeps
 from worlds.refusal import Refusal
 
+DRAW_NICENESS = 5
+"""Of the process that draws and saves: flocks, of 10, come after it."""
 USUAL = 2.0
 """Times the work of the question's dearest run, up to which a run is a usual one."""
 
@@ -121,7 +123,10 @@ def dearest(question: Question, scene: Spec) -> Spec:
 
 
 class DrawWorker:
-    """Draws pictures of results, and writes the file of the class."""
+    """Draws pictures of results, and writes the file of the class; usual runs go before it."""
+
+    def __init__(self) -> None:
+        lower_priority(DRAW_NICENESS)
 
     def picture(self, collection: Collection, kind: str, curve: Curve | None) -> bytes:
         """The picture of a question. Raises Refusal."""
