@@ -13,6 +13,7 @@ import mesa
 import numpy as np
 
 from agents import catalogue
+from agents.clock import TickClock
 from agents.home import at_home, find_world, is_built_in
 from agents.inspection import Inspection, inspect, warm
 from agents.member import FlockSpace, Member
@@ -29,11 +30,16 @@ from agents.state.start import Start, free_positions, given_start, random_headin
 from worlds.refusal import Refusal, unknown
 
 MOST_THREADS = 1024
-OWN_WORDS = ("start", "rng", "threads", "interpret", "collect", "agent_reporters")
+MADE_ANEW = {"_engine", "_wind", "context", "passing"}
+"""Attributes of a flock that follow from the others, and hold compiled code."""
+OWN_WORDS = (
+    *("start", "rng", "threads", "interpret"),
+    *("collect", "model_reporters", "agent_reporters"),
+)
 """What `Flock` takes beside options and parameters."""
 
 
-class Flock(Motion, mesa.Model):
+class Flock(TickClock, Motion):
     """A flock of one model in one world.
 
     Parameters
@@ -44,11 +50,13 @@ class Flock(Motion, mesa.Model):
         `agents` is then not used. Positions are outside of obstacles, and in the box along axes
         that wrap or are solid; without speeds agents set off as at a random start, and those of a
         body of one speed have that.
-    rng: the run's seed, an integer in [0, 2^63), or `seed`; None draws one.
+    rng: the run's seed, an integer in [0, 2^63), or `seed`; None draws one. Of anything else that
+        NumPy makes a generator of, as a `numpy.random.Generator`, the seed is the next number.
     threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
     interpret: run the model as plain Python, some thousand times slower, with `print` and `pdb`;
         the numbers are the same up to rounding. All flocks do under NUMBA_DISABLE_JIT=1.
-    collect: observables that `step` collects into `datacollector`; `agent_reporters` as Mesa's.
+    collect: observables that `step` collects into `datacollector`; `model_reporters` and
+        `agent_reporters` as Mesa's. A seed that was drawn is a column `seed`.
     words: options of the run, by default as the model or its world has them, and parameters of the
         rule and the body, see `flockscope list`. The options (see `Spec`) are
         agents: ordinary agents, >= 1. Information agents come on top: informed, >= 0;
@@ -82,13 +90,20 @@ class Flock(Motion, mesa.Model):
         model: str | Spec = DEFAULT,
         *,
         start: Mapping[str, np.ndarray] | None = None,
-        rng: int | None = None,
+        rng: Any = None,
         threads: int = 1,
         interpret: bool = False,
         collect: Sequence[str] = ("polarisation",),
+        model_reporters: Mapping[str, Any] | None = None,
         agent_reporters: Mapping[str, Any] | None = None,
         **words: Any,
     ):
+        if "scenario" in words:
+            raise Refusal(
+                "scenario is not a parameter of Flock: give its values by name, as in "
+                "Flock('vem', agents=50, eta=0.5), or as a flockscope.Spec"
+            )
+        rng = seed_from(rng)
         if rng is not None and words.setdefault("seed", rng) != rng:
             raise Refusal(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
         spec = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
@@ -122,8 +137,11 @@ class Flock(Motion, mesa.Model):
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self._lay_out(begin)
+        reporters: dict[str, Any] = {name: partial(observed, name=known(name)) for name in collect}
+        if spec.seed is None:
+            reporters["seed"] = "seed"
         self.datacollector = mesa.DataCollector(
-            model_reporters={name: partial(observed, name=known(name)) for name in collect},
+            model_reporters=reporters | dict(model_reporters or {}),
             agent_reporters=dict(agent_reporters or {}),
         )
 
@@ -181,8 +199,13 @@ class Flock(Motion, mesa.Model):
         """Run `ticks` ticks (>= 0) in compiled code, without collecting."""
         self.advance(whole("ticks", ticks, 0))
 
-    def observe(self, name: str) -> Any:
-        """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`."""
+    def observe(self, name: str, *subscription: Any) -> Any:
+        """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`.
+
+        With a signal and a handler it subscribes to a Mesa observable, such as `time`, as in Mesa.
+        """
+        if subscription:
+            return super().observe(name, *subscription)
         return observed(self, known(name))
 
     def inspect(self, row: int) -> Inspection:
@@ -199,9 +222,27 @@ class Flock(Motion, mesa.Model):
         """The agents by row; made when first asked for."""
         if self._members is None:
             self._members = []
-            made = {row: Member(self, row=row) for row in np.argsort(self.ids).tolist()}
-            self._members.extend(made[row] for row in range(len(made)))
+            self._match_members()
         return self._members
+
+    def _match_members(self) -> None:
+        """Let the members follow the rows by identity; those whose agent is not there are gone."""
+        if self._members is None:
+            return
+        there = {member.unique_id: member for member in self._members}
+        ids = self.ids.tolist()
+        if list(there) == ids:
+            return
+        self._members = []
+        for identity in there.keys() - ids:
+            self._deregister(there.pop(identity))
+        for row in np.argsort(self.ids).tolist():
+            member = there.get(ids[row])
+            if member is None:
+                there[ids[row]] = Member(self, row=row)
+            else:
+                member.row = row
+        self._members.extend(there[identity] for identity in ids)
 
     @property
     def agents(self):
@@ -209,11 +250,30 @@ class Flock(Motion, mesa.Model):
         _ = self.members
         return super().agents
 
+    @agents.setter
+    def agents(self, agents: Any) -> None:
+        mesa.Model.agents.fset(self, agents)
+
     @property
     def agents_by_type(self):
         """Mesa's dictionary of agent sets."""
         _ = self.members
         return super().agents_by_type
+
+    @property
+    def agent_types(self) -> list[type]:
+        """The types of its agents."""
+        _ = self.members
+        return super().agent_types
+
+    @property
+    def agent_id_counter(self) -> int:
+        """The identity that the next agent will have."""
+        return self.next_id
+
+    @agent_id_counter.setter
+    def agent_id_counter(self, value: int) -> None:
+        self.next_id = value
 
     @cached_property
     def space(self) -> FlockSpace:
@@ -225,8 +285,8 @@ class Flock(Motion, mesa.Model):
 
         `Member(flock, ...)` calls this; the other agents keep their rows and identities.
         """
-        members = self.members
         self._end_tick()
+        members = self.members
         dim = self.world.dim
         if position is None:
             position = free_positions(self.world, 1, self.rng, gap=self._gap)[0]
@@ -242,15 +302,84 @@ class Flock(Motion, mesa.Model):
         members.append(member)
         return len(self.ids) - 1
 
-    def drop(self, member: Member) -> None:
-        """Take an agent's row out; the rows behind it move up, identities stay."""
-        members = self.members
+    def register_agent(self, agent: mesa.Agent) -> None:
+        """Take an agent into Mesa's sets, as `mesa.Agent` does when it is made.
+
+        A member has the identity of its row. Other Mesa agents are given the next one.
+        """
+        if not isinstance(agent, Member):
+            _ = self.members
+            super().register_agent(agent)
+            return
+        after, self.next_id = self.next_id, int(self.ids[agent.row])
+        super().register_agent(agent)
+        self.next_id = after
+
+    def deregister_agent(self, agent: mesa.Agent) -> None:
+        """Take an agent out of the flock, as `Agent.remove` does. KeyError if it is not there.
+
+        The rows behind it move up; identities stay. A tick in which agents have stepped one by one
+        ends before.
+        """
         self._end_tick()
-        row = member.row
-        self._use(chosen(self.arrays, np.delete(np.arange(len(self.ids)), row)))
-        del members[row]
-        for later in members[row:]:
-            later.row -= 1
+        if not isinstance(agent, Member):
+            super().deregister_agent(agent)
+        elif agent.is_gone or agent.model is not self:
+            raise KeyError(agent)
+        else:
+            self._take_out([agent])
+
+    def remove_all_agents(self) -> None:
+        """Remove all agents, those that nobody has asked for yet among them."""
+        self._end_tick()
+        # Removed one by one, N agents copy the arrays N times.
+        self._take_out([m for m in self.members if type(m).remove is Member.remove])
+        super().remove_all_agents()
+
+    def _take_out(self, leaving: Sequence[Member]) -> None:
+        """Take members and their rows out, at once."""
+        rows = [member.row for member in leaving]
+        for member in leaving:
+            self._deregister(member)
+        self._use(chosen(self.arrays, np.delete(np.arange(len(self.ids)), rows)))
+        self._members = [member for member in self.members if not member.is_gone]
+        for row, member in enumerate(self._members):
+            member.row = row
+
+    def _deregister(self, member: Member) -> None:
+        """Take a member out of Mesa's sets; from then on it is gone."""
+        super().deregister_agent(member)
+        member.leave()
+
+    def reset_rng(self, rng: Any = None) -> None:  # noqa: ARG002 - as in Mesa
+        """Refused: the noise of a run follows its seed alone."""
+        raise Refusal(
+            "reset_rng would not reset a flock: its noise follows its seed, tick and agents; make "
+            "a new Flock(..., rng=SEED)"
+        )
+
+    def reset_randomizer(self, seed: int | None = None) -> None:  # noqa: ARG002 - as in Mesa
+        """Refused, as `reset_rng`."""
+        raise Refusal(
+            "reset_randomizer would not reset a flock: its noise follows its seed, tick and "
+            "agents; make a new Flock(..., rng=SEED)"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is compiled. Raises Refusal within a tick of agents that step one by one."""
+        if self._acted:
+            raise Refusal(
+                f"tick {self.tick} is not over: {len(self._acted)} of {len(self.ids)} agents have "
+                "stepped; copy or pickle the flock between ticks"
+            )
+        state = {name: value for name, value in vars(self).items() if name not in MADE_ANEW}
+        return state | {"model": self.model.name, "parameters": self.parameters.model_dump()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.model = catalogue.model(state["model"])
+        self.parameters = checked(self.model.parameters, state["parameters"])
+        self._use(self.arrays)
 
     @property
     def spec(self) -> Spec:
@@ -291,6 +420,20 @@ class Flock(Motion, mesa.Model):
         flock.options = spec
         flock.return_to(saved)
         return flock
+
+
+def seed_from(rng: Any) -> Any:
+    """A seed of what Mesa takes as `rng`: numbers stand, of a generator it is the next number."""
+    if isinstance(rng, np.integer):
+        return int(rng)
+    many = isinstance(rng, (list, tuple, np.ndarray))
+    random = (np.random.Generator, np.random.BitGenerator, np.random.SeedSequence)
+    if not many and not isinstance(rng, random):
+        return rng
+    try:
+        return int(np.random.default_rng(rng).integers(2**31))
+    except (TypeError, ValueError) as error:
+        raise Refusal(f"rng = {rng!r} is not allowed: {error}") from None
 
 
 def known(name: str) -> str:

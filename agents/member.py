@@ -10,6 +10,7 @@ import numpy as np
 from mesa.agent import AgentSet
 from mesa.experimental.continuous_space import ContinuousSpace
 
+from worlds.refusal import Refusal, shortened
 from worlds.world import World
 
 
@@ -33,19 +34,49 @@ class Member(mesa.Agent):
     flock.
     """
 
+    _row: int | None = None
+    _gone_at = 0
+
     def __init__(self, model: Any, position=None, heading=None, informed=False, *, row=None):
-        self.row = model.append(self, position, heading, informed) if row is None else row
+        self._row = model.append(self, position, heading, informed) if row is None else row
         super().__init__(model)
-        self.unique_id = int(model.ids[self.row])
+
+    def __repr__(self) -> str:
+        where = "gone" if self.is_gone else f"row {self._row}"
+        return f"<{type(self).__name__} {self.unique_id}, {where}>"
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether the agent has left its flock; all that its handle then says is that."""
+        return self._row is None
+
+    @property
+    def row(self) -> int:
+        """Its row in the flock's arrays now. Raises Refusal once it is gone, as all else does."""
+        if self._row is None:
+            raise Refusal(
+                f"agent {self.unique_id} is gone: it left the flock at tick {self._gone_at}"
+            )
+        return self._row
+
+    @row.setter
+    def row(self, value: int) -> None:
+        self._row = value
+
+    def leave(self) -> None:
+        """Be gone: the flock calls this once it has no such agent any more."""
+        self._row, self._gone_at = None, self.model.tick
 
     @property
     def position(self) -> np.ndarray:
-        """Position (dim,), a writable view, length."""
+        """Position (dim,), a writable view, length; what is assigned wraps where the world does."""
         return self.model.position[self.row]
 
     @position.setter
     def position(self, value: Any) -> None:
-        self.model.position[self.row] = value
+        row, world = self.row, self.model.world
+        place = vector("position", value, world.dim)
+        self.model.position[row] = np.where(world.wraps, place % np.asarray(world.size), place)
 
     @property
     def pos(self) -> np.ndarray:
@@ -64,13 +95,33 @@ class Member(mesa.Agent):
 
     @heading.setter
     def heading(self, value: Any) -> None:
-        vector = np.asarray(value, float)
-        self.model.heading[self.row] = vector / np.linalg.norm(vector)
+        row = self.row
+        direction = vector("heading", value, self.model.world.dim)
+        if not direction.any():
+            raise Refusal("heading is a zero vector: a heading needs a direction")
+        self.model.heading[row] = direction / np.linalg.norm(direction)
 
     @property
     def speed(self) -> float:
-        """Distance moved in the last tick, length/tick."""
+        """Distance moved in the last tick, length/tick.
+
+        It can be assigned unless the body has one speed, which then is a parameter of the flock.
+        """
         return float(self.model.speed[self.row])
+
+    @speed.setter
+    def speed(self, value: float) -> None:
+        row, flock = self.row, self.model
+        if flock.model.body.speed is not None:
+            raise Refusal(
+                f"agents of {flock.model.name} all have one speed, a parameter: use "
+                "flock.set(...), see `flockscope list`"
+            )
+        if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < np.inf):
+            raise Refusal(
+                f"speed = {shortened(value)} is not allowed: a finite number >= 0 is needed"
+            )
+        flock.speed[row] = value
 
     @property
     def informed(self) -> bool:
@@ -80,6 +131,7 @@ class Member(mesa.Agent):
     @property
     def space(self):
         """The flock's continuous space."""
+        _ = self.row
         return self.model.space
 
     @property
@@ -88,14 +140,41 @@ class Member(mesa.Agent):
         members = self.model.members
         return [members[row] for row in self.model.inspect(self.row).neighbours]
 
+    def get_neighbors_in_radius(self, radius: float = 1) -> tuple[list, np.ndarray]:
+        """The other agents within a radius, and how far they are, as Mesa's space has it."""
+        agents, apart = self.space.get_agents_in_radius(self.position, radius)
+        return self._others(agents, apart)
+
+    def get_nearest_neighbors(self, k: int = 1) -> tuple[list, np.ndarray]:
+        """The `k` nearest other agents, and how far they are, as Mesa's space has it."""
+        agents, apart = self.space.get_k_nearest_agents(self.position, k + 1)
+        return self._others(agents, apart)
+
+    def _others(self, agents: list, apart: np.ndarray) -> tuple[list, np.ndarray]:
+        """These agents, and how far they are, without itself."""
+        other = np.array([agent is not self for agent in agents], bool)
+        return [agent for agent in agents if agent is not self], apart[other]
+
     def step(self) -> None:
         """Decide and move, once per tick; see `Flock.step_member`."""
         self.model.step_member(self.row)
 
-    def remove(self) -> None:
-        """Leave the flock."""
-        self.model.drop(self)
-        super().remove()
+    def advance(self) -> None:
+        """Nothing, as in Mesa: `step` decides and moves."""
+        _ = self.row
+
+
+def vector(name: str, value: Any, dim: int) -> np.ndarray:
+    """Finite numbers (dim,). Raises Refusal."""
+    try:
+        array = np.asarray(value, float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (dim,) or not np.isfinite(array).all():
+        raise Refusal(
+            f"{name} = {shortened(value)} is not allowed: {dim} finite numbers are needed"
+        )
+    return array
 
 
 class FlockSpace(ContinuousSpace):

@@ -188,6 +188,7 @@ class Motion(State):
         self.world, self.parameters = past.world, past.parameters
         self.tick, self.next_id = past.tick, past.next_id
         self._use(Arrays._make(map(np.array, past.arrays)))
+        self._match_members()
 
     def links(self) -> np.ndarray:
         """Pairs of rows (i < j) within reach of each other, int (M, 2)."""
@@ -239,11 +240,26 @@ class Motion(State):
                 self.step_member(row)
             ticks -= 1
         while ticks > 0:
-            some = min(ticks, STRETCH)
+            some = self._ticks_to_event(min(ticks, STRETCH))
             if len(self.ids):
                 self._run(some)
-            self.tick += some
+            self._go_on(some)
             ticks -= some
+
+    def _ticks_to_event(self, ticks: int) -> int:
+        """How many of so many ticks, one at least, can run before something else has its turn."""
+        return ticks
+
+    def _fire_due(self) -> None:
+        """Let what is due at this tick have its turn."""
+
+    def _match_members(self) -> None:
+        """Let what stands for single agents follow the rows, whose identities may have changed."""
+
+    def _go_on(self, ticks: int) -> None:
+        """Count ticks that were run, and let what is due have its turn."""
+        self.tick += ticks
+        self._fire_due()
 
     def _run(self, ticks: int, until: Until = NEVER, trace: np.ndarray = UNTRACED):
         """Run the compiled loop from this tick on; what its `run` answers."""
@@ -253,10 +269,22 @@ class Motion(State):
         """Run ticks (>= 0); the positions after each of them, (ticks, N, dim)."""
         self._end_tick()
         kept = np.empty((ticks, *self.position.shape))
-        if ticks > 0:
-            self._run(ticks, trace=kept)
-        self.tick += ticks
+        done = 0
+        while done < ticks:
+            some = self._ticks_to_event(ticks - done)
+            self._demand_as_many(kept.shape[1])
+            self._run(some, trace=kept[done : done + some])
+            self._go_on(some)
+            done += some
         return kept
+
+    def _demand_as_many(self, n: int) -> None:
+        """Raise Refusal where an event has changed the number of agents of such a run."""
+        if len(self.ids) != n:
+            raise Refusal(
+                f"an event at tick {self.tick} left {len(self.ids)} agents of {n}: a run that "
+                "traces positions, or waits for consistency, needs the same agents throughout"
+            )
 
     def run_until_consistent(
         self,
@@ -272,9 +300,9 @@ class Motion(State):
         """
         self._end_tick()
         until = until_consistent(len(self.ids), self.reference, desired, hold)
-        return self.run_until(until, limit, between)
+        return self.run_until_held(until, limit, between)
 
-    def run_until(
+    def run_until_held(
         self, until: Until, limit: int, between: Callable[[], None] = lambda: None
     ) -> int | None:
         """Run until something has held; the tick from which it does, None if not by `limit`.
@@ -282,12 +310,13 @@ class Motion(State):
         The rest as `run_until_consistent`.
         """
         self._end_tick()
-        until = until._replace(last_off=self.tick - 1)
+        until, n = until._replace(last_off=self.tick - 1), len(self.ids)
         while self.tick < limit:
             between()
-            ticks = min(CHUNK, limit - self.tick)
+            ticks = self._ticks_to_event(min(CHUNK, limit - self.tick))
+            self._demand_as_many(n)
             done, last_off = self._run(ticks, until)
-            self.tick += done
+            self._go_on(done)
             if done < ticks:
                 return last_off + 1
             until = until._replace(last_off=last_off)
@@ -313,7 +342,7 @@ class Motion(State):
         """End a tick in which agents have stepped one by one, if there is one."""
         if self._acted:
             self._acted.clear()
-            self.tick += 1
+            self._go_on(1)
 
     def signals(self) -> np.ndarray:
         """Signals, memories and measures of the agents now, (K, N): `model.columns`.

@@ -30,8 +30,8 @@ def test_members_are_views_of_rows():
     flock.position[3] = 0.25, 0.5
     assert member.position.tolist() == [0.25, 0.5]
     assert np.shares_memory(member.position, flock.position)
-    member.position = 1.0, 2.0
-    assert flock.position[3].tolist() == [1.0, 2.0]
+    member.position = 0.75, 0.5
+    assert flock.position[3].tolist() == [0.75, 0.5]
     member.heading = 0.0, -3.0
     assert flock.heading[3].tolist() == [0.0, -1.0]
     flock.run(1)
