@@ -18,6 +18,7 @@ from app.experiments.sweeps.table import wide
 from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
+from experiments.test_schemes import SCHEMES
 from worlds.refusal import Refusal
 
 TEXT = """
@@ -239,6 +240,7 @@ SHORT = {
     "thesis-fig5.6": ({}, []),
     "thesis-fig5.4": ({"words": {"1": "all", "3": "few"}}, []),
     "thesis-fig5.7": ({"words": {"1": "all", "3": "few"}}, []),
+    "thesis-delay": ({}, []),
     "thesis-fig3.7": ({"words": {"1": "all", "3": "few"}}, []),
     "guarded-alpha": ({"words": {"1": "all", "3": "few"}}, []),
     "formation-thesis": ({"settle": 5}, []),
@@ -271,7 +273,8 @@ SHORT = {
 
 def test_every_experiment_but_those_of_convergence_is_short_here():
     kinds = {name: read_experiment(name).settings.kind for name in experiment_names()}
-    assert set(SHORT) == {name for name, kind in kinds.items() if kind != "convergence"}
+    others = {name for name, kind in kinds.items() if kind != "convergence"} - set(SCHEMES)
+    assert set(SHORT) == others, "schemes are drawn in test_schemes.py"
     assert set(kinds.values()) == set(KINDS)
 
 
