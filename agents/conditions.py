@@ -1,4 +1,4 @@
-"""What agents go through on the way: old and lost messages, and wind. Part of every run's options.
+"""What agents go through: old, lost and inexact messages, and wind. Part of every run's options.
 
 Time delay and disturbance are what Wu et al. 2023 (section 6) leave to be looked at. They belong to
 the engine, so that every model can be run under them.
@@ -19,6 +19,7 @@ from worlds.refusal import Refusal
 
 MOST_SECONDS = 1e6
 MOST_SPEED = 1e6
+MOST_LENGTH = 1e6
 UNHEARD = 1e-6
 """Share of the messages that are older than the past reaches back, at most: they are not heard."""
 MOST_TICKS = 10_000
@@ -28,7 +29,7 @@ STREAM = 7_919
 
 
 class Conditions(BaseModel):
-    """How old what agents know of each other is, and what wind carries them along.
+    """How old and how exact what agents know of each other is, and what wind carries them along.
 
     Times are in the model's unit of time, of which a tick is `dt`; they are rounded to ticks.
     """
@@ -59,6 +60,15 @@ class Conditions(BaseModel):
         0.0,
         kind=float,
         most=0.99,
+        step=0.05,
+    )
+    place_error: Annotated[float, between(0.0, MOST_LENGTH)] = option(
+        "Place error",
+        "Standard deviation, along each axis, of where an agent takes each of the others to be "
+        "(length): normal, drawn for each tick and each pair of agents",
+        0.0,
+        kind=float,
+        most=10.0,
         step=0.05,
     )
     wind: Annotated[float, between(0.0, MOST_SPEED)] = option(
@@ -121,8 +131,8 @@ class Conditions(BaseModel):
 
     @property
     def is_late(self) -> bool:
-        """Whether what agents know of others may be old."""
-        return self.delay > 0.0 or self.jitter > 0.0 or self.lost > 0.0
+        """Whether what agents know of others may be old, or inexact."""
+        return any((self.delay, self.jitter, self.lost, self.place_error))
 
     @property
     def is_windy(self) -> bool:
@@ -131,8 +141,9 @@ class Conditions(BaseModel):
 
 
 def messages(conditions: Conditions, dt: float) -> Messages:
-    """Delay and loss of messages in ticks of `dt`."""
-    return Messages(round(conditions.delay / dt), conditions.jitter / dt, conditions.lost)
+    """Delay and loss of messages in ticks of `dt`, and how exact they are."""
+    late = round(conditions.delay / dt), conditions.jitter / dt, conditions.lost
+    return Messages(*late, conditions.place_error)
 
 
 def ticks_back(conditions: Conditions, dt: float) -> int:
@@ -142,7 +153,7 @@ def ticks_back(conditions: Conditions, dt: float) -> int:
     """
     if not conditions.is_late:
         return 0
-    delay, jitter, loss = messages(conditions, dt)
+    delay, jitter, loss, _ = messages(conditions, dt)
     lost = math.ceil(math.log(UNHEARD) / math.log(loss)) if loss > 0.0 else 0
     ages = delay + math.ceil(-math.log(UNHEARD) * jitter) + lost + 1
     if ages > MOST_TICKS:

@@ -23,12 +23,14 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, Spec, versions, whole
+from agents.spec import DEFAULT, OPTIONS, Spec, versions, whole
 from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.refusal import Refusal, unknown
 
 MOST_THREADS = 1024
+OWN_WORDS = ("start", "rng", "threads", "interpret", "collect", "agent_reporters")
+"""What `Flock` takes beside options and parameters."""
 
 
 class Flock(Motion, mesa.Model):
@@ -57,7 +59,7 @@ class Flock(Motion, mesa.Model):
         activation: `synchronous`, or `random` or `sequential` for agents that act in turn;
         noise: `angular` or `vectorial`: what `eta` means; one that is part of a rule stays;
         delay, jitter, lost: how old what agents know of each other is, time >= 0, and the share of
-        messages that get lost, in [0, 0.99];
+        messages that get lost, in [0, 0.99]; place_error: how exactly they know where others are;
         wind, wind_heading, wind_up, gusts, gust_time, pulse, pulse_at, pulse_lasts: what carries
         them along, see `agents.conditions.Conditions`;
         spacing: least distance at the start between agents and of agents to obstacles and solid
@@ -103,7 +105,9 @@ class Flock(Motion, mesa.Model):
         begins = "random" if start is None else "given"
         self.options = spec.model_copy(update={"seed": self.seed, "start": begins})
         self.interpret = interpret
-        self.parameters = checked(self.model.parameters, spec.parameters)
+        self.parameters = checked(
+            self.model.parameters, spec.parameters, others=(*OPTIONS, *OWN_WORDS)
+        )
         self.world = find_world(self.options, self.model)
         if spec.informed and not self.model.rule.led:
             raise Refusal(

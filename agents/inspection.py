@@ -13,6 +13,7 @@ from agents.engine.noise import tick_key
 from agents.models.calling import call
 from agents.models.model import Model
 from agents.observables.neighbours import nearest_of, separation
+from agents.rules.terms.potential_field import push
 from agents.snapshot import Snapshot, State
 from worlds.compiled import plain_python
 from worlds.queries.surroundings import Surroundings, points_within, set_goal
@@ -133,6 +134,18 @@ def forces_on(
             call(flock.model, interpret, part.explain, me, near, surroundings, p, out)
             found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
     return found
+
+
+def obstacle_push(
+    flock: State, surroundings: Surroundings, context: Context, row: int, interpret: bool = False
+) -> np.ndarray:
+    """The force (dim,) of the obstacles ahead on an agent whose rule has the thesis's field (4.1).
+
+    In mass length/s^2; its parameters must have `gain`, `Q` and `body`.
+    """
+    me = as_me(flock, row, flock.arrays.memory[:, row].copy())
+    force = call(flock.model, interpret, push, me, surroundings, context.parameters)
+    return np.array(force[: flock.world.dim])
 
 
 def shells(flock: State) -> tuple[Shell, ...]:

@@ -1,8 +1,9 @@
 """Parquet files that anybody may have made: opened, and read in pieces of bounded size.
 
-Few bytes can stand for billions of numbers. So a row group is decoded only after its footer and the
-headers of its pages say that it is of a sensible size, a whole file never, and whatever the parsers
-of others raise becomes one line.
+Few bytes can stand for billions of numbers, and a footer can end the process that reads it. So the
+footer is judged and written anew by ours, a row group is decoded only after that and the headers of
+its pages say that it is of a sensible size, a whole file never, and whatever the parsers of others
+raise becomes one line.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from agents.parquet_pages import Damaged, unpacked_bytes
+from agents.parquet_footer import sound_footer
+from agents.parquet_pages import unpacked_bytes
+from agents.parquet_thrift import Damaged
 from worlds.extra import demand_parquet
 from worlds.refusal import Refusal, shortened
 
@@ -54,27 +57,31 @@ class ParquetTable:
         self.longest = longest
         self.origin = repr(str(path))
         try:
-            self.open().close()  # whose errors have words of their own
+            with self.open() as opened:
+                footer = sound_footer(opened)
+            meta = pq.read_metadata(pa.BufferReader(footer))
             source = self.path if content is None else pa.BufferReader(content)
-            file = pq.ParquetFile(source)
+            file = pq.ParquetFile(source, metadata=meta)
             self.schema = file.schema_arrow
             self.names: list[str] = self.schema.names
             texts = [one.name for one in self.schema if is_text(one.type)]
             # Few bytes can stand for long texts in every row: they stay apart until they are
             # measured.
-            self.file = pq.ParquetFile(source, read_dictionary=texts) if texts else file
+            if texts:
+                file = pq.ParquetFile(source, metadata=meta, read_dictionary=texts)
+            self.file = file
             self.meta = self.file.metadata
             self.rows: int = self.meta.num_rows
             sizes = [self.meta.row_group(k).num_rows for k in range(self.meta.num_row_groups)]
+        except LookupError:
+            raise self.is_none() from None
         except OSError as error:
             if error.strerror is None:  # of pyarrow, not of the disk
-                raise self.is_none() from None
+                raise self.damaged("its footer cannot be read") from None
             raise Refusal(f"{self.origin} cannot be read: {error.strerror}") from None
         except (pa.ArrowException, ValueError):
-            raise self.is_none() from None
+            raise self.damaged("its footer cannot be read") from None
         self.offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
-        if min(sizes, default=0) < 0 or self.offsets[-1] != self.rows:
-            raise self.damaged("its row groups have not as many rows as the file")
         for name in self.names:
             if self.names.count(name) > 1:
                 raise Refusal(f"{self.origin} has the column {shortened(name)} twice")
@@ -155,6 +162,7 @@ class ParquetTable:
         for name, column in zip(batch.schema.names, batch.columns, strict=True):
             if pa.types.is_dictionary(column.type):
                 words = column.dictionary
+                words.validate(full=True)  # text that is no UTF-8
                 if is_text(words.type) and (
                     (pc.max(pc.binary_length(words)).as_py() or 0) > self.longest
                 ):

@@ -19,6 +19,7 @@ import numpy as np
 from agents.columns import AXES, LEG, PAST, columns_of, crash_columns
 from agents.engine.arrays import Arrays
 from agents.models.model import Model
+from agents.part_stream import PartStream
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.rows import no_crashes
@@ -240,23 +241,17 @@ def refused(path: Path, error: OSError) -> Refusal:
 def finish(part: Path, path: Path, overwrite: bool = True) -> int:
     """Turn a `.part` stream into the file `path`, Parquet or CSV; returns the rows.
 
-    Raises Refusal if it cannot be written, OSError if the `.part` cannot be read, or pyarrow's
-    ArrowInvalid if it is no stream.
+    Raises Refusal if it cannot be written or is no stream of ours, or OSError if the `.part` cannot
+    be read.
     """
-    import pyarrow as pa
-
     rows = 0
     with open(part, "rb") as source:
-        stream = pa.ipc.open_stream(source)
+        stream = PartStream(part, source)
         with (
             writing("recording", path, overwrite, RECORDINGS) as file,
             table_writer(path, file, stream.schema) as writer,
         ):
-            while True:
-                try:
-                    batch = stream.read_next_batch()
-                except (StopIteration, pa.ArrowInvalid, OSError):
-                    break
+            for batch in stream.batches(FLUSH_ROWS):
                 writer.write_batch(batch)
                 rows += batch.num_rows
     part.unlink()
@@ -280,8 +275,6 @@ def recover(part: str | Path) -> tuple[Path, int]:
     Raises Refusal if `part` is no such file, or the recording exists already.
     """
     demand_parquet(f"recovering {str(part)!r}")
-    import pyarrow as pa
-
     part = Path(part)
     path = part.with_suffix("")
     if part.suffix != ".part":
@@ -292,8 +285,6 @@ def recover(part: str | Path) -> tuple[Path, int]:
         return path, finish(part, path, overwrite=False)
     except OSError as error:
         raise Refusal(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
-    except pa.ArrowInvalid:
-        raise Refusal(f"{str(part)!r} is not a recording that flockscope has begun") from None
 
 
 def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:

@@ -230,6 +230,7 @@ class Recording:
         """What it holds, as JSON has it. Raises Refusal."""
         _ = self.world  # which is shown as a layout, and has to be one
         first, last = int(self.ticks[0]), int(self.ticks[-1])
+        apart = np.diff(self.ticks)
         return {
             "recording": str(self.path),
             "model": self.model,
@@ -238,6 +239,7 @@ class Recording:
             "frames": len(self.ticks),
             "first_tick": first,
             "last_tick": last,
+            "ticks_apart": [int(apart.min()), int(apart.max())] if len(apart) else [0, 0],
             "time_per_tick": self.time_per_tick,
             "time_unit": self.time_unit,
             "lasts": (last - first) * self.time_per_tick,

@@ -157,8 +157,8 @@ class Spec(Options):
             whole("agents", self.agents, 1)
         if self.is_late and self.activation != "synchronous":
             raise Refusal(
-                f"activation = {self.activation!r} is not allowed where messages take time (delay, "
-                "jitter, lost): agents then decide all at once"
+                f"activation = {self.activation!r} is not allowed where messages take time or are "
+                "inexact (delay, jitter, lost, place_error): agents then decide all at once"
             )
 
     @property

@@ -56,7 +56,9 @@ def store(outcome: dict[str, Any]) -> None:
     kept["rows"] = [{key: row[key] for key in ROW if key in row} for row in outcome["rows"]]
     path = HERE / f"{outcome['name']}.json"
     if path.exists():
-        note_changes(kept, json.loads(path.read_text(encoding="utf-8")))
+        before = json.loads(path.read_text(encoding="utf-8"))
+        if is_old(before):
+            note_changes(kept, before)
     path.write_text(json.dumps(kept, separators=(",", ":")) + "\n", encoding="utf-8")
     picture = outcome["files"].get("png")
     if picture and f"papers/{Path(picture).name})" in TEXT.read_text(encoding="utf-8"):
@@ -84,7 +86,7 @@ def words_of(outcome: dict[str, Any]) -> dict[str, str]:
     found = {f"N = {row['agents']}, {row_of(row)[1]}, {row['measure']}": row for row in rows}
     for claim in outcome["claims"]:
         text = re.split(r"[;(]| the mean changes by |, 99 %", claim["text"])[0]
-        found[re.sub(r"(?<=[a-zA-Z]) [-+]?[\d.]+(?=( <|\s*$| and|,))", "", text)] = claim
+        found[re.sub(r"(?<=[a-zA-Z])(?<! of) [-+]?[\d.]+(?=( <|\s*$| and|,))", "", text)] = claim
     return {what: one["verdict"] for what, one in found.items()}
 
 
@@ -135,16 +137,19 @@ def changed_list() -> str:
     """The words that changed, by experiment, and the experiments that are still to be judged."""
     found = json.loads(CHANGED.read_text(encoding="utf-8")) if CHANGED.exists() else {}
     lines = [f"- `{name}`: {one}" for name, changed in sorted(found.items()) for one in changed]
-    old = [path.stem for path in sorted(HERE.glob("*.json")) if is_old(path)]
+    old = [
+        path.stem
+        for path in sorted(HERE.glob("*.json"))
+        if is_old(json.loads(path.read_text(encoding="utf-8")))
+    ]
     if old:
         said = f"Still of the rule before, and made anew with their next runs: {', '.join(old)}."
         lines += ["", fill(said, WIDTH, break_on_hyphens=False)]
     return "\n".join(lines).strip()
 
 
-def is_old(path: Path) -> bool:
+def is_old(outcome: dict[str, Any]) -> bool:
     """Whether a stored result is judged by the rule before, which gave no reasons."""
-    outcome = json.loads(path.read_text(encoding="utf-8"))
     judged = [row for row in outcome.get("rows", []) if row.get("verdict")]
     return any("because" not in one for one in [*judged, *outcome.get("claims", [])])
 

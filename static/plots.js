@@ -15,6 +15,10 @@
       if (chart.root !== root || dressed.has(chart)) continue;
       dressed.add(chart);
       for (const one of chart.series) one.value = (_, value) => told(value);
+      /* Marks on a curve, which are no line, are not told of. */
+      root.querySelectorAll(".u-legend .u-series").forEach((row, at) => {
+        row.classList.toggle("fs-mark", at > 0 && chart.series[at].width === 0);
+      });
       /* Where a curve has no value it has no dot either. */
       chart.cursor.dataIdx = (_, curve, at) => Number.isNaN(chart.data[curve][at]) ? null : at;
     }

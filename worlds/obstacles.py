@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 import shapely
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -33,6 +34,16 @@ Point = tuple[Place, Place]
 Corner = tuple[Place, Place] | tuple[Place, Place, Place]
 Span = tuple[shapely.Polygon, float | None, float | None]
 """An outline with its bottom and top, None where it reaches the world's floor or height."""
+
+
+def distinct(points: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Corners without those that repeat the one before: they bound nothing."""
+    kept = [p for k, p in enumerate(points) if k == 0 or p != points[k - 1]]
+    kept = kept[:-1] if kept[0] == kept[-1] else kept
+    return tuple(kept) if len(kept) > 2 else points
+
+
+Corners = Annotated[tuple[Point, ...], Field(min_length=3), AfterValidator(distinct)]
 
 
 class Shape(BaseModel):
@@ -125,8 +136,8 @@ class Polygon(Flat):
     """A polygon, maybe with holes; its last point is joined to its first."""
 
     shape: Literal["polygon"] = "polygon"
-    points: tuple[Point, ...] = Field(min_length=3)
-    holes: tuple[Annotated[tuple[Point, ...], Field(min_length=3)], ...] = ()
+    points: Corners
+    holes: tuple[Corners, ...] = ()
 
     def outline(self) -> shapely.Polygon:
         """The polygon."""
@@ -285,8 +296,8 @@ class Prism(Shape):
     """A polygon, maybe with holes, from a bottom to a top; only in three dimensions."""
 
     shape: Literal["prism"] = "prism"
-    points: tuple[Point, ...] = Field(min_length=3)
-    holes: tuple[Annotated[tuple[Point, ...], Field(min_length=3)], ...] = ()
+    points: Corners
+    holes: tuple[Corners, ...] = ()
     bottom: Place
     top: Place
 

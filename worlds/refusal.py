@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +27,12 @@ def refusal_of(lines: Sequence[str]) -> Refusal:
     return Refusal(distinct[0]) if len(distinct) == 1 else Refusals(distinct)
 
 
-def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> Refusal:
+def unknown(
+    kind: str, name: object, known: Iterable[str], origin: str = "", others: Iterable[str] = ()
+) -> Refusal:
     """A refusal of a name, with the nearest known one suggested.
+
+    `others`: names of another kind that may stand in the same place; they are suggested too.
 
     >>> str(unknown("model", "hwven", ["vem", "hwvem"]))
     "unknown model 'hwven': did you mean 'hwvem'? (known: vem, hwvem)"
@@ -38,7 +41,7 @@ def unknown(kind: str, name: object, known: Iterable[str], origin: str = "") -> 
     """
     known = list(known)
     where = f" ({origin})" if origin else ""
-    hint = suggestion(name, known)
+    hint = suggestion(name, [*known, *others])
     return Refusal(f"unknown {kind} {shortened(name)}{hint} (known: {', '.join(known)}){where}")
 
 
@@ -47,10 +50,70 @@ def suggestion(name: object, known: Iterable[str]) -> str:
 
     >>> suggestion("hwven", ["vem", "hwvem"]), suggestion("x", ["vem"])
     (": did you mean 'hwvem'?", '')
+    >>> suggestion("agent", ["eta", "v0"]), suggestion("--ticks", ["--noise"])
+    ('', '')
     """
     text = name if isinstance(name, str) else shortened(name)
-    near = difflib.get_close_matches(text[:200], list(known), n=1, cutoff=0.5)
-    return f": did you mean {near[0]!r}?" if near else ""
+    near = nearest(text, known)
+    return f": did you mean {near!r}?" if near else ""
+
+
+def nearest(text: str, known: Iterable[str]) -> str:
+    """The known name that a text was most likely meant to be; "" if none is close.
+
+    Close is what one slip makes of a name of up to four letters, and one more for each four more;
+    or its beginning, of three letters or more. Dashes and capitals do not count.
+
+    >>> nearest("rnu", ["lab", "run"]), nearest("emulatd", ["vicon", "emulated cars"])
+    ('run', 'emulated cars')
+    """
+    wanted = plain_letters(text[:LONGEST_NAME])
+    found = [(slips(wanted, plain_letters(one)), one) for one in known]
+    close = [(count, one) for count, one in found if count is not None]
+    return min(close, key=lambda pair: pair[0])[1] if close else ""
+
+
+LONGEST_NAME = 60
+"""Letters of a name that are compared."""
+
+
+def plain_letters(text: str) -> str:
+    """A name without what people mix up: capitals, and dashes, underlines and blanks."""
+    return "".join(one for one in text.casefold() if one not in "-_ ")
+
+
+def slips(text: str, known: str) -> float | None:
+    """How many slips make a text of a known name; None if it is not close to it."""
+    if not text or not known:
+        return None
+    most = 1 + (min(len(text), len(known)) - 1) // 4
+    least = min(len(text), len(known))
+    count = distance(text, known, most)
+    if count is not None and count < least + (text == known):
+        return count
+    beginning = distance(text, known[: len(text)], most // 2)
+    longer = beginning is not None and len(text) >= 3 and len(known) > len(text)
+    return most + (beginning or 0) + 0.01 * len(known) if longer else None
+
+
+def distance(one: str, other: str, most: int) -> int | None:
+    """Letters put in, left out, changed, or swapped with the next; None if more than `most`.
+
+    >>> distance("rnu", "run", 2), distance("agent", "eta", 2)
+    (1, None)
+    """
+    if abs(len(one) - len(other)) > most:
+        return None
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, letter in enumerate(one, 1):
+        last, before, row = before, row, [i] + [0] * len(other)
+        for j, beside in enumerate(other, 1):
+            row[j] = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (letter != beside))
+            swapped = i > 1 and j > 1 and letter == other[j - 2] and one[i - 2] == beside
+            if swapped:
+                row[j] = min(row[j], last[j - 2] + 1)
+    return row[-1] if row[-1] <= most else None
 
 
 NEEDED = {

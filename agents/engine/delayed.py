@@ -1,9 +1,9 @@
 """A tick in which agents know of each other only what messages have brought.
 
 Every agent decides on its own present and on the others as the newest message from each tells of
-them (`agents.engine.past`). What is felt and not told, a touch, goes by the present. Like
-`sweep.py` this is a template that `agents.engine.loop` loads for each rule. Agents are kept in
-lists by the cell of the newest place that may be known of them.
+them, or as it takes that for (`agents.engine.past`). What is felt and not told, a touch, goes by
+the present. Like `sweep.py` this is a template that `agents.engine.loop` loads for each rule.
+Agents are kept in lists by the cell of the newest place that may be known of them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from agents.engine.cells import (
 from agents.engine.fall import fall
 from agents.engine.nearest import all_images
 from agents.engine.noise import tick_key
-from agents.engine.past import age_of, note_present
+from agents.engine.past import FURTHEST, age_of, note_present, off_place
 from worlds.compiled import compiled, entry
 from worlds.queries.surroundings import set_goal
 
@@ -96,7 +96,9 @@ def open_tick(
     if CRASHES:
         judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
     note_present(flock, tick)
-    plan(grid, space, context.reach + look_back(flock, space, messages, tick, known), known)
+    aside = FURTHEST * messages.error * math.sqrt(DIM)
+    back = look_back(flock, space, messages, tick, known)
+    plan(grid, space, context.reach + aside + back, known)
     for cell in range(number_of(grid) + 1):
         grid.start[cell] = -1
     for i in range(n - 1, -1, -1):
@@ -140,6 +142,10 @@ def add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shift
         return m
     block, signals = workspace.block, workspace.signals
     copy_known(flock, space, block, signals, j, age, m, known, me.tick, shifts)
+    if messages.error > 0.0:
+        for axis in range(DIM):
+            off = off_place(seed, me.tick, flock.ids[i], flock.ids[j], axis)
+            block[axis, m] += messages.error * off
     return m + 1
 
 

@@ -1,9 +1,10 @@
-"""What agents know of each other when messages take time: the flock's past, and who has what of it.
+"""What agents know of each other: the flock's past, who has what of it, and how exactly.
 
 Every tick each agent tells all others where it is, where it heads, how fast it is, and its signals.
 A message takes the delay and, on top, a time that is exponentially distributed; some get lost. What
 an agent knows of another is the newest message, by when it was sent, that has come by now. Draws
-are hashes of (seed, tick of sending, receiver, sender).
+are hashes of (seed, tick of sending, receiver, sender). Where it takes the other to be may be off
+from what the message says: by a draw of its own for each tick and each pair.
 """
 
 from __future__ import annotations
@@ -14,12 +15,16 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.engine.lanes import as_float, words
-from agents.engine.noise import GOLDEN, S11, log, mix, tick_key
+from agents.engine.noise import GOLDEN, S11, cos_sin, log, mix, tick_key
 from worlds.compiled import compiled
 
 BEGINS = math.nan
 """In the past of an agent that has none yet."""
 LATE = np.uint64(0x6C61746500000000)
+ASIDE = np.uint64(0x6173696465000000)
+"""Tells the draws of places from those of messages."""
+FURTHEST = 4.0
+"""Standard deviations that a place is off at most, along each axis: cells must be wide enough."""
 
 
 class Messages(NamedTuple):
@@ -31,6 +36,19 @@ class Messages(NamedTuple):
     """Mean of what comes on top."""
     loss: float
     """Share that gets lost."""
+    error: float
+    """Standard deviation of a place that is told, along each axis, length."""
+
+
+@compiled
+def off_place(seed, now, receiver, sender, axis):
+    """How far a receiver takes a sender to be off at a tick along an axis: a normal number, cut."""
+    key = mix((tick_key(seed, now) ^ ASIDE) + words(sender) * GOLDEN)
+    counter = words(receiver) * np.uint64(6) + np.uint64(2 * axis)
+    first = as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
+    second = as_float(mix(key + (counter + np.uint64(1)) * GOLDEN) >> S11) * 2.0**-53
+    c, _ = cos_sin(2.0 * math.pi * second)
+    return max(-FURTHEST, min(FURTHEST, math.sqrt(-2.0 * log(1.0 - first)) * c))
 
 
 @compiled

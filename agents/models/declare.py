@@ -6,7 +6,7 @@ declarations; nothing about a rule is written twice.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
@@ -141,16 +141,21 @@ def describe(name: str, field: FieldInfo) -> Declared:
     )
 
 
-def checked(model: type[Parameters], values: dict[str, Any], origin: str = "") -> Parameters:
+def checked(
+    model: type[Parameters],
+    values: dict[str, Any],
+    origin: str = "",
+    others: Iterable[str] = (),
+) -> Parameters:
     """The values as a parameter model.
 
     Raises Refusal naming the parameter, its value, what is allowed and `origin`, where it came
-    from.
+    from. `others`: what else may stand beside parameters, and is suggested for a wrong name.
     """
     where = f" ({origin})" if origin else ""
     for name in values:
         if name not in model.model_fields:
-            raise unknown("parameter", name, model.model_fields, origin)
+            raise unknown("parameter", name, model.model_fields, origin, others)
     try:
         return model(**values)
     except ValidationError as error:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.lab import is_file
+from app.cli.file_argument import is_file
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
 from app.cli.stopping import Stopping, leave
 from app.experiments.workers.processes import cores

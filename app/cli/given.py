@@ -12,11 +12,14 @@ from typing import Annotated, Any
 
 import typer
 
+from agents.catalogue import model as find_model
+from agents.models.declare import Parameters
 from agents.spec import KEYS, OPTIONS, Option, Spec, several
+from app.cli.file_argument import RUN, scene_run
 from app.experiments.lines import place
 from app.settings import assignment, numbers
 from worlds.reading import read_text, toml
-from worlds.refusal import Refusal, shortened, unknown
+from worlds.refusal import Refusal, nearest, shortened, unknown
 from worlds.world import World
 
 Asked = dict[str, Any]
@@ -95,13 +98,15 @@ def given(
             values[key], origins[key] = value, named(key)
     origins.update(said)
     if "model" not in values:
-        raise Refusal("which MODEL? `flockscope list models` names them; or give --spec or --state")
+        raise Refusal("which MODEL? `flockscope list models` names them; or give a FILE of a run")
     layout = values.pop("layout", None)
     with origins.named():
         if layout is not None and asked.get("world") is None:
             values["world"] = carried(layout, values, origins["layout"])
         parameters = {**values.pop("parameters", {}), **changed}
-        return Spec(**values, parameters=parameters), origins
+        spec = Spec(**values, parameters=parameters)
+        demand_parameters(changed, [find_model(spec.model).parameters])
+    return spec, origins
 
 
 def named(key: str) -> str:
@@ -115,11 +120,29 @@ def set_by(settings: list[str]) -> tuple[dict[str, Any], Origins]:
     return parameters, Origins({name: f"--set {name}" for name in parameters})
 
 
+def demand_parameters(changed: dict[str, Any], models: list[type[Parameters]]) -> None:
+    """Raise Refusal for what `--set` gives and an option would: that option is named."""
+    known = dict.fromkeys(name for model in models for name in model.model_fields)
+    for name, value in changed.items():
+        meant = "" if name in known else nearest(name, [*known, *OPTIONS])
+        if meant in OPTIONS:
+            raise Refusal(
+                f"unknown parameter {name!r}: did you mean {named(meant)} {value}? "
+                f"(known: {', '.join(known)}) (--set {name})"
+            )
+
+
 def read(path: Path) -> tuple[dict[str, Any], Origins]:
-    """The values of a spec file, whole or in part. Raises Refusal naming file and line."""
+    """The values of a spec file, whole or in part, or those of the run of a scene.
+
+    Raises Refusal naming file and line.
+    """
     text = read_text(repr(str(path)), path)
     values = toml(text, str(path))
-    origins = Origins({key: place(path, text, key) for key in values})
+    table = ""
+    if RUN in values:
+        values, table = scene_run(path, text), RUN
+    origins = Origins({key: place(path, text, key, table) for key in values})
     for key in values:
         if key not in KEYS:
             raise unknown("key", key, KEYS, origins[key])
@@ -129,11 +152,11 @@ def read(path: Path) -> tuple[dict[str, Any], Origins]:
             f"--state ({origins['start']})"
         )
     for key in ("versions", "parameters"):
-        table = values.get(key, {})
-        if not isinstance(table, dict) or any(isinstance(v, dict | list) for v in table.values()):
+        found = values.get(key, {})
+        if not isinstance(found, dict) or any(isinstance(v, dict | list) for v in found.values()):
             raise Refusal(f"{key} is not a table of single values ({origins[key]})")
     for name in values.get("parameters", {}):
-        origins[name] = place(path, text, name, "parameters")
+        origins[name] = place(path, text, name, f"{table}.parameters".lstrip("."))
     origins["layout"] = f"layout in {path}"
     return values, origins
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import time
 import webbrowser
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,7 +13,8 @@ from agents.catalogue import model as find_model
 from agents.home import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
-from app.cli.given import Asked, given, named, with_options
+from app.cli.file_argument import is_file
+from app.cli.given import Asked, demand_parameters, given, named, with_options
 from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stopping import Stopping, leave
@@ -122,13 +121,6 @@ def lab(
     leave()
 
 
-def is_file(name: str | None) -> bool:
-    """Whether it names a file, there or not, and not a model."""
-    if name is None or name in MODELS:
-        return False
-    return bool(Path(name).suffix) or os.sep in name or Path(name).exists()
-
-
 def opened_by(
     file: str | None,
     scene: str | None,
@@ -165,6 +157,8 @@ def parameters(
     A name that both have without sharing it means the first model's. Raises Refusal.
     """
     given = dict(assignment(setting) for setting in settings)
+    names = [model] if beside is None else [model, find_model(beside).name]
+    demand_parameters(given, [find_model(name).parameters for name in names])
     if beside is None:
         return lively(model, given), {}
     from app.viewer.run.beside import shared_by

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from app.cli.file_argument import STATE, demand_alone, file_argument, is_file, shown_beside
 from app.cli.given import Asked, given, named, set_by, with_options
 from app.cli.keeping import run_ticks
+from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
 from app.cli.lookout import Lookout
 from app.cli.outcome import as_json, outcome, show, tell, tell_written
 from app.cli.progress import Progress
@@ -27,11 +29,18 @@ if TYPE_CHECKING:
     from agents import Flock
 
 
+DEFAULT_TICKS = 100
+
+
 @with_options
 def run(
     model: Annotated[
         str | None,
-        typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=by_name),
+        typer.Argument(
+            help="A model, see `flockscope list`, or a FILE: a rule (FILE.py), a scene or a spec "
+            "(TOML), a saved state or a recording (Parquet).",
+            callback=by_name,
+        ),
     ] = None,
     rule: Rules = None,
     *,
@@ -39,13 +48,16 @@ def run(
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
-    ticks: Annotated[int, typer.Option(help="Ticks to run.")] = 100,
+    ticks: Ticks = None,
+    seconds: Seconds = None,
     threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
     interpret: Annotated[
         bool,
         typer.Option("--interpret", help="Run the model as plain Python, with print and pdb."),
     ] = False,
-    spec: Annotated[Path | None, typer.Option(help="TOML file that describes the run.")] = None,
+    spec: Annotated[
+        Path | None, typer.Option(help="A scene or a spec (TOML); options change it.")
+    ] = None,
     state: Annotated[
         Path | None, typer.Option(help="Saved state or recording to go on from.")
     ] = None,
@@ -54,7 +66,13 @@ def run(
     record: Annotated[
         Path | None, typer.Option(help="Record frames (Parquet, or CSV by its ending).")
     ] = None,
-    every: Annotated[int, typer.Option(help="Ticks between recorded frames.")] = 1,
+    every: Annotated[
+        int,
+        typer.Option(
+            help="Ticks between recorded frames. The last tick of the run is recorded too, also "
+            "where it is no multiple."
+        ),
+    ] = 1,
     overwrite: Annotated[
         bool,
         typer.Option("--overwrite", help="Let --save, --save-spec and --record replace a file."),
@@ -81,22 +99,28 @@ def run(
     The same spec and seed give the same numbers. The exit code is 4 if an agent was seen inside an
     obstacle or beyond a solid edge.
     """
-    at_least("--ticks", ticks, 0)
+    demand_one_length(ticks, seconds)
     at_least("--every", every, 1)
     at_least("--over", over, 1)
-    if over is not None and over > ticks:
-        raise Refusal(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
+    if seconds is None:
+        demand_long_enough(over, DEFAULT_TICKS if ticks is None else ticks)
     demand_outputs(save, save_spec, record, overwrite)
     from agents.observables.catalogue import OBSERVABLES
     from agents.record import Recorder
     from agents.series import Follower
 
     wanted = None if observe is None else known_observables(observe, over)
+    if is_file(model):
+        spec, state, model = told_by(model or "", spec, state)
     model = model if spec or state else first_of(model, rule)
     if state:
         flock = loaded(state, spec, {"model": model, **asked}, settings or [], threads, interpret)
     else:
         flock = built(spec, model, asked, settings or [], threads, interpret, quiet)
+    body = flock.model.body
+    length = ticks_asked(ticks, seconds, flock.model.name, body.unit, flock.dt)
+    length = DEFAULT_TICKS if length is None else length
+    demand_long_enough(over, length)
     if flock.warning and not quiet:
         tell(f"flockscope: {flock.warning}")
     compile_loop(flock, None if quiet else tell)
@@ -109,17 +133,19 @@ def run(
     with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None
         whole = run_ticks(
-            flock, ticks, progress, recorder, every, follower.look, over or 0, lookout.look
+            flock, length, progress, recorder, every, follower.look, over or 0, lookout.look
         )
-    seconds = time.perf_counter() - begun
+    took = time.perf_counter() - begun
     lookout.look()
     if save:
         flock.save(save)
     if not whole:
-        stopped(flock, first + ticks, record, save, every)
-    made = outcome(flock, observed, ticks, seconds, follower.series if over else None)
+        stopped(flock, first + length, record, save, every)
+    made = outcome(flock, observed, length, took, follower.series if over else None)
     if not quiet:
         tell_written(record, save, save_spec)
+        if record and length % every:
+            tell(odd_end(flock.tick, length, every))
     if lookout.found is not None:
         made["astray"] = str(lookout.found)
     if json_asked:
@@ -128,6 +154,29 @@ def run(
     else:
         show(made, flock)
     lookout.leave()
+
+
+def demand_long_enough(over: int | None, ticks: int) -> None:
+    """Raise Refusal if there are fewer ticks than are to be observed."""
+    if over is not None and over > ticks:
+        raise Refusal(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
+
+
+def odd_end(last: int, ticks: int, every: int) -> str:
+    """What is told of a recording whose last frames are closer to each other than the others."""
+    return (
+        f"flockscope: frames are {counted(every, 'tick')} apart, but the last, of tick {last}, "
+        f"{ticks % every}: the end of a run is always recorded"
+    )
+
+
+def told_by(
+    name: str, spec: Path | None, state: Path | None
+) -> tuple[Path | None, Path | None, str | None]:
+    """What --spec, --state and MODEL are where a file says which run it is. Raises Refusal."""
+    demand_alone(name, {"--spec": spec, "--state": state})
+    file = file_argument(name)
+    return (None, file.path, None) if file.kind == STATE else (file.path, None, None)
 
 
 def known_observables(text: str, over: int | None) -> list[str]:
@@ -165,6 +214,9 @@ def built(
     from agents import Flock
 
     spec, origins = given(model, asked, settings, file)
+    beside = None if file is None else shown_beside(file)
+    if beside and not quiet:
+        tell(f"flockscope: {beside}, which {file} shows beside it, is not run")
     with origins.named():
         flock = Flock(spec, threads=threads, interpret=interpret)
     now = flock.spec.versions
@@ -188,7 +240,7 @@ def loaded(
     for name, value in {**asked, "spec": spec}.items():
         if value is not None:
             raise Refusal(
-                f"{named(name)} {value} cannot be given with --state, which says it already"
+                f"{named(name)} {value} cannot be given with {state}, which says it already"
             )
     parameters, origins = set_by(settings)
     flock = Flock.load(state, threads=threads, interpret=interpret)

@@ -11,10 +11,13 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from app.cli.refusals import REFUSED, one_line, told
-from worlds.refusal import Refusal, needed, shortened, suggestion
+from worlds.refusal import Refusal, nearest, needed, shortened, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
 """What Typer raises for a wrong command line; Typer itself has no name for it."""
+
+LENGTHS = ("ticks", "steps", "seconds", "time", "duration", "length")
+"""Words for how long something lasts."""
 
 
 class OneCommand(TyperCommand):
@@ -90,8 +93,7 @@ def tell(error: Any) -> None:
 def in_words(error: Any) -> str:
     """What was typed wrong: the option, its value, what is allowed."""
     if hasattr(error, "possibilities"):
-        known = [name for one in error.ctx.command.get_params(error.ctx) for name in one.opts]
-        hint = suggestion(error.option_name, [name for name in known if name.startswith("-")])
+        hint = meant_by(error.option_name, options_of(error.ctx))
         return f"unknown option {shortened(error.option_name)}{hint}"
     if hasattr(error, "param_type"):
         return f"{named(error.param)} is missing"
@@ -101,7 +103,46 @@ def in_words(error: Any) -> str:
         takes = "needs a value" if "requires" in error.message else "takes no value"
         return f"{error.option_name} {takes}"
     extra = re.fullmatch(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", error.message)
-    return f"unexpected argument {shortened(extra[1])}" if extra else error.message
+    if extra is None:
+        return error.message
+    hint = "" if error.ctx is None else assigned(extra[1], options_of(error.ctx))
+    return f"unexpected argument {shortened(extra[1])}{hint}"
+
+
+def options_of(ctx: Any) -> list[str]:
+    """The options of a command, as they are typed."""
+    names = [name for one in ctx.command.get_params(ctx) for name in one.opts]
+    return [name for name in names if name.startswith("-")]
+
+
+def meant_by(option: str, known: Sequence[str]) -> str:
+    """What an unknown option was most likely meant to be, as a question; "" if nothing is close."""
+    found = suggestion(option, known)
+    if found:
+        return found
+    name = option.lstrip("-").replace("-", "_")
+    if name in LENGTHS:
+        there = [one for one in ("--ticks", "--seconds") if one in known]
+        return f": did you mean {there[0]!r}?" if there else ""
+    return f": did you mean '--set {name}=...'?" if "--set" in known and is_parameter(name) else ""
+
+
+def assigned(text: str, known: Sequence[str]) -> str:
+    """How a NAME=VALUE that stands alone is given, as a question; "" if it is none."""
+    name, equals, value = text.partition("=")
+    option = nearest(f"--{name}", known)
+    if not (equals and name and value):
+        return ""
+    if option and not is_parameter(name):
+        return f": did you mean '{option} {value}'?"
+    return f": did you mean '--set {text}'?" if "--set" in known else ""
+
+
+def is_parameter(name: str) -> bool:
+    """Whether any model has a parameter of this name."""
+    from agents.catalogue import MODELS
+
+    return any(name in model.parameters.model_fields for model in MODELS.values())
 
 
 def wrong_value(error: Any) -> str:

@@ -50,6 +50,18 @@ Picture = Literal[
     "crowding",
     "optima",
     "tradeoff",
+    "potential",
+    "projections",
+    "regions",
+    "zones",
+    "view",
+    "neighbourhood",
+    "cases",
+    "flowchart",
+    "steps",
+    "motion",
+    "meeting",
+    "avoidance",
 ]
 
 

@@ -25,3 +25,14 @@ def test_the_benchmark_of_a_class_prints_what_students_get():
     assert float(re.search(r"pictures/s +(\S+)", said)[1]) > 1.0
     assert re.search(r"a button answers +\d+\.\d\d s", said)
     assert re.search(r"nobody looks, cores each +\d", said)
+
+
+def test_the_benchmark_of_an_attack_prints_how_long_the_honest_wait():
+    command = [sys.executable, str(ROOT / "benchmarks" / "class_attack.py"), "--honest", "2"]
+    few = ("--dishonest", "1", "--seconds", "6")
+    said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
+    assert "2 honest, 1 dishonest and one slow student" in said
+    assert re.search(r"before +\d+ results waited for +\S+ s", said)
+    assert re.search(r"attacked +\d+ results waited for +\S+ s", said)
+    assert re.search(r"honest without a result +0\n", said)
+    assert re.search(r"not kept +0\n", said)

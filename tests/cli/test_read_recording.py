@@ -1,6 +1,7 @@
 """`flockscope recording` and `Recording`: what a file holds, as it was, to the bit."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -140,6 +141,12 @@ def test_the_command_says_what_it_holds(recorded):
     shown = call("recording", path).stdout
     assert "Boundary-point flocking (boundary-points): 12 agents in wu2023-multi 90 x 90 m" in shown
     assert "3 frames of ticks 0 to 5 = 0.1 s, 0.02 s a tick; 36 rows" in shown
+    ticks = Recording(path).ticks.tolist()
+    apart = {later - tick for tick, later in pairwise(ticks)}
+    line = (
+        f"frames are {min(apart)} to {max(apart)} ticks apart; the end of a run is always recorded"
+    )
+    assert (line in shown) == (len(apart) > 1)
     assert "  speed      m/s    speed along the heading" in shown
     made = json.loads(call("recording", path, "--json").stdout)
     assert made["columns"]["split_x"]["unit"] == "m"

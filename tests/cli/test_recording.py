@@ -49,6 +49,34 @@ def test_the_file_holds_ticks_ids_and_the_spec(tmp_path):
     assert not path.with_name("run.parquet.part").exists()
 
 
+@pytest.mark.parametrize(
+    ("ticks", "ticks_there", "told"),
+    [
+        (
+            10,
+            [0, 4, 8, 10],
+            "frames are 4 ticks apart, but the last, of tick 10, 2: the end of a run",
+        ),
+        (8, [0, 4, 8], ""),
+        (3, [0, 3], "frames are 4 ticks apart, but the last, of tick 3, 3:"),
+    ],
+)
+def test_an_end_that_is_recorded_out_of_turn_is_told(tmp_path, ticks, ticks_there, told):
+    path = tmp_path / "run.parquet"
+    args = ("run", "hwvem", "--agents", 40, "--seed", 7, "--ticks", ticks, "--every", 4)
+    said = call(*args, "--record", path).stderr
+    assert sorted(set(pq.read_table(path)["tick"].to_pylist())) == ticks_there
+    assert told in said
+    assert ("always recorded" in said) == bool(told)
+    quiet = call(*args, "--record", path, "--overwrite", "--quiet").stderr
+    assert "always recorded" not in quiet
+    apart = json.loads(call("recording", path, "--json").stdout)["ticks_apart"]
+    steps = np.diff(ticks_there)
+    assert apart == [steps.min(), steps.max()]
+    shown = call("recording", path).stdout
+    assert ("2 to 4 ticks apart" in shown) == (ticks == 10)
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_stopped_run_leaves_a_recording_that_goes_on(tmp_path, sent):
     path = tmp_path / "run.parquet"

@@ -34,7 +34,7 @@ MODELS = "vem, vem-a, ivem"
         (["vem", "--world", "wrp"], ["unknown world 'wrp'", "did you mean 'wrap'?"]),
         (["vem", "--world", "no.toml"], ["no.toml", "No such file"]),
         (["vem", "--activation", "rand"], ["unknown activation 'rand'", "'random'"]),
-        (["vem", "--noise", "angle"], ["unknown noise 'angle'", "'angular'"]),
+        (["vem", "--noise", "angle"], ["unknown noise 'angle'", "(known: angular,"]),
         (["vem", "--threads", "0"], ["threads = 0", ">= 1"]),
         (["vem", "--ticks", "-1"], ["--ticks -1", ">= 0"]),
         (["vem", "--every", "0"], ["--every 0", ">= 1"]),
@@ -46,7 +46,15 @@ MODELS = "vem, vem-a, ivem"
         (["vem", "--set", "eta=much"], ["eta = 'much'", "[0, 6.2832]"]),
         (["vem", "--set", "eta"], ["--set eta", "NAME=VALUE"]),
         (["vem", "--set", "=3"], ["--set =3", "NAME=VALUE"]),
-        (["hwvem", "--set", "p3=1"], ["unknown parameter 'p3'", "did you mean 'p2'?"]),
+        (["hwvem", "--set", "p3=1"], ["unknown parameter 'p3'", "did you mean 'p1'?"]),
+        (["vem", "--set", "agent=50"], ["unknown parameter 'agent': did you mean --agents 50?"]),
+        (["vem", "--set", "agents=50"], ["did you mean --agents 50?", "--set agents"]),
+        (["vem", "--set", "qqq=5"], ["unknown parameter 'qqq' (known: r, eta"]),
+        (["nope.toml"], ["'nope.toml' cannot be read: No such file"]),
+        (["vem", "--seconds", "3"], ["--seconds 3 is not allowed: vem counts ticks"]),
+        (["vem", "--seconds", "-1"], ["--seconds -1 is outside [0, 1e6)"]),
+        (["vem", "--seconds", "3", "--ticks", "3"], ["--ticks and --seconds exclude each other"]),
+        (["reynolds", "--seconds", "0.1", "--over", "90"], ["--over 90 is more than"]),
         (["hwvem", "--set", "layers=late"], ["layers = 'late'", "delayed, instant"]),
         (["--spec", "no.toml"], ["'no.toml'", "No such file"]),
         (["--state", "no.parquet"], ["'no.parquet'", "No such file"]),
@@ -97,7 +105,8 @@ def test_a_file_that_is_not_what_it_claims_is_refused(tmp_path):
 
 def test_a_state_says_what_it_is_already(tmp_path):
     line = refusal("run", "vem", "--state", tmp_path / "x.parquet")
-    assert "MODEL vem cannot be given with --state" in line
+    assert "MODEL vem cannot be given with" in line
+    assert "x.parquet, which says it already" in line
 
 
 def test_a_parameter_that_a_state_cannot_take_is_refused(tmp_path):
@@ -188,6 +197,22 @@ def test_other_commands_are_refused_in_one_line(args, words):
         (["run", "vem", "--ticks"], "--ticks needs a value"),
         (["run", "vem", "--json=3"], "--json takes no value"),
         (["run", "vem", "wvem"], "unexpected argument 'wvem' (flockscope run --help)"),
+        (["run", "vem", "agent=50"],
+         "unexpected argument 'agent=50': did you mean '--agents 50'? (flockscope run --help)"),
+        (["run", "vem", "eta=0.5"],
+         "unexpected argument 'eta=0.5': did you mean '--set eta=0.5'? (flockscope run --help)"),
+        (["run", "vem", "--eta", "0.5"],
+         "unknown option '--eta': did you mean '--set eta=...'? (flockscope run --help)"),
+        (["run", "vem", "--steps", "5"],
+         "unknown option '--steps': did you mean '--ticks'? (flockscope run --help)"),
+        (["picture", "vem", "--nise", "5"],
+         "unknown option '--nise': did you mean '--noise'? (flockscope picture --help)"),
+        (["world", "list", "--wobble"],
+         "unknown option '--wobble' (flockscope world list --help)"),
+        (["flight", "simulate", "--ticks", "4"],
+         "unknown option '--ticks': did you mean '--seconds'? (flockscope flight simulate --help)"),
+        (["film", "vem", "--ticks", "4", "--to", "9"],
+         "--ticks and --to exclude each other: both say how long it lasts"),
         (["recover"], "FILE is missing (flockscope recover --help)"),
         (["lab", "--port", "99999", "--no-open"],
          "--port '99999' is not allowed: a number <= 65535 is needed (flockscope lab --help)"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import re
@@ -15,10 +16,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents import Flock, frames, parquet
+from agents import Flock, frames, parquet, parquet_footer, parquet_thrift
 from agents.record import KEY, Recorder
 from agents.recording import Recording
+from cli import thrift_tree
 from cli.calling import call, refusal
+from cli.thrift_tree import at, put
 from worlds.refusal import Refusal
 
 
@@ -200,17 +203,31 @@ CHANGED = """
 import random, sys
 import numpy as np
 from agents.recording import Recording
+from cli import thrift_tree
 from worlds.refusal import Refusal
-draw = random.Random(int(sys.argv[2]))
-sound = open(sys.argv[1], "rb").read()
-footer = len(sound) - 8 - int.from_bytes(sound[-8:-4], "little")
-for _ in range(300):
-    content = bytearray(sound)
+sound, what, draw = open(sys.argv[1], "rb").read(), sys.argv[2], random.Random(1)
+body, footer = thrift_tree.split(sound)
+
+def bytes_of(content, first):
+    content = bytearray(content)
     for _ in range(draw.randint(1, 4)):
-        place = draw.randrange(4, footer)
+        place = draw.randrange(first, len(content))
         content[place] = draw.choice([0, 127, 128, 255, draw.randrange(256)])
+    return bytes(content)
+
+def fields_of(tree):
+    for _ in range(draw.choice([1, 1, 2, 4])):
+        thrift_tree.change(tree, draw)
+
+for _ in range(200):
+    if what == "pages":
+        content = thrift_tree.joined(bytes_of(body, 4), footer)
+    elif what == "bytes of the footer":
+        content = thrift_tree.joined(body, bytes_of(footer, 0))
+    else:
+        content = thrift_tree.forged(sound, fields_of)
     try:
-        found = Recording("changed.parquet", bytes(content))
+        found = Recording("changed.parquet", content)
         found.described()
         for tick in found.ticks.tolist():
             assert np.isfinite(found.at(tick).position).all()
@@ -224,14 +241,91 @@ for _ in range(300):
     "form", [{"row_group_size": 2}, {"compression": "none", "use_dictionary": False},
              {"compression": "gzip", "data_page_version": "2.0"}],
 )  # fmt: skip
-def test_pages_whose_bytes_are_changed_make_a_flock_or_one_line(table, tmp_path, form):
+@pytest.mark.parametrize("what", ["pages", "bytes of the footer", "fields of the footer"])
+def test_what_is_changed_in_a_file_makes_a_flock_or_one_line(table, tmp_path, what, form):
     """In a process of its own, which must not end by a signal either."""
     path = written(table, tmp_path / "sound.parquet", **form)
     done = subprocess.run(
-        [sys.executable, "-c", CHANGED, str(path), "1"],
-        capture_output=True, text=True, timeout=120, check=False,
+        [sys.executable, "-c", f"import sys; sys.path[:] = {sys.path!r}\n{CHANGED}", path, what],
+        capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+
+
+CHUNK = (4, 0, 1, 0)
+"""Where the first column chunk of the first row group stands in a footer."""
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda tree: thrift_tree.without(tree, *CHUNK, 3),  # ended the process
+        lambda tree: at(tree, 4, 0, 1)[1].pop(),
+        lambda tree: at(tree, 2)[1].pop(),
+        lambda tree: put(tree, 3, value=2**40),
+        lambda tree: put(tree, *CHUNK, 3, 9, value=2**40),
+        lambda tree: put(tree, *CHUNK, 3, 7, value=-1),
+        lambda tree: put(tree, *CHUNK, 3, 1, value=6),
+        lambda tree: put(tree, *CHUNK, 3, 4, value=99),
+        lambda tree: put(tree, *CHUNK, 3, 5, value=2**62),
+        lambda tree: put(tree, 2, 0, 5, value=2**31 - 1),
+        lambda tree: at(tree, *CHUNK).append([1, thrift_tree.BINARY, b"/etc/passwd"]),
+        lambda tree: at(tree, *CHUNK).append([8, thrift_tree.STRUCT, []]),
+        lambda tree: tree.append([8, thrift_tree.STRUCT, []]),
+        lambda tree: put(tree, 4, value=[thrift_tree.STRUCT, [[]] * 1000]),
+        lambda tree: tree.append(list(tree[0])),
+    ],
+)
+def test_a_footer_that_cannot_be_is_one_line(table, tmp_path, changed):
+    path = written(table, tmp_path / "forged.parquet")
+    path.write_bytes(thrift_tree.forged(path.read_bytes(), changed))
+    line = refusal("recording", path)
+    assert line.endswith("forged.parquet' is damaged: its footer cannot be read")
+
+
+def test_a_footer_of_more_structs_than_are_kept_is_refused(table, tmp_path, monkeypatch):
+    path = written(table, tmp_path / "run.parquet", row_group_size=1)
+    monkeypatch.setattr(parquet_thrift, "MOST_STRUCTS", 200)
+    with pytest.raises(Refusal, match="its footer cannot be read"):
+        Recording(path)
+    monkeypatch.undo()
+    monkeypatch.setattr(parquet_footer, "LONGEST_FOOTER", 300)
+    with pytest.raises(Refusal, match="its footer cannot be read"):
+        Recording(path)
+    monkeypatch.undo()
+    assert Recording(path).rows == 15
+
+
+@pytest.mark.parametrize(
+    "form", [{}, {"row_group_size": 2}, {"compression": "none", "use_dictionary": False},
+             {"compression": "gzip", "data_page_version": "2.0"}, {"write_page_index": True},
+             {"write_statistics": False, "store_schema": False}, {"version": "1.0"}],
+)  # fmt: skip
+def test_a_footer_that_is_written_anew_says_the_same_of_a_file(tmp_path, form):
+    numbers = pa.array([1.5, None, -2.0, 3.0, 4.0])
+    made = pa.table(
+        {
+            "tick": [0, 0, 1, 1, 2], "x": numbers, "name": ["a", "b", None, "a", "c"],
+            "informed": [True, False, True, None, False], "mode": pa.array([1, 2, 3, 4, 5], "int8"),
+            "when": pa.array([1, 2, 3, 4, 5], pa.timestamp("us", "UTC")),
+            "price": pa.array([1, 2, 3, 4, 5], pa.decimal128(10, 2)),
+            "past": pa.array([[1.0, 2.0]] * 5, pa.list_(pa.float64(), 2)),
+            "notes": [["a"], [], None, ["b", "c"], []], "deep": [{"a": 1, "b": {"c": [1]}}] * 5,
+        },
+        metadata={KEY: b"{}"},
+    )  # fmt: skip
+    path = written(made, tmp_path / "table.parquet", **form)
+    assert parquet.ParquetTable(path, None, "a table").read().equals(pq.read_table(path))
+
+
+def test_a_type_with_a_reader_of_its_own_is_read_as_its_numbers(tmp_path):
+    kind = pa.fixed_shape_tensor(pa.float64(), [2])
+    column = pa.ExtensionArray.from_storage(kind, pa.array([[1.0, 2.0]], kind.storage_type))
+    path = written(pa.table({"past": column}), tmp_path / "table.parquet")
+    assert b"ARROW:extension" in base64.b64decode(pq.read_metadata(path).metadata[b"ARROW:schema"])
+    found = parquet.ParquetTable(path, None, "a table").read()
+    assert found["past"].type == pa.list_(pa.float64())
+    assert found["past"].to_pylist() == [[1.0, 2.0]]
 
 
 @settings(max_examples=60, deadline=None)

@@ -15,6 +15,7 @@ from . import vicsek_family as family
 from .topology import contact
 
 LATE = 0x6C61746500000000
+ASIDE = 0x6173696465000000
 
 
 def drawn(seed, sent, receiver, sender, draw):
@@ -39,8 +40,32 @@ def known_at(now, seed, receiver, sender, delay, jitter, loss):
     return 0
 
 
-def step(model, states, ids, seed, late, parameters, size, edges, turn=None):
-    """The state after the last of `states`; `late` = (delay, jitter, loss), in ticks."""
+def off_place(seed, now, receiver, sender, axis):
+    """How far off a receiver takes a sender to be, in standard deviations (Box and Muller)."""
+    key = hashing.mix((hashing.key(seed, now) ^ ASIDE) + sender * hashing.G)
+    first, second = (
+        (hashing.mix(key + (receiver * 6 + 2 * axis + k) * hashing.G) >> 11) * 2.0**-53
+        for k in (0, 1)
+    )
+    normal = math.sqrt(-2 * math.log(1 - first)) * math.cos(2 * math.pi * second)
+    return max(-4.0, min(4.0, normal))
+
+
+def taken_places(told, i, ids, seed, tick, error):
+    """Where agent i takes all to be, (N, dim): as told, off by the error; itself where it is."""
+    places = np.array([told[j].position[j] for j in range(len(ids))])
+    for j in range(len(ids)):
+        if j != i:
+            for axis in range(places.shape[1]):
+                places[j, axis] += error * off_place(seed, tick, int(ids[i]), int(ids[j]), axis)
+    return places
+
+
+def step(model, states, ids, seed, late, parameters, size, edges, turn=None, error=0.0):
+    """The state after the last of `states`; `late` = (delay, jitter, loss), in ticks.
+
+    `error`: standard deviation of the places of others, along each axis.
+    """
     p, now = parameters, states[-1]
     n, tick = len(now.informed), len(states) - 1
     headings, layer = [], []
@@ -49,7 +74,7 @@ def step(model, states, ids, seed, late, parameters, size, edges, turn=None):
         told[i] = now
         sight = replace(
             now,
-            position=np.array([told[j].position[j] for j in range(n)]),
+            position=taken_places(told, i, ids, seed, tick, error),
             heading=np.array([told[j].heading[j] for j in range(n)]),
             layer=np.array([told[j].layer[j] for j in range(n)]),
         )

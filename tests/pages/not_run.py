@@ -34,6 +34,9 @@ PRINTED = {
     ("docs/worlds.md", "flockscope: plan.dxf, layer 'WALLS'"): (
         "a refusal of a drawing that is not there: tests/worlds tests refusals"
     ),
+    ("docs/worlds.md", "flockscope: house.dxf, layer 'A-WALL'"): (
+        "a question about a drawing that is not there: tests/worlds/test_plan_walls.py asks it"
+    ),
     ("docs/live.md", "sent last at"): (
         "printed of a killed loop: tests/live/test_while_driving.py kills one"
     ),

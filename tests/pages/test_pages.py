@@ -7,6 +7,7 @@ import re
 import shlex
 import tomllib
 import warnings
+import zipfile
 from contextlib import suppress
 from pathlib import Path
 
@@ -83,10 +84,59 @@ def draw_box(path):
     path.write_text("POLYGON ((0 0, 24 0, 24 9, 0 9, 0 0), (4 4, 4 6, 7 6, 7 4, 4 4))\n")
 
 
+def draw_campus(path):
+    """A building as a map on the web exports it, in degrees and without a word about it."""
+    ring = [[8.65, 49.87], [8.651, 49.87], [8.651, 49.871], [8.65, 49.871], [8.65, 49.87]]
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+
+
+def draw_room(path):
+    """A room in centimetres, on layers of Inkscape."""
+    layer = 'xmlns:i="http://www.inkscape.org/namespaces/inkscape" i:groupmode="layer" i:label='
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 800 500">'
+        f'<g {layer}"walkable"><rect width="800" height="500"/></g>'
+        f'<g {layer}"pillars"><circle cx="400" cy="250" r="30"/></g></svg>'
+    )
+
+
+def draw_ros_map(path):
+    """A map of ROS, its image beside it, or both in a ZIP file."""
+    text = "image: walls.pgm\nresolution: 0.5\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n"
+    image = b"P5\n8 6\n255\n" + b"".join(b"\xfe" * 4 + b"\0" + b"\xfe" * 3 for _ in range(6))
+    if path.suffix == ".zip":
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("walls.yaml", text)
+            archive.writestr("walls.pgm", image)
+    else:
+        path.write_text(text)
+        path.with_name("walls.pgm").write_bytes(image)
+
+
+def draw_arena(path):
+    """A map of the MovingAI benchmarks."""
+    path.write_text("type octile\nheight 3\nwidth 5\nmap\n.....\n..@T.\n.....\n")
+
+
+def draw_station(path):
+    """A scenario of Vadere."""
+    shape = {"type": "RECTANGLE", "x": 4.0, "y": 4.0, "width": 1.0, "height": 2.0}
+    attributes = {"bounds": {"x": 0.0, "y": 0.0, "width": 12.0, "height": 9.0},
+                  "boundingBoxWidth": 0.5, "bounded": True}  # fmt: skip
+    topography = {"attributes": attributes, "obstacles": [{"id": 1, "shape": shape}]}
+    path.write_text(json.dumps({"name": "station", "scenario": {"topography": topography}}))
+
+
 READERS_OWN = {
     ("README.md", "lab.toml"): lambda path: path.write_text(file_from("docs/live.md", "lab.toml")),
     ("docs/worlds.md", "plan.dxf"): draw_plan,
     ("docs/worlds.md", "office.wkt"): draw_box,
+    ("docs/worlds.md", "campus.geojson"): draw_campus,
+    ("docs/worlds.md", "room.svg"): draw_room,
+    ("docs/worlds.md", "floor.yaml"): draw_ros_map,
+    ("docs/worlds.md", "floor.zip"): draw_ros_map,
+    ("docs/worlds.md", "arena.map"): draw_arena,
+    ("docs/worlds.md", "station.scenario"): draw_station,
     ("docs/worlds.md", "jupedsim/examples/geometry/BUW.wkt"): draw_box,
     ("docs/worlds.md", "jupedsim/examples/geometry/dxf/ISO-Bottleneck.dxf"): draw_bottleneck,
 }
@@ -113,7 +163,9 @@ def commands_of(page):
                     yield from commands(line)
 
 
-FILES = re.compile(r"--record|(?<!\blab)\.(toml|parquet|geojson|wkt|dxf)\b")
+FILES = re.compile(
+    r"--record|(?<!\blab)\.(toml|parquet|geojson|wkt|dxf|svg|yaml|zip|map|scenario)\b"
+)
 """What names files in a command, but for `lab.toml`, which is the same on all pages."""
 
 

@@ -61,6 +61,7 @@ class StubFlock:
         cost: float = 0.0,
     ):
         n = start.agents
+        self.options = start
         rng = np.random.default_rng(start.seed)
         self.side = start.size or 5.0
         self.position = rng.uniform(0, self.side, (n, start.dim))

@@ -9,9 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.viewer.editing.layout_file import LARGEST, MOST_CORNERS, layout_of, plain_name
+from app.viewer.editing.layout_file import (
+    LARGEST,
+    MOST_CORNERS,
+    layout_from_browser,
+    layout_of,
+    plain_name,
+)
+from app.viewer.lab.panels.world.plan_questions import with_answer
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc
+from worlds.readers.plan_question import PlanQuestion
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -43,6 +51,28 @@ def test_drawings_are_read_with_solid_edges_around_them():
     room = layout_of("rooms.wkt", text)
     assert (room.low, room.size) == ((1.0, 1.0), (2.0, 2.0))
     assert room.obstacles[0].footprint().area == pytest.approx(0.5)
+
+
+HOUSE = b"A-WALL: POLYGON ((0 0, 24 0, 24 7, 0 7, 0 0))\nA-WALL: POLYGON ((2 2, 3 2, 3 3, 2 2))\n"
+
+
+def test_what_a_drawing_leaves_open_is_asked_and_answered():
+    with pytest.raises(PlanQuestion) as question:
+        layout_from_browser("../house.wkt", HOUSE)
+    assert str(question.value).startswith("house.wkt, line 1 'A-WALL': it holds all else")
+    solid, walls = question.value.choices
+    block = layout_from_browser("house.wkt", HOUSE, with_answer({}, solid, None))
+    assert block.obstacles[0].footprint().area == 168.0
+    room = layout_from_browser("house.wkt", HOUSE, with_answer({}, walls, 0.2))
+    assert room.obstacles[0].footprint().area == pytest.approx(24.2 * 7.2 - 23.8 * 6.8)
+
+
+def test_maps_come_as_one_file():
+    text = b"type octile\nheight 2\nwidth 3\nmap\n.@.\n...\n"
+    world = layout_from_browser("arena.map", text)
+    assert (world.size, len(world.obstacles)) == ((3.0, 2.0), 1)
+    with pytest.raises(Refusal, match=r"lab.yaml is one half of a map of ROS: open a ZIP file"):
+        layout_of("lab.yaml", b"image: lab.pgm\n")
 
 
 def discs(count: int) -> bytes:
@@ -81,6 +111,10 @@ def polygon(points: str, first: str = "size = 10.0\n") -> bytes:
         ("a.json", b"[" * 200_000, "a.json"),
         ("a.wkt", b"POLYGON ((1 1, 2", "a.wkt"),
         ("a.dxf", b"0\nSECTION\n", "a.dxf"),
+        ("a.svg", b"<svg", "a.svg is not SVG"),
+        ("a.map", b"type", "a.map is not a map of MovingAI"),
+        ("a.scenario", b"{}", "a.scenario is not a scenario of Vadere"),
+        ("a.zip", b"PK", "a.zip is not a ZIP file"),
         ("../../etc/a.geojson", b"null", "a.geojson"),
     ],
 )  # fmt: skip
@@ -105,7 +139,9 @@ def test_too_many_corners_are_refused():
 
 @settings(max_examples=60, deadline=None)
 @given(
-    ending=st.sampled_from([".toml", ".geojson", ".wkt", ".dxf"]),
+    ending=st.sampled_from(
+        [".toml", ".geojson", ".wkt", ".dxf", ".svg", ".map", ".scenario", ".zip"]
+    ),
     content=st.one_of(st.binary(max_size=60), st.text(max_size=60).map(str.encode)),
 )
 def test_nonsense_is_refused_and_nothing_else_happens(ending, content):

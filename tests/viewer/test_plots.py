@@ -17,11 +17,12 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.lab.panels.monitors.numbers import NumbersTable, tabled
 from app.viewer.lab.panels.plots.overlay import Overlay
-from app.viewer.measuring.course import Conditions, Course
+from app.viewer.measuring.course import Course
 from app.viewer.measuring.curves import over_earlier, thinned
 from app.viewer.measuring.earlier import KEPT, EarlierRuns
 from app.viewer.measuring.numbers import Number, numbers
 from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunConditions, Stretch
 from app.viewer.panels.chart import Chart, Curve, Shown
 from app.viewer.panels.plotted import KINDS
 from app.viewer.panels.sending import Sender
@@ -64,7 +65,9 @@ def taken(made: Overlay, *names: str) -> pd.DataFrame:
 def test_a_table_has_every_value_as_it_was_measured():
     readings = run(seed=4)
     table = taken(overlay(readings), *ORDER)
-    assert list(table) == ["run", "model", "seed", "tick", "polarisation", "angular momentum"]
+    own = ["world", "agents", "informed", *readings.flock.parameters.model_dump()]
+    first = ["run", "model", "seed", "tick", "polarisation", "angular momentum"]
+    assert list(table) == [*first, *own]
     assert table.run.unique().tolist() == ["now"]
     assert table.seed.unique().tolist() == [4]
     ticks, values = readings.series("polarisation").recorded()
@@ -78,10 +81,10 @@ def test_a_table_says_units_and_time():
     table = taken(made, "nearest-neighbour")
     dt = readings.flock.dt
     assert {"time (s)"} < set(table)
-    assert any(name.startswith("nearest neighbour (") for name in table)
+    column = next(name for name in table if name.startswith("nearest neighbour ("))
     np.testing.assert_allclose(table["time (s)"], table.tick * dt)
     shown = made.shown(("nearest-neighbour",), keyed=False)
-    assert shown.titles == ("time (s)", table.columns[-1])
+    assert shown.titles == ("time (s)", column)
     assert shown.at[-1] == pytest.approx(10 * dt)
     assert overlay(run(seed=4)).shown(ORDER, keyed=False).titles[0] == "tick"
 
@@ -119,11 +122,12 @@ def test_two_clocks_are_one_time():
         if runs[name == "beside"].flock.model.body.unit == "s":
             np.testing.assert_allclose(rows["time (s)"], rows.tick * dt)
     shown = made.shown(("polarisation",), keyed=True)
-    assert [curve.label for curve in shown.curves] == [
+    lines = [curve for curve in shown.curves if not curve.dots]
+    assert [line.label for line in lines] == [
         "polarisation, olfati-saber",
         "polarisation, reynolds",
     ]
-    assert [bool(curve.dash) for curve in shown.curves] == [False, True]
+    assert [bool(line.dash) for line in lines] == [False, True]
     lines = made.plotted(("polarisation",)).lines
     for line, readings, each in zip(lines, runs, made.each, strict=True):
         np.testing.assert_allclose(line.at, np.array([0, 5, 10]) * each * dts[0])
@@ -138,8 +142,9 @@ def test_a_run_that_is_over_lies_under_the_next():
     runs.follow([now])
     assert [one.conditions.seed for one in runs.kept] == [1]
     made = overlay(now, earlier=runs)
-    earlier, current = made.shown(("polarisation",), keyed=False).curves
-    assert earlier.label == "polarisation, seed 1 (before)"
+    earlier, dots, current = made.shown(("polarisation",), keyed=False).curves
+    assert earlier.label == "polarisation, before"
+    assert np.isnan(dots.values).all()
     at = made.shown(("polarisation",), keyed=False).at
     assert at[-1] == 40
     assert np.isnan(current.values[at > 20]).all()
@@ -149,7 +154,7 @@ def test_a_run_that_is_over_lies_under_the_next():
     table = taken(made, "polarisation")
     assert table.groupby("run").tick.max().to_dict() == {"now": 20, "seed 1 (before)": 40}
     assert overlay(now, earlier=runs, last=15).shown(("polarisation",), keyed=False).at[-1] == 20
-    assert len(overlay(now, earlier=runs, most=0).shown(("polarisation",), keyed=False).curves) == 1
+    assert len(overlay(now, earlier=runs, most=0).shown(("polarisation",), keyed=False).curves) == 2
 
 
 def test_few_earlier_runs_are_kept_and_the_same_one_once():
@@ -177,19 +182,164 @@ def test_a_run_of_which_nothing_was_seen_is_not_kept():
     assert runs.kept == []
 
 
+def begun(model="vem", **given) -> ConditionHistory:
+    return ConditionHistory.begun(Flock(model, **{"agents": 12, "seed": 1} | given))
+
+
 def test_what_differs_between_runs_is_told():
-    flock = Flock("vem", agents=12, seed=1)
-    now = Conditions.of(flock)
+    now = begun()
     assert now.differences(now) == ""
-    assert Conditions.of(Flock("vem", agents=12, seed=3)).differences(now) == "seed 3"
-    flock.set(eta=0.25)
-    assert Conditions.of(flock).differences(now) == "eta 0.25"
-    other = Conditions.of(Flock("vem", agents=9, seed=1, noise="vectorial", size=4.0))
+    assert begun(seed=3).differences(now) == "seed 3"
+    assert begun(eta=0.25).differences(now) == "eta 0.25"
+    other = begun(agents=9, noise="vectorial", size=4.0)
     assert "9 agents" in other.differences(now)
     assert "noise vectorial" in other.differences(now)
+    assert "wrap as it was" in other.differences(now)
     assert now.differences(other).count(",") <= 3
-    more = replace(now, seed=2, agents=3, parameters=dict.fromkeys(now.parameters, 9.0))
-    assert more.differences(now).endswith("…")
+    more = replace(now.first, seed=2, agents=3, parameters=dict.fromkeys(now.first.parameters, 9.0))
+    assert ConditionHistory((Stretch(0, more),)).differences(now).endswith("…")
+
+
+def changed(readings: Readings, ticks: int = 10, **values) -> None:
+    """Change parameters of a run as it goes, and run on."""
+    readings.flock.set(**values)
+    readings.note_conditions()
+    readings.flock.advance(ticks)
+    readings.read(at_once=True)
+
+
+def test_a_run_keeps_the_parameters_that_it_was_made_with():
+    """The first exercise of the first scene: a parameter is moved, Reset is pressed."""
+    runs = EarlierRuns()
+    before = run(seed=1, eta=0.5)
+    runs.follow([before])
+    before.flock.set(eta=2.0)
+    before.note_conditions()
+    now = run(seed=1, eta=2.0)
+    runs.follow([now])
+    assert [one.label for one in overlay(now, earlier=runs).before] == ["eta 0.5 (before)"]
+    table = taken(overlay(now, earlier=runs), "polarisation")
+    assert table.groupby("run").eta.unique().map(list).to_dict() == {
+        "now": [2.0],
+        "eta 0.5 (before)": [0.5],
+    }
+    lines = overlay(now, earlier=runs).plotted(("polarisation",)).caption.split("\n")
+    assert lines[1:] == ["eta 2"]
+
+
+def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
+    runs = EarlierRuns()
+    before, now = run(seed=1, eta=0.5), run(seed=1, eta=0.5)
+    changed(before, eta=2.0)
+    runs.follow([before])
+    runs.follow([now])
+    made = overlay(now, earlier=runs)
+    (label,) = [one.label for one in made.before]
+    assert label == "eta 0.5 → 2 at tick 20 (before)"
+    assert label in made.head(("polarisation",), keyed=True)
+    rows = taken(made, "polarisation").query("run != 'now'")
+    assert rows[rows.eta == 0.5].tick.tolist() == [0, 5, 10, 15, 20]
+    assert rows[rows.eta == 2.0].tick.tolist() == [30]
+    curves = made.shown(("polarisation",), keyed=True)
+    dots, _, none, _ = curves.curves
+    assert np.isnan(none.values).all()
+    assert curves.at[np.isfinite(dots.values)].tolist() == [20]
+    at, values = before.series("polarisation").recorded()
+    assert dots.values[curves.at == 20] == values[at == 20]
+    changed(now, eta=0.7, ticks=3)
+    changed(now, eta=0.9)
+    made = overlay(now)
+    assert made.changes() == ["eta 0.5 → … → 0.9 from tick 20 to tick 23"]
+    assert "eta 0.5 → … → 0.9" in made.plotted(("polarisation",)).caption
+    line = made.plotted(("polarisation",)).lines[0]
+    assert line.marks[0].tolist() == [20, 23]
+    assert np.isfinite(line.marks[1]).all()
+    assert made.plotted(ORDER).content("SVG") != overlay(run(seed=1)).plotted(ORDER).content("SVG")
+
+
+def test_a_chart_is_not_made_anew_by_a_change():
+    """A browser that makes a chart anew while the run goes on may lose the end of its time."""
+    runs = EarlierRuns()
+    runs.keep(Course.of(run(seed=1)))
+    now = run(seed=2)
+    pens = [one.pen for one in overlay(now, earlier=runs).shown(ORDER, keyed=True).curves]
+    changed(now, eta=2.0)
+    after = overlay(now, earlier=runs)
+    assert [one.pen for one in after.shown(ORDER, keyed=True).curves] == pens
+    assert "eta 0 → 2 at tick 20" in after.head(ORDER, keyed=True)
+    assert "eta 0 → 2 at tick 20" not in after.head(ORDER, keyed=True, changes=False)
+
+
+def test_a_mark_stands_on_the_curve_where_nothing_was_measured():
+    now = run(seed=1, ticks=10)
+    now.flock.advance(2)
+    changed(now, eta=1.0, ticks=8)
+    curves = overlay(now).shown(("polarisation",), keyed=True)
+    dots, line = curves.curves
+    place = np.flatnonzero(np.isfinite(dots.values))
+    assert curves.at[place].tolist() == [12]
+    values = now.series("polarisation").recorded()[1]
+    expected = values[2] + 0.2 * (values[3] - values[2])
+    assert line.values[place] == dots.values[place] == pytest.approx(expected)
+
+
+def test_changes_that_come_to_nothing_are_none():
+    readings = run(seed=1, ticks=5, eta=0.5)
+    begin = readings.conditions
+    for eta in (0.7, 0.5):
+        readings.flock.set(eta=eta)
+        readings.note_conditions()
+    assert readings.conditions == begin
+    readings.flock.set(eta=0.7)
+    readings.note_conditions()
+    assert readings.conditions.ended(readings.tick) == begin
+    readings.flock.advance(5)
+    readings.flock.set(eta=0.5)
+    readings.note_conditions()
+    assert readings.conditions.marks.tolist() == [5, 10]
+    readings.flock.tick = 5
+    readings.cut(5)
+    assert readings.conditions == begin
+
+
+def test_what_somebody_moves_by_hand_is_told():
+    readings = run(seed=1, ticks=5)
+    readings.note_conditions(by_hand=True)
+    readings.flock.advance(5)
+    readings.read(at_once=True)
+    assert readings.conditions.changes() == ["agents moved by hand at tick 5"]
+    assert readings.conditions.differences(begun()) == "agents moved by hand at tick 5"
+    table = taken(overlay(readings), "polarisation")
+    assert table["moved by hand"].tolist() == [False, False, True]
+
+
+def test_a_changed_world_is_another_one_in_the_table():
+    readings = run(seed=1, ticks=5, world="obstacles", size=None)
+    world = readings.flock.world
+    readings.flock.change_world(replace(world, obstacles=world.obstacles[1:]))
+    readings.note_conditions()
+    readings.flock.advance(5)
+    readings.read(at_once=True)
+    assert readings.conditions.changes() == ["obstacles changed at tick 5"]
+    table = taken(overlay(readings), "polarisation")
+    assert table.world.tolist() == ["obstacles", "obstacles", "obstacles #2"]
+
+
+def test_of_too_many_changes_no_value_is_told_that_was_not():
+    flock = Flock("vem", agents=3, seed=1)
+    history = ConditionHistory.begun(flock)
+    last = MOST + 9
+    for tick in range(1, last + 1):
+        flock.parameters = flock.parameters.model_copy(update={"eta": tick / 1000})
+        history = history.noted(tick, RunConditions.of(flock))
+    assert len(history.stretches) == MOST
+    ticks = np.arange(1, last + 2)
+    told = [
+        history.stretches[place].conditions.parameters["eta"] for place in history.places(ticks)
+    ]
+    right = [0.0, *(tick / 1000 for tick in range(1, last + 1))]
+    assert all(one in (None, value) for one, value in zip(told, right, strict=True))
+    assert sum(one is None for one in told) >= 9
 
 
 def test_earlier_runs_of_one_name_are_told_apart():
@@ -197,7 +347,8 @@ def test_earlier_runs_of_one_name_are_told_apart():
     now = run(seed=1, ticks=5)
     one = Course.of(run(seed=2, ticks=5))
     runs.keep(one)
-    runs.keep(Course(replace(one.conditions, dt=0.5), one.tick, one.curves))
+    other = replace(one.history.first, dt=0.5)
+    runs.keep(replace(one, history=ConditionHistory((Stretch(0, other),))))
     labels = [before.label for before in overlay(now, earlier=runs).before]
     assert labels == ["seed 2 (before)", "seed 2 (before) #2"]
 

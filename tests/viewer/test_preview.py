@@ -102,6 +102,8 @@ def test_what_is_changed_on_the_way_is_changed_again_at_the_same_tick(simulate):
     assert (coming.tick, coming.parameters.eta, simulation.state.values["eta"]) == (9, 1.25, 1.25)
     np.testing.assert_array_equal(coming.position, seen.position)
     np.testing.assert_array_equal(coming.heading, seen.heading)
+    told = simulation.readings.conditions.changes()
+    assert told == ["eta 0.5 → 1.25 at tick 3", "agents moved by hand at tick 5"]
 
 
 def test_what_is_saved_is_only_ever_the_compiled_run(simulate):

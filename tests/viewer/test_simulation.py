@@ -79,6 +79,25 @@ def test_reset_gives_the_same_start_and_keeps_the_parameters(simulate):
     assert simulation.state.values["eta"] == 2.0
 
 
+def test_a_change_is_noted_at_its_tick_and_told_in_the_spec(simulate):
+    simulation = simulate(seed=4)
+    simulation.step(5).result(5)
+    simulation.set("eta", 2.0).result(5)
+    simulation.step(3).result(5)
+    assert simulation.readings.conditions.changes() == ["eta 0.5 → 2 at tick 5"]
+    first, *_ = simulation.spec().result(5).decode().splitlines()
+    assert first == "# Changed while it ran: eta 0.5 → 2 at tick 5. Here are the last values."
+    before = simulation.readings
+    simulation.reset()
+    until(lambda: simulation.frame.run == 2)
+    assert simulation.readings.conditions.changes() == []
+    words = before.conditions.differences(simulation.readings.conditions)
+    assert words == "eta 0.5 → 2 at tick 5"
+    with pytest.raises(Refusal, match="is outside"):
+        simulation.set("eta", 99.0).result(5)
+    assert simulation.readings.conditions.changes() == []
+
+
 def test_setup_builds_another_flock_and_of_many_only_the_last(simulate):
     simulation = simulate()
     for agents in range(2, 30):

@@ -255,8 +255,10 @@ def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
         live.set("eta", 0.9).result(10)
     live.time_line.to_now().result(10)
     assert live.state.values["eta"] == 0.2
+    assert live.readings.conditions.changes() == ["eta 1.5 → 0.2 at tick 20"]
     seek(live, 0)
     live.time_line.go_on().result(10)
+    assert live.readings.conditions.changes() == []
     assert live.run.flock.parameters.eta == live.state.values["eta"] == 1.5
 
 

@@ -158,7 +158,7 @@ def test_a_geojson_feature_that_cannot_be_used_is_named(geojson, made, words):
         ('{"type": "FeatureCollection"}', "'features' is not a list"),
         ('{"type": "FeatureCollection", "features": []}', "there is nothing on its layers"),
         ('{"type": "FeatureCollection", "features": [], "crs": {"properties": {"name": '
-         '"urn:ogc:def:crs:OGC:1.3:CRS84"}}}', "are degrees (urn:ogc:def:crs:OGC:1.3:CRS84)"),
+         '"urn:ogc:def:crs:OGC:1.3:CRS84"}}}', "there is nothing on its layers"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_geojson_is_named(tmp_path, text, word):
@@ -232,7 +232,8 @@ def test_a_polygon_is_read_to_fourteen_digits_or_refused(geojson, wkt, points):
     for path in (geojson(feature(polygon([list(p) for p in ring]))), wkt(text)):
         if solid:
             (made,) = read_geometry(path, SOLID, unit="m").obstacles
-            assert made.points == tuple(points)
+            distinct = [p for k, p in enumerate(points) if k == 0 or p != points[k - 1]]
+            assert made.points == tuple(distinct[: -1 if distinct[-1] == distinct[0] else None])
         else:
             refused(path, unit="m")
 
@@ -296,7 +297,7 @@ def test_what_is_asked_is_checked(geojson, tmp_path):
             read_geometry(path, scale=scale)
     with pytest.raises(Refusal, match="thickness = 0 m is not a length > 0"):
         read_geometry(path, thickness=0.0)
-    assert "is not a drawing that is read: .geojson, .json, .wkt, .dxf are" in refused(
+    assert "is not a drawing that is read: .geojson, .json, .wkt, .dxf, .svg, .scenario" in refused(
         tmp_path / "a.dwg"
     )
     for ending in ("geojson", "wkt", "dxf"):

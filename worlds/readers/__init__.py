@@ -1,4 +1,4 @@
-"""Readers of drawings: GeoJSON, WKT and DXF files as obstacles and walkable areas."""
+"""Readers of drawings and maps: files of other programs as obstacles and walkable areas."""
 
 from worlds.readers.read import Geometry, geometry_of, open_drawing, read_geometry
 from worlds.readers.roles import cast

@@ -6,6 +6,7 @@ import stat
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from worlds.readers.shapes import Shape
 from worlds.refusal import Refusal
@@ -48,17 +49,32 @@ class Contents:
     """Layers that the drawing does not show, and why: "frozen" or "off"."""
     left_out: Mapping[tuple[str, str], int] = field(default_factory=dict)
     """How many of a kind on a layer bound no area and are no line either."""
+    roles: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """What the format itself says that a layer is: its role, and why."""
+    degrees: Literal["yes", "maybe", "no"] = "no"
+    """Whether coordinates are longitudes and latitudes, where the file says so or may mean it."""
 
 
 def text_of(path: Path) -> str:
     """The text of a file. Raises Refusal."""
+    data = bytes_of(path)
+    encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError:
+        # Programs of Windows still write its code page, of which Latin-1 is the most part.
+        if any(sign < 32 and sign not in b"\t\n\f\r\x1a" for sign in set(data)):
+            raise Refusal(f"{str(path)!r} is not a text file: it holds control codes") from None
+        return data.decode("cp1252", errors="replace")
+
+
+def bytes_of(path: Path) -> bytes:
+    """What a file holds. Raises Refusal."""
     demand_file(path)
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return path.read_bytes()
     except OSError as error:
         raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise Refusal(f"{str(path)!r} is not a text file") from None
 
 
 def demand_file(path: Path) -> None:

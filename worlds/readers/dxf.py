@@ -18,7 +18,18 @@ from typing import Any
 
 from worlds.readers.contents import DEEPEST, MOST_ITEMS, Contents, Item, demand_file
 from worlds.readers.outlines import MOST_OUTLINES, STEP, along, nested
-from worlds.readers.shapes import Curve, Point, Shape, Stray, area, at, circle, line
+from worlds.readers.shapes import (
+    ROUNDING,
+    Curve,
+    Point,
+    Shape,
+    Stray,
+    area,
+    at,
+    bounds_of,
+    circle,
+    line,
+)
 from worlds.refusal import Refusal
 
 DRAWN = ("LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "HATCH", "SOLID", "TRACE", "3DFACE",
@@ -163,12 +174,12 @@ def drawn(entity: Any, origin: str) -> list[Shape]:
         return [Curve(name, origin, (None, None), partial(chord_ends, entity))]
     if kind == "CIRCLE":
         centre = entity.ocs().to_wcs(entity.dxf.center)
-        return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin)]
+        return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin, is_line=True)]
     points, closed = curve(entity, kind, origin)
     if points and len(set(points)) == 1:
         return [Stray(name, origin, (None, None), points[0])]
     if closed or (len(points) > 3 and points[0] == points[-1]):
-        return [area(name, [points], origin)]
+        return [area(name, [points], origin, is_line=True)]
     return [line(name, points, origin)]
 
 
@@ -245,11 +256,21 @@ def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
             if more:
                 raise Refusal(f"{origin}: a boundary of several pieces is not closed")
             ring = [(p.x, p.y) for p in outline.approximate(CHORDS)]
+        ring = without_spike(ring)
         area("", [ring], origin)
         rings.append(ring)
     if not rings:
         raise Refusal(f"{origin}: it has no boundary")
     return nested(rings)
+
+
+def without_spike(ring: list[Point]) -> list[Point]:
+    """A boundary without the way back that ezdxf adds where its ends differ by rounding."""
+    if len(ring) < 5 or ring[0] != ring[-1]:
+        return ring
+    low_x, low_y, high_x, high_y = bounds_of(ring)
+    near = ROUNDING * math.hypot(high_x - low_x, high_y - low_y)
+    return [*ring[:-2], ring[0]] if math.dist(ring[-2], ring[0]) <= near else ring
 
 
 def demand_flat(entity: Any, origin: str) -> None:

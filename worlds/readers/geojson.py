@@ -1,9 +1,10 @@
 """GeoJSON: polygons, lines with a thickness and points with a radius as features.
 
-Coordinates are lengths in a plane. The property `kind` or `layer` names a feature's layer, `name`
-or `id` the feature; `bottom` and `top` are the heights between which it stands.
+Coordinates are lengths in a plane, or degrees if asked. The property `kind` or `layer` names a
+feature's layer, `name` or `id` the feature; `bottom` and `top` are the heights between which it
+stands.
 
-Source: RFC 7946, except that its longitudes and latitudes are not lengths.
+Source: RFC 7946.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import json
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from worlds.readers.contents import DEEPEST, MOST_ITEMS, UNNAMED, Contents, Item, layers_of, text_of
 from worlds.readers.shapes import (
@@ -44,12 +45,11 @@ def read_geojson(path: Path) -> Contents:
         raise Refusal(f"{path} is not JSON: {error}") from None
     if not isinstance(given, dict):
         raise Refusal(f"{path} is not GeoJSON: it holds no object with a type")
-    demand_lengths(given, path)
     found = features(given, path)
     if len(found) > MOST_ITEMS:
         raise Refusal(f"{path} holds more than {MOST_ITEMS} features, too many to read")
     items = [item(feature, k, path) for k, feature in enumerate(found, start=1)]
-    return Contents(path, tuple(items), layers_of(items), None)
+    return Contents(path, tuple(items), layers_of(items), None, degrees=degrees_of(given))
 
 
 def features(given: dict[str, Any], path: Path) -> list[dict[str, Any]]:
@@ -164,16 +164,14 @@ def number(properties: dict[str, Any], key: str, origin: str) -> float | None:
     return None if value is None else float(value)
 
 
-def demand_lengths(given: dict[str, Any], path: Path) -> None:
-    """Refuse a file that says that its coordinates are degrees. Raises Refusal."""
+def degrees_of(given: dict[str, Any]) -> Literal["yes", "maybe", "no"]:
+    """Whether coordinates are degrees: as the file says, and without a word maybe (RFC 7946)."""
     crs = given.get("crs")
+    if crs is None:
+        return "maybe"
     properties = crs.get("properties") if isinstance(crs, dict) else None
     named = str(properties.get("name", "")) if isinstance(properties, dict) else ""
-    if named.upper().replace(" ", "").endswith(DEGREES):
-        raise Refusal(
-            f"{path}: its coordinates are degrees ({named}), not lengths: "
-            "project it to a plane first"
-        )
+    return "yes" if named.upper().replace(" ", "").endswith(DEGREES) else "no"
 
 
 def first(*values: Any) -> Any:

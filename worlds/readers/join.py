@@ -15,6 +15,8 @@ from worlds.refusal import Refusal
 MOST_NEAR = 20
 """Most ends that lie within the tolerance of one another, on average: a wider one joins nothing
 that a person would call one line."""
+FEW = 4
+"""Most lines that a refusal names beside the first."""
 MOST_CHORDS = 10_000
 """Most chords of one curve."""
 
@@ -48,13 +50,15 @@ def chords(curve: Curve, tolerance: float, metres: float) -> tuple[Area | Line, 
     change = f"{curve.origin}: drawn by {len(points) - 1} chords, within {metres:g} m"
     ends_meet = len(points) > 3 and apart(points[0], points[-1]) <= 1e-9 * tolerance
     if ends_meet:
-        return area(curve.name, [[*points[:-1], points[0]]], curve.origin, curve.span), change
+        ring = [*points[:-1], points[0]]
+        return area(curve.name, [ring], curve.origin, curve.span, is_line=True), change
     return line(curve.name, points, curve.origin, None, curve.span), change
 
 
-def joined(lines: Sequence[Line], tolerance: float, scale: float) -> Joined:
+def joined(lines: Sequence[Line], tolerance: float, scale: float, walls: bool = False) -> Joined:
     """Lines whose ends meet within a tolerance (units of the file), as one; closed, as an area.
 
+    With `walls` they stay lines, closed or not.
     Where more than two ends meet nothing is joined, for who belongs to whom is not clear. At a
     joint the later line's end moves to the earlier one's. Raises Refusal for a tolerance that is
     too wide for the drawing, and for what is closed and unsound.
@@ -71,14 +75,19 @@ def joined(lines: Sequence[Line], tolerance: float, scale: float) -> Joined:
             continue
         from_its_end = 2 * first in partner and 2 * first + 1 not in partner
         begin = 2 * first + from_its_end
-        made, notes = chain(lines, begin, partner, seen, scale)
+        made, notes = chain(lines, begin, partner, seen, scale, walls)
         shapes.append(made)
         changes += notes
     return Joined(tuple(shapes), tuple(changes))
 
 
 def chain(
-    lines: Sequence[Line], begin: int, partner: dict[int, Joint], seen: set[int], scale: float
+    lines: Sequence[Line],
+    begin: int,
+    partner: dict[int, Joint],
+    seen: set[int],
+    scale: float,
+    walls: bool,
 ) -> tuple[Solid, list[str]]:
     """The lines from an end on, as one; and a word for each joint."""
     first = lines[begin // 2]
@@ -106,10 +115,25 @@ def chain(
     if not changes:
         return first, []
     more = f" and {len(changes) - closed} more" if len(changes) > closed else ""
-    if closed:
+    if closed and not walls:
         ring = [*points[:-1], points[0]]
-        return area(first.name, [ring], first.origin + more, first.span), changes
+        try:
+            made = area(first.name, [ring], first.origin + more, first.span, is_line=True)
+        except Refusal as refusal:
+            raise Refusal(f"{refusal}, where --join closes it with {pieces(changes)}: give a "
+                          "smaller --join, or make walls of its lines (--wall, --thickness)"
+                          ) from None  # fmt: skip
+        return made, changes
+    if closed:
+        points[-1] = points[0]
     return replace(first, points=tuple(points), origin=first.origin + more), changes
+
+
+def pieces(changes: Sequence[str]) -> str:
+    """What has been joined to a line, from the words about it, the first FEW of them."""
+    others = [one.partition(": joined with ")[2].partition(" at (")[0] for one in changes]
+    others = [one for one in others if one][:FEW]
+    return ", ".join(others) or "itself"
 
 
 def joints_of(lines: Sequence[Line], tolerance: float) -> tuple[list[Joint], list[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,11 +12,26 @@ import shapely
 
 from worlds.obstacles import Obstacle
 from worlds.readers.contents import MOST_CORNERS, UNNAMED, Contents
+from worlds.readers.degrees import places_of, projected, question_of_degrees
 from worlds.readers.dxf import read_dxf
 from worlds.readers.geojson import read_geojson
 from worlds.readers.join import chords, joined
+from worlds.readers.movingai import read_movingai
 from worlds.readers.outlines import MOST_OUTLINES, within
-from worlds.readers.roles import GOAL, IGNORE, OBSTACLE, PATH, START, WALKABLE, Row, cast, unclear
+from worlds.readers.plan_question import PlanQuestion
+from worlds.readers.roles import (
+    GOAL,
+    IGNORE,
+    OBSTACLE,
+    PATH,
+    START,
+    WALKABLE,
+    WALL,
+    Row,
+    cast,
+    unclear,
+)
+from worlds.readers.ros_map import read_ros_map, read_zipped_map
 from worlds.readers.shapes import (
     Curve,
     Line,
@@ -27,12 +43,17 @@ from worlds.readers.shapes import (
     at,
     bounds_of,
 )
+from worlds.readers.svg import read_svg
 from worlds.readers.units import doubt, metres_per_unit
+from worlds.readers.vadere import read_vadere
+from worlds.readers.walls import question_of_walls, walls_of
 from worlds.readers.wkt import read_wkt
 from worlds.refusal import Refusal, refusal_of
 
 READERS: dict[str, Callable[[Path], Contents]] = {
-    ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf
+    ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf,
+    ".svg": read_svg, ".scenario": read_vadere, ".map": read_movingai, ".yaml": read_ros_map,
+    ".yml": read_ros_map, ".zip": read_zipped_map,
 }  # fmt: skip
 """By the ending of the file's name."""
 FEW = 3
@@ -72,16 +93,18 @@ def read_geometry(
     thickness: float | None = None,
     join: float | None = None,
     drop_lines: bool = False,
+    degrees: bool = False,
 ) -> Geometry:
-    """What a GeoJSON, WKT or DXF file says about a world.
+    """What a drawing or a map of another program says about a world: see `READERS`.
 
-    `roles` are layers by what they are: "walkable", "obstacle", "start", "goal", "path", "ignore";
+    `roles` are layers by what they are: "walkable", "obstacle", "wall", "start", "goal", "path",
+    "ignore";
     layers that are not named are guessed from their names, see `worlds.readers.roles`. For the
     rest see `geometry_of`. Raises Refusal with file and place for all that cannot be used.
     """
     contents = open_drawing(path)
     rows = cast(contents, roles or {})
-    return geometry_of(contents, rows, scale, unit, thickness, join, drop_lines)
+    return geometry_of(contents, rows, scale, unit, thickness, join, drop_lines, degrees)
 
 
 def open_drawing(path: str | Path) -> Contents:
@@ -101,6 +124,7 @@ def geometry_of(
     thickness: float | None = None,
     join: float | None = None,
     drop_lines: bool = False,
+    degrees: bool = False,
 ) -> Geometry:
     """What the layers of a drawing say, each in its role, in metres.
 
@@ -108,36 +132,57 @@ def geometry_of(
     what $INSUNITS says for DXF, unless given; a plan that would be smaller than a room or larger
     than a building is then questioned. `thickness` (m) makes walls of open lines. `join` (m) joins
     lines that meet end to end within it, and draws splines by chords within it. `drop_lines` leaves
-    out the lines that are still open then and have no thickness. Raises Refusal with file and place
-    for all that cannot be used; nothing is repaired without being asked.
+    out the lines that are still open then and have no thickness. `degrees` projects longitudes and
+    latitudes to metres around the middle of the plan. Raises PlanQuestion, a Refusal
+    with the choices that answer it, for a drawing that may mean two things, and Refusal with file
+    and place for all that cannot be used; nothing is repaired without being asked.
     """
     for name, value in (("thickness", thickness), ("join", join)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise Refusal(f"{name} = {value:g} m is not a length > 0")
     problems = unclear(contents, rows)
+    question: PlanQuestion | None = None
+    projection = None
+    if degrees:
+        if scale is not None or unit is not None:
+            raise Refusal(
+                "--degrees makes metres of a plan: --unit and --scale cannot be given too"
+            )
+        contents, projection = projected(contents, rows)
     try:
         metres = metres_per_unit(contents, scale, unit)
-    except Refusal as refusal:
-        problems.append(str(refusal))
-        metres = 1.0
-    taken = Taking(contents, rows, metres, join)
+    except PlanQuestion as open_unit:
+        question, metres = open_unit, 1.0
+    taken = Taking(contents, rows, metres, join, thickness)
+    if projection is not None:
+        taken.changes.insert(0, projection)
     if drop_lines:
         taken.drop_lines(thickness)
     problems += taken.problems
     plan = [shape for role in (WALKABLE, OBSTACLE) for _, shape in taken.made[role]]
     if problems:
-        raise refusal_of([*problems, *taken.unusable(thickness)])
+        asked_too = [str(question)] if question else []
+        raise refusal_of([*problems, *asked_too, *taken.unusable(thickness)])
     if not plan:
         layers = ", ".join(row.layer for row in rows if row.role != IGNORE)
         raise Refusal(f"{contents.path}: there is nothing on its layers ({layers or 'none'})")
     asked = next((row.layer for row in rows if row.role == WALKABLE), None)
     if asked is not None and not taken.made[WALKABLE]:
         raise Refusal(f"{contents.path}: there is nothing on the walkable layer {asked!r}")
-    bounds = bounds_of([p for shape in plan for p in corners_of(shape.bounds())])
-    question = doubt(contents, bounds, metres) if scale is None and unit is None else None
-    problems = taken.unusable(thickness) + ([question] if question else [])
+    if scale is None and unit is None and not degrees and question is None:
+        shapes = [shape for held in taken.made.values() for _, shape in held]
+        bounds = bounds_of([p for shape in plan for p in corners_of(shape.bounds())])
+        question = question_of_degrees(contents, places_of(shapes))
+        question = question or doubt(contents, bounds, metres)
+    problems = taken.unusable(thickness)
     if problems:
-        raise refusal_of(problems)
+        raise refusal_of(problems + ([str(question)] if question else []))
+    solids: dict[str, list[Solid]] = {}
+    for layer, shape in taken.made[OBSTACLE]:
+        solids.setdefault(layer, []).append(shape)
+    question = question or question_of_walls(solids, rows, metres, bool(taken.made[WALKABLE]))
+    if question is not None:
+        raise question
     return in_metres(contents, rows, taken, metres, thickness)
 
 
@@ -148,21 +193,29 @@ class Taking:
     """
 
     def __init__(
-        self, contents: Contents, rows: Sequence[Row], metres: float, join: float | None
+        self,
+        contents: Contents,
+        rows: Sequence[Row],
+        metres: float,
+        join: float | None,
+        thickness: float | None,
     ) -> None:
         self.path, self.metres, self.join = contents.path, metres, join
+        self.thickness = thickness
         self.problems: list[str] = []
+        self.closed = Counter[str]()
+        """How many closed lines of a layer have become walls."""
         self.changes: list[str] = [
             f"{count} {kind} on layer {layer!r} left out"
             for (kind, layer), count in contents.left_out.items()
         ]
         self.made: Made = {role: [] for role in (WALKABLE, OBSTACLE, START, GOAL, PATH)}
-        role_of = {row.layer: row.role for row in rows if row.role not in (None, IGNORE)}
+        row_of = {row.layer: row for row in rows if row.role not in (None, IGNORE)}
         lines: dict[str, list[Line]] = {}
         corners = 0
         for item in contents.items:
-            role = role_of.get(item.layer)
-            if role is None:
+            row = row_of.get(item.layer)
+            if row is None:
                 continue
             try:
                 read = [self.plain(shape) for shape in item.read()]
@@ -179,9 +232,26 @@ class Taking:
                 if join is not None and isinstance(shape, Line) and shape.thickness is None:
                     lines.setdefault(item.layer, []).append(shape)
                 else:
-                    self.made[role].append((item.layer, shape))
+                    self.take(row, shape)
         for layer, held in lines.items():
-            self.joined(layer, role_of[layer] or IGNORE, held)
+            self.joined(row_of[layer], held)
+        self.note_walls()
+
+    def take(self, row: Row, shape: Solid) -> None:
+        """Put a shape to those of its role; a closed line of a layer of walls as walls."""
+        walls = walls_of(shape, row, self.thickness)
+        if walls != [shape]:
+            self.closed[row.layer] += 1
+        role = OBSTACLE if row.role == WALL else row.role or IGNORE
+        self.made[role] += [(row.layer, wall) for wall in walls]
+
+    def note_walls(self) -> None:
+        """Tell which closed lines have become walls."""
+        for layer, count in self.closed.items():
+            what = "1 closed line is a wall" if count == 1 else f"{count} closed lines are walls"
+            self.changes.append(
+                f"layer {layer!r}: {what} {self.thickness:g} m thick, and not solid"
+            )
 
     def plain(self, shape: Shape) -> Solid | None:
         """A shape of straight lines and circles, or None for a stray point. Raises Refusal."""
@@ -199,17 +269,21 @@ class Taking:
         self.changed(change)
         return made
 
-    def joined(self, layer: str, role: str, lines: list[Line]) -> None:
+    def joined(self, row: Row, lines: list[Line]) -> None:
         """Take the lines of a layer, joined."""
         assert self.join is not None
+        walls = row.role == WALL and self.thickness is not None
         try:
-            made = joined(lines, self.join / self.metres, self.metres)
+            made = joined(lines, self.join / self.metres, self.metres, walls)
         except Refusal as refusal:
             self.problems.append(str(refusal))
             return
         for change in made.changes:
             self.changed(change)
-        self.made[role] += [(layer, shape) for shape in made.shapes]
+        for shape in made.shapes:
+            closed = isinstance(shape, Line) and shape.points[0] == shape.points[-1]
+            self.closed.update([row.layer] if walls and closed else [])
+            self.take(row, shape)
 
     def changed(self, change: str) -> None:
         """Note what has been done, without the name of the file."""

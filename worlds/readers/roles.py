@@ -18,10 +18,10 @@ from worlds.readers.contents import UNNAMED, Contents, Item
 from worlds.readers.shapes import Area, Place, Shape, Solid
 from worlds.refusal import Refusal, unknown
 
-WALKABLE, OBSTACLE, START, GOAL, PATH, IGNORE = (
-    "walkable", "obstacle", "start", "goal", "path", "ignore"
+WALKABLE, OBSTACLE, WALL, START, GOAL, PATH, IGNORE = (
+    "walkable", "obstacle", "wall", "start", "goal", "path", "ignore"
 )  # fmt: skip
-ROLES = (WALKABLE, OBSTACLE, START, GOAL, PATH, IGNORE)
+ROLES = (WALKABLE, OBSTACLE, WALL, START, GOAL, PATH, IGNORE)
 REST = "*"
 """Stands for every layer that has no role otherwise."""
 BEGINNINGS = {
@@ -31,7 +31,8 @@ BEGINNINGS = {
 }
 """Roles by how a word of a layer's name begins."""
 WORDS = {
-    **dict.fromkeys(("wall", "pillar", "column", "kiosk", "tree", "fence", "barrier"), OBSTACLE),
+    **dict.fromkeys(("wall", "fence", "barrier"), WALL),
+    **dict.fromkeys(("pillar", "column", "kiosk", "tree"), OBSTACLE),
     **dict.fromkeys(("building", "furniture", "cols"), OBSTACLE),
     **{"path": PATH, "ignore": IGNORE, "text": IGNORE, "anno": IGNORE, "dim": IGNORE},
 }
@@ -56,6 +57,8 @@ class Row:
     entities: str
     role: str | None
     why: str
+    named: bool = False
+    """Whether the role was asked for, by the layer's name."""
 
 
 def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, ...]:
@@ -80,13 +83,14 @@ def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, .
         held = items.get(layer, [])
         if not held and layer not in left and given[layer] is None:
             continue
-        role, why = given[layer] or own_role(layer, held, contents)
+        asked_for = given[layer]
+        role, why = asked_for or own_role(layer, held, contents)
         if role is None and rest is not None and held:
             role, why = rest, f"--{rest} '{REST}'"
         counts = Counter(item.kind for item in held)
         counts.update(dict(left.get(layer, [])))
         entities = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "nothing"
-        rows.append(Row(layer, entities, role, why))
+        rows.append(Row(layer, entities, role, why, asked_for is not None))
     return tuple(
         unnamed(row, items[UNNAMED], rows, items) if is_open(row, items) else row for row in rows
     )
@@ -144,6 +148,8 @@ def own_role(layer: str, held: Sequence[Item], contents: Contents) -> tuple[str 
         return IGNORE, f"it is {contents.hidden[layer]}"
     if not held:
         return IGNORE, "it bounds no area and is no line"
+    if layer in contents.roles:
+        return contents.roles[layer]
     return guess(layer)
 
 
@@ -191,7 +197,7 @@ def unnamed(
         solid = [
             shape
             for other in rows
-            if other.role == OBSTACLE
+            if other.role in (OBSTACLE, WALL)
             for item in items.get(other.layer, ())
             for shape in item.read()
         ]
@@ -242,13 +248,14 @@ def unclear(contents: Contents, rows: Sequence[Row]) -> list[str]:
         (row,) = names
         found.append(
             f"{contents.path}, layer {row.layer!r}: no clear role ({row.why}): give --walkable, "
-            f"--obstacle, --start, --goal, --path or --ignore {shown(row.layer)}"
+            f"--obstacle, --wall, --start, --goal, --path or --ignore {shown(row.layer)}"
         )
     elif names:
         listed = ", ".join(repr(row.layer[:LONGEST]) for row in names[:MOST_NAMED])
         more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
         found.append(
             f"{contents.path}: {len(names)} layers have no clear role: {listed}{more}: give each "
-            "--walkable, --obstacle, --start, --goal, --path or --ignore, and the rest --ignore '*'"
+            "--walkable, --obstacle, --wall, --start, --goal, --path or --ignore, and the rest "
+            "--ignore '*'"
         )
     return found

@@ -6,10 +6,11 @@ unsound shape is refused and never repaired.
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import shapely
@@ -24,8 +25,13 @@ Bounds = tuple[float, float, float, float]
 Span = tuple[float | None, float | None]
 """From which height to which a shape stands; None is the floor or the ceiling."""
 
+ROUNDING = 1e-6
+"""Ends of an outline that are nearer than this, as a share of its extent, are one place: drawing
+programs compute the ends of arcs and turned lines, and round."""
 FARTHEST = 1e12
 """Largest coordinate, in units of the file."""
+MOST_TOUCHING = 200
+"""Holes of an outline that may touch it or each other at most: each is held against each."""
 DEFECTS = {
     "Self-intersection": "crosses itself",
     "Ring Self-intersection": "touches itself",
@@ -80,6 +86,8 @@ class Area(Drawn):
     """A polygon: `rings` are its outline and its holes, each without a repeated last point."""
 
     rings: tuple[tuple[Point, ...], ...]
+    is_line: bool = False
+    """Whether it is drawn as a line that closes, which may be meant as a wall."""
 
     def corners(self) -> Sequence[Point]:
         """All its points."""
@@ -93,7 +101,17 @@ class Area(Drawn):
         """The same in metres. Raises Refusal if rounding has left nothing of it."""
         rings = [[by.point(point) for point in ring] for ring in self.rings]
         closed = [[*ring, ring[0]] for ring in rings]
-        return area(self.name, closed, self.origin, by.span(self.span))
+        return area(self.name, closed, self.origin, by.span(self.span), self.is_line)
+
+    def mapped(self, to: Callable[[Point], Point]) -> Area:
+        """The same with every point somewhere else."""
+        return replace(self, rings=tuple(tuple(map(to, ring)) for ring in self.rings))
+
+    def walls(self) -> list[Solid]:
+        """Its outline and those of its holes, as closed lines."""
+        return [
+            line(self.name, [*ring, ring[0]], self.origin, None, self.span) for ring in self.rings
+        ]
 
     def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
         """The solid. Raises Refusal."""
@@ -107,6 +125,10 @@ class Circle(Drawn):
 
     centre: Point
     radius: float
+    is_line: bool = False
+    """Whether it is drawn as a line, which may be meant as a wall."""
+    is_wall: bool = False
+    """Whether only its rim is solid, with a thickness."""
 
     def corners(self) -> Sequence[Point]:
         """The corners of its bounds."""
@@ -120,11 +142,26 @@ class Circle(Drawn):
     def measured(self, by: Measure) -> Circle:
         """The same in metres. Raises Refusal if rounding has left nothing of it."""
         centre, radius = by.point(self.centre), by.length(self.radius)
-        return circle(self.name, centre, radius, self.origin, by.span(self.span))
+        made = circle(self.name, centre, radius, self.origin, by.span(self.span), self.is_line)
+        return replace(made, is_wall=self.is_wall)
 
-    def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
+    def mapped(self, to: Callable[[Point], Point]) -> Circle:
+        """The same somewhere else."""
+        return replace(self, centre=to(self.centre))
+
+    def walls(self) -> list[Solid]:
+        """Its rim."""
+        return [replace(self, is_wall=True)]
+
+    def obstacle(self, thickness: float | None, digits: int) -> Obstacle:
         """The solid. Raises Refusal."""
-        return self.made({"shape": "disc", "centre": self.centre, "radius": self.radius})
+        if not self.is_wall or thickness is None:
+            return self.made({"shape": "disc", "centre": self.centre, "radius": self.radius})
+        outer = round(self.radius + thickness / 2.0, digits)
+        if thickness >= outer:  # it reaches its own middle
+            return self.made({"shape": "disc", "centre": self.centre, "radius": outer})
+        ring = {"shape": "ring", "centre": self.centre, "radius": outer, "width": thickness}
+        return self.made(ring)
 
 
 @dataclass(frozen=True)
@@ -149,6 +186,14 @@ class Line(Drawn):
         points = [by.point(point) for point in self.points]
         return line(self.name, points, self.origin, thick, by.span(self.span))
 
+    def mapped(self, to: Callable[[Point], Point]) -> Line:
+        """The same with every point somewhere else."""
+        return replace(self, points=tuple(map(to, self.points)))
+
+    def walls(self) -> list[Solid]:
+        """Itself."""
+        return [self]
+
     def obstacle(self, thickness: float | None, digits: int) -> Obstacle:
         """The wall along it, mitred at its corners, flat at its ends. Raises Refusal."""
         thick = thickness if self.thickness is None else self.thickness
@@ -167,6 +212,11 @@ class Line(Drawn):
             tuple((round(x, digits), round(y, digits)) for x, y in ring.coords[:-1])
             for ring in (drawn.exterior, *drawn.interiors)
         )
+        try:
+            demand_valid(shapely.Polygon(outer, holes), self.origin)
+        except Refusal as refusal:
+            raise Refusal(f"{refusal}, as a wall {thick:g} m thick: give another --thickness, or "
+                          "--ignore its layer") from None  # fmt: skip
         return self.made({"shape": "polygon", "points": outer, "holes": tuple(holes)})
 
     def open_words(self) -> str:
@@ -193,6 +243,14 @@ class Place(Drawn):
         """The same in metres."""
         return Place(self.name, self.origin, by.span(self.span), by.point(self.place), self.need)
 
+    def mapped(self, to: Callable[[Point], Point]) -> Place:
+        """The same somewhere else."""
+        return replace(self, place=to(self.place))
+
+    def walls(self) -> list[Solid]:
+        """Itself."""
+        return [self]
+
     def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
         """Nothing. Raises Refusal."""
         raise Refusal(f"{self.origin}: {self.need}")
@@ -217,36 +275,92 @@ Shape = Solid | Curve | Stray
 
 
 def area(
-    name: str, rings: Sequence[Sequence[Point]], origin: str, span: Span = (None, None)
+    name: str,
+    rings: Sequence[Sequence[Point]],
+    origin: str,
+    span: Span = (None, None),
+    is_line: bool = False,
 ) -> Area:
-    """A polygon of closed rings (first point = last point), checked. Raises Refusal."""
-    for ring in rings:
-        demand_finite(ring, origin)
-        if not ring or tuple(ring[0]) != tuple(ring[-1]):
-            ends = f"begins at {at(ring[0])} and ends at {at(ring[-1])}" if ring else "has no point"
-            raise Refusal(f"{origin}: the outline is not closed: it {ends}")
-        if len(set(map(tuple, ring))) < 3:
-            points = counted(len(set(map(tuple, ring))), "point")
-            raise Refusal(
-                f"{origin}: the outline at {at(ring[0])} has {points}: at least 3 bound an area"
-            )
-        if shapely.MultiPoint(ring).convex_hull.area == 0.0:
-            raise Refusal(f"{origin}: the outline at {at(ring[0])} has no area")
-    made = shapely.Polygon(rings[0], rings[1:])
-    demand_valid(made, origin)
+    """A polygon of closed rings (first point = last point), checked. Raises Refusal.
+
+    Ends that differ by rounding are one place, and a corner that is repeated counts once. A hole
+    may touch the outline, or another hole, as long as one area is left.
+    """
+    closed = [closed_ring(ring, origin) for ring in rings]
+    made = shapely.Polygon(closed[0], closed[1:])
+    if not made.is_valid:
+        made = without_holes(closed, origin)
+        closed = [list(ring.coords) for ring in (made.exterior, *made.interiors)]
     if made.area == 0.0:  # so thin that rounding leaves nothing
-        raise Refusal(f"{origin}: the outline at {at(rings[0][0])} has no area")
-    return Area(name, origin, span, tuple(tuple((x, y) for x, y in ring[:-1]) for ring in rings))
+        raise Refusal(f"{origin}: the outline at {at(closed[0][0])} has no area")
+    corners = tuple(tuple((x, y) for x, y in ring[:-1]) for ring in closed)
+    return Area(name, origin, span, corners, is_line)
+
+
+def closed_ring(ring: Sequence[Point], origin: str) -> list[Point]:
+    """A ring whose last point is its first, without repeated corners. Raises Refusal."""
+    demand_finite(ring, origin)
+    if not ring:
+        raise Refusal(f"{origin}: the outline is not closed: it has no point")
+    first, last = ring[0], ring[-1]
+    low_x, low_y, high_x, high_y = bounds_of(ring)
+    if math.dist(first, last) > ROUNDING * math.hypot(high_x - low_x, high_y - low_y):
+        begin, end = apart_at(first, last)
+        raise Refusal(
+            f"{origin}: the outline is not closed: it begins at {begin} and ends at {end}, "
+            f"{math.dist(first, last):.3g} apart: close it there, or --ignore its layer"
+        )
+    points = [(x, y) for x, y in (*ring[:-1], first)]
+    points = [p for k, p in enumerate(points) if k == 0 or p != points[k - 1]]
+    if len(set(points)) < 3:
+        count = counted(len(set(points)), "point")
+        raise Refusal(f"{origin}: the outline at {at(first)} has {count}: at least 3 bound an area")
+    if shapely.MultiPoint(points).convex_hull.area == 0.0:
+        raise Refusal(f"{origin}: the outline at {at(first)} has no area")
+    return points
+
+
+def without_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Polygon:
+    """What holes leave of an outline that they touch along a line. Raises Refusal."""
+    outline, *holes = (shapely.Polygon(ring) for ring in rings)
+    for one in (outline, *holes):
+        demand_valid(one, origin)
+    inside = [hole for hole in holes if hole.covered_by(outline)]
+    if len(inside) < len(holes):
+        hole = next(hole for hole in holes if not hole.covered_by(outline))
+        beyond = hole.difference(outline).representative_point()
+        if hole.disjoint(outline):
+            demand_valid(shapely.Polygon(rings[0], rings[1:]), origin)
+        raise Refusal(f"{origin}: the outline has a hole that crosses it: at "
+                      f"{at((beyond.x, beyond.y))} the hole is outside of the outline")  # fmt: skip
+    for one, other in itertools.combinations(holes[:MOST_TOUCHING], 2):
+        both = one.intersection(other)
+        if both.area > 0.0:
+            place = both.representative_point()
+            raise Refusal(f"{origin}: the outline has two holes that overlap at "
+                          f"{at((place.x, place.y))}: draw them as one")  # fmt: skip
+    left = outline.difference(shapely.union_all(holes))
+    parts = len(shapely.get_parts(left))
+    if parts != 1:
+        raise Refusal(f"{origin}: the outline is cut into {parts} by its holes: draw each part")
+    if len(holes) > MOST_TOUCHING or not left.is_valid:
+        demand_valid(shapely.Polygon(rings[0], rings[1:]), origin)
+    return left
 
 
 def circle(
-    name: str, centre: Point, radius: float, origin: str, span: Span = (None, None)
+    name: str,
+    centre: Point,
+    radius: float,
+    origin: str,
+    span: Span = (None, None),
+    is_line: bool = False,
 ) -> Circle:
     """A disc, checked. Raises Refusal."""
     demand_finite([centre], origin)
     if not (radius > 0.0 and math.isfinite(radius)):
         raise Refusal(f"{origin}: radius = {radius:g} at {at(centre)} is not a length > 0")
-    return Circle(name, origin, span, centre, radius)
+    return Circle(name, origin, span, centre, radius, is_line)
 
 
 def line(
@@ -291,6 +405,17 @@ def at(point: Sequence[float]) -> str:
     '(1.5, -2)'
     """
     return "(" + ", ".join(f"{one:.9g}" for one in point) + ")"
+
+
+def apart_at(one: Point, other: Point) -> tuple[str, str]:
+    """Two places, with as many digits as it takes to tell them apart."""
+    for digits in range(9, 17):
+        ends = [[f"{x:.{digits}g}" for x in point] for point in (one, other)]
+        gap = math.dist(*([float(x) for x in end] for end in ends))
+        if math.isclose(gap, math.dist(one, other), rel_tol=0.01):
+            break
+    begin, end = (f"({', '.join(point)})" for point in ends)
+    return begin, end
 
 
 def bounds_of(points: Sequence[Point]) -> Bounds:

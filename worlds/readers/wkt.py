@@ -9,6 +9,7 @@ Source: OGC 06-103r4, section 7 (well-known text), read by GEOS; JuPedSim, scrip
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -29,6 +30,7 @@ from worlds.readers.contents import (
     text_of,
 )
 from worlds.readers.shapes import (
+    ROUNDING,
     Place,
     Point,
     Shape,
@@ -121,6 +123,9 @@ def geometry(text: str, origin: str) -> shapely.Geometry:
             return shapely.from_wkt(text)
     except (shapely.errors.GEOSException, NotImplementedError) as error:
         if "closed" in str(error):
+            mended = RING.sub(closed_by_rounding, text)
+            if mended != text:
+                return geometry(mended, origin)
             demand_closed(text, origin)
         reason = " ".join(str(error).removeprefix("ParseException: ").rstrip(".").split())
         raise Refusal(f"{origin}: {short(text)!r} is not WKT: {short(reason, 100)}") from None
@@ -168,6 +173,20 @@ def one(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
 def pairs(made: shapely.Geometry) -> list[Point]:
     """Points of a simple geometry."""
     return [(float(x), float(y)) for x, y in shapely.get_coordinates(made)]
+
+
+def closed_by_rounding(ring: re.Match[str]) -> str:
+    """A ring that ends where it begins but for rounding, closed; any other as it is."""
+    points = ring[1].split(",")
+    try:
+        ends = [tuple(float(one) for one in points[k].split()[:2]) for k in (0, -1)]
+        sides = [float(one) for point in points for one in point.split()[:2]]
+    except ValueError:
+        return ring[0]
+    gap = math.dist(*ends) if len(points) > 3 and all(len(end) == 2 for end in ends) else 0.0
+    if not 0.0 < gap <= ROUNDING * (max(sides) - min(sides)):
+        return ring[0]
+    return f"({','.join([*points[:-1], points[0]])})"
 
 
 def demand_closed(text: str, origin: str) -> None:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from app.cli.live.options import Seconds, Ticks
+
 
 def emulate(
     file: Annotated[
@@ -19,7 +21,8 @@ def emulate(
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="UDP port that the cars hear; 0: a free one.")
     ] = 0,
-    seconds: Annotated[float, typer.Option(help="Leave after so long; 0: never.")] = 0.0,
+    seconds: Seconds = None,
+    ticks: Ticks = None,
     json_asked: Annotated[
         bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
     ] = False,
@@ -29,11 +32,11 @@ def emulate(
 
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
-    from app.cli.live.run import conduct
+    from app.cli.live.run import conduct, lasting
     from app.live.kinds import SIMULATED
     from app.live.operating.choices import laboratory
     from app.live.operating.driven import open_driven
 
     link = f"{SIMULATED}?port={port}" if port else SIMULATED
     lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
-    conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)
+    conduct(lab, open_driven, arm, record, lasting(lab, seconds, ticks), json_asked, quiet)

@@ -1,4 +1,4 @@
-"""Options of `flockscope live check` and `flockscope live run`."""
+"""Options of the commands `flockscope live ...`."""
 
 from __future__ import annotations
 
@@ -12,4 +12,11 @@ SourceName = Annotated[
 ]
 LinkName = Annotated[
     str | None, typer.Option("--link", help="Another link: a name of \\[links], or `dry run`.")
+]
+Seconds = Annotated[
+    float | None, typer.Option("--seconds", help="Leave after so long. \\[default: never]")
+]
+Ticks = Annotated[
+    int | None,
+    typer.Option("--ticks", help="Instead of --seconds: ticks of the laboratory's rate."),
 ]

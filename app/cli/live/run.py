@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.live.options import LinkName, SourceName
+from app.cli.length import demand_one_length
+from app.cli.live.options import LinkName, Seconds, SourceName, Ticks
 from app.cli.outcome import as_json
 from app.cli.rule_option import Rules
 from worlds.extra import demand_parquet
@@ -29,7 +30,8 @@ def run(
     source: SourceName = None,
     link: LinkName = None,
     dry: Annotated[bool, typer.Option("--dry", help="Send nothing: the link is `dry`.")] = False,
-    seconds: Annotated[float, typer.Option(help="Leave after so long; 0: never.")] = 0.0,
+    seconds: Seconds = None,
+    ticks: Ticks = None,
     json_asked: Annotated[
         bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
     ] = False,
@@ -48,7 +50,13 @@ def run(
     lab = laboratory(file, source, link).lab
     if dry:
         lab = lab.altered("--dry", link="dry")
-    conduct(lab, open_driven, arm, record, seconds, json_asked, quiet)
+    conduct(lab, open_driven, arm, record, lasting(lab, seconds, ticks), json_asked, quiet)
+
+
+def lasting(lab: Lab, seconds: float | None, ticks: int | None) -> float:
+    """For how long a laboratory is driven, s; 0: until it is left. Raises Refusal."""
+    demand_one_length(ticks, seconds)
+    return ticks / lab.rate if ticks else seconds or 0.0
 
 
 def conduct(
@@ -61,8 +69,6 @@ def conduct(
     quiet: bool,
 ) -> None:
     """Run a laboratory from the terminal. Raises Refusal."""
-    if not 0.0 <= seconds < 1e6:
-        raise Refusal(f"--seconds {seconds:g} is outside [0, 1e6)")
     if record is not None:
         demand_parquet("--record")
 

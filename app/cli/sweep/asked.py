@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.length import demand_one_length, ticks_asked
 from app.results import RESULTS
-from app.settings import names, numbers, value
+from app.settings import assignment, names, numbers, value
 from worlds.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -30,6 +31,12 @@ Fixed = Annotated[
 ]
 Runs = Annotated[int | None, typer.Option(help="Runs of each cell. \\[default: 10]")]
 Ticks = Annotated[int | None, typer.Option(help="Ticks of a run. \\[default: 1000]")]
+Seconds = Annotated[
+    float | None,
+    typer.Option(
+        "--seconds", help="Instead of --ticks: time of a run, of a model that counts seconds."
+    ),
+]
 Observes = Annotated[str, typer.Option("--observe", help="Observables with commas.")]
 Over = Annotated[int | None, typer.Option(help="Take means over the last OVER ticks of each run.")]
 Until = Annotated[
@@ -44,6 +51,7 @@ def sweep_asked(
     fixed: list[str] | None,
     runs: int | None,
     ticks: int | None,
+    seconds: float | None,
     observe: str,
     over: int | None,
     until: str,
@@ -56,7 +64,7 @@ def sweep_asked(
 
     options = {
         "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
-        "--over": over, "--until": until,
+        "--over": over, "--until": until, "--seconds": seconds,
     }  # fmt: skip
     if says_all(what):
         for name, given in options.items():
@@ -68,9 +76,30 @@ def sweep_asked(
             f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
             "NAME=FROM:TO:COUNT"
         )
+    demand_one_length(ticks, seconds, least=1)
+    ticks = ticks if seconds is None else ticks_of(what, vary, fixed or [], seconds)
     values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
     made = sweep_of(values, Places("the command line", options=places), Path(), tell)
     return made, RESULTS / "-".join([Path(what).stem, *made.axes])
+
+
+def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
+    """The ticks that so many seconds are in every run. Raises Refusal."""
+    from agents.catalogue import model as find_model
+    from agents.models.declare import checked
+
+    varied = {setting.partition("=")[0].strip() for setting in vary}
+    for name in ("dt", "model"):
+        if name in varied:
+            raise Refusal(
+                f"--seconds {seconds:g} is not the same ticks in every run with --vary {name}: "
+                "give --ticks"
+            )
+    one = find_model(model)
+    given = dict(assignment(setting) for setting in fixed)
+    own = {name: value for name, value in given.items() if name in one.parameters.model_fields}
+    dt = float(one.body.lasts(checked(one.parameters, own, "--set")))
+    return ticks_asked(None, seconds, one.name, one.body.unit, dt)
 
 
 def says_all(what: str) -> bool:
@@ -122,7 +151,6 @@ def from_options(
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """What a file would say, and which option each key is from. Raises Refusal."""
     from app.experiments.sweeps.given.file import Run
-    from app.settings import assignment
 
     run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
     places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}

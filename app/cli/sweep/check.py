@@ -13,6 +13,7 @@ from app.cli.sweep.asked import (
     Observes,
     Over,
     Runs,
+    Seconds,
     Ticks,
     Until,
     Vary,
@@ -28,6 +29,7 @@ def check(
     fixed: Fixed = None,
     runs: Runs = None,
     ticks: Ticks = None,
+    seconds: Seconds = None,
     observe: Observes = "",
     over: Over = None,
     until: Until = "",
@@ -39,11 +41,12 @@ def check(
     The first ticks of some cells are timed; nothing is kept.
     """
     at_least("--runs", runs, 1)
-    at_least("--ticks", ticks, 1)
     from app.experiments.sweeps.estimate import estimate, other_worlds
     from app.experiments.workers.processes import cores
 
-    sweep, _ = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, None)
+    sweep, _ = sweep_asked(
+        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
+    )
     made = estimate(sweep)
     warnings = other_worlds(sweep)
     if json_asked:

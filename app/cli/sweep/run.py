@@ -16,6 +16,7 @@ from app.cli.sweep.asked import (
     Observes,
     Over,
     Runs,
+    Seconds,
     Ticks,
     Until,
     Vary,
@@ -62,6 +63,7 @@ def run(
     fixed: Fixed = None,
     runs: Runs = None,
     ticks: Ticks = None,
+    seconds: Seconds = None,
     observe: Observes = "",
     over: Over = None,
     until: Until = "",
@@ -92,12 +94,13 @@ def run(
     The exit code is 3 if any run failed or was killed: `flockscope sweep show` names them.
     """
     at_least("--runs", runs, 1)
-    at_least("--ticks", ticks, 1)
     at_least("--over", over, 1)
     at_least("--hold", hold, 1)
     demand_sound(workers, nice, limit)
     heard = None if quiet else tell
-    sweep, own = sweep_asked(what, vary, fixed, runs, ticks, observe, over, until, hold, heard)
+    sweep, own = sweep_asked(
+        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, heard
+    )
     folder = out or own
     asked = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
     asked |= {"queue": queue, "account": account}

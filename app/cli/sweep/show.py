@@ -29,7 +29,7 @@ def show(
 ) -> None:
     """Means and intervals cell by cell, and the runs that failed.
 
-    With --cell and --seed it prints the spec of that run: `flockscope run --spec FILE` repeats it.
+    With --cell and --seed it prints the spec of that run: `flockscope run FILE.toml` repeats it.
     """
     from app.experiments.runs.reading import Kept
     from app.experiments.sweeps.table import spec_at

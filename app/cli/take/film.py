@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.given import Asked, with_options
+from app.cli.length import demand_one_length, ticks_asked
 from app.cli.outcome import as_json, tell, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
@@ -76,6 +77,15 @@ def film(
         int | None,
         typer.Option("--to", help="Last tick. \\[default: 300; of a recording its last]"),
     ] = None,
+    length: Annotated[
+        int | None, typer.Option("--ticks", help="Instead of --to: ticks after the first.")
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            help="The same as time of the flock, of a model that counts seconds; not of the film."
+        ),
+    ] = None,
     every: Annotated[
         int | None,
         typer.Option(help="Ticks between pictures. \\[default: as --speed and --fps ask for]"),
@@ -123,6 +133,7 @@ def film(
 
     at_least("--from", first, 0)
     at_least("--to", last, first)
+    demand_one_length(length, seconds, last)
     at_least("--every", every, 1)
     for option, value, most in (("--speed", speed, 1e6), ("--fps", fps, MOST_FPS)):
         if not 0.1 <= value <= most:
@@ -141,11 +152,17 @@ def film(
     if is_recording(spec):
         assert spec is not None
         recorded = recording_of(spec, asked, settings or [], rule)
+        model, unit = recorded.spec.model, recorded.time_unit
+        length = ticks_asked(length, seconds, model, unit, recorded.time_per_tick)
+        last = last if length is None else first + length
         end = int(recorded.ticks[-1]) if last is None else last
         ticks, dt, taken_at = recorded.ticks.tolist(), recorded.time_per_tick, at_ticks(recorded)
         agents = len(recorded.at(ticks[0]).ids) if is_page else 0
     else:
         flock = flock_of(spec, asked, settings or [], rule, quiet)
+        model, unit = flock.model.name, flock.model.body.unit
+        length = ticks_asked(length, seconds, model, unit, flock.dt)
+        last = last if length is None else first + length
         end = max(LAST, first) if last is None else last
         ticks, dt, taken_at = list(range(first, end + 1)), flock.dt, run_to(flock)
         agents = len(flock.ids)

@@ -76,6 +76,9 @@ def show(made: dict[str, Any]) -> None:
         f"{counted(made['frames'], 'frame')} of ticks {first} to {last}{seconds}{a_tick}; "
         f"{counted(made['rows'], 'row')}"
     )
+    least, most = made["ticks_apart"]
+    if least < most:
+        tell_out(f"frames are {least} to {most} ticks apart; the end of a run is always recorded")
     show_columns(made["columns"])
 
 

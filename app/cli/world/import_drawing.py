@@ -1,4 +1,4 @@
-"""`flockscope world import`: a layout from a GeoJSON, WKT or DXF drawing."""
+"""`flockscope world import`: a layout from a drawing, or from a map of another program."""
 
 from __future__ import annotations
 
@@ -27,7 +27,12 @@ WIDEST = 40
 
 
 def import_drawing(
-    file: Annotated[Path, typer.Argument(help="A .geojson, .wkt or .dxf file.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="DXF, SVG, GeoJSON, WKT; .scenario (Vadere), .map (MovingAI), .yaml, .zip (ROS)."
+        ),
+    ],
     out: Annotated[Path, typer.Option(help="The layout to write (TOML).")],
     walkable: Annotated[
         Layers, typer.Option(help="A layer of walkable areas: all else is solid.")
@@ -35,13 +40,17 @@ def import_drawing(
     obstacle: Annotated[
         Layers, typer.Option("--obstacle", "--solid", help="A layer of what is solid.")
     ] = None,
+    wall: Annotated[
+        Layers,
+        typer.Option(help="A layer of lines, open or closed, that --thickness makes walls."),
+    ] = None,
     start: Annotated[Layers, typer.Option(help="A layer of the mission's start.")] = None,
     goal: Annotated[Layers, typer.Option(help="A layer of the mission's goal.")] = None,
     path: Annotated[Layers, typer.Option(help="A layer of the mission's path.")] = None,
     ignore: Annotated[
         Layers,
         typer.Option(
-            help="A layer that means nothing here. All six may be repeated; * stands for any "
+            help="A layer that means nothing here. All seven may be repeated; * stands for any "
             "letters, and alone for all layers without a role."
         ),
     ] = None,
@@ -63,8 +72,17 @@ def import_drawing(
         typer.Option("--drop-lines", help="Leave out lines that bound no area, naming each."),
     ] = False,
     thickness: Annotated[
-        float | None, typer.Option(help="Make walls of open lines, this thick, m.")
+        float | None,
+        typer.Option(
+            help="Make walls of open lines, and on layers of walls of all, this thick, m."
+        ),
     ] = None,
+    degrees: Annotated[
+        bool,
+        typer.Option(
+            "--degrees", help="The file is in degrees (GeoJSON, WKT): project it to metres."
+        ),
+    ] = False,
     edges: Annotated[
         str, typer.Option(help="solid, open or wrap for all sides, or one per axis: wrap,solid.")
     ] = "solid",
@@ -95,6 +113,7 @@ def import_drawing(
     asked = {
         "walkable": walkable,
         "obstacle": obstacle,
+        "wall": wall,
         "start": start,
         "goal": goal,
         "path": path,
@@ -103,7 +122,7 @@ def import_drawing(
     drawing = open_drawing(file)
     rows = cast(drawing, {role: layers for role, layers in asked.items() if layers})
     try:
-        geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines)
+        geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines, degrees)
     except Refusal:
         if not quiet:
             report(table(rows))

@@ -1,4 +1,4 @@
-"""Runs in which a flock gathers and agents may crash: the thesis's chapter 5 and figure 3.7."""
+"""Runs in which a flock gathers and agents may crash: the thesis, chapters 5 and 6, figure 3.7."""
 
 from __future__ import annotations
 
@@ -12,7 +12,15 @@ from pydantic import Field, field_validator
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.neighbours import links
 from agents.observables.order import polarisation
-from app.experiments.kinds.settings import PERCENT, RARE, SUCCESS, Measure, Number, Settings
+from app.experiments.kinds.settings import (
+    PERCENT,
+    RARE,
+    RARE_PERCENT,
+    SUCCESS,
+    Measure,
+    Number,
+    Settings,
+)
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -26,6 +34,14 @@ class Gathering(Settings):
         Measure("at_0", "at 0", "Crashes at tick 0", "agents", whole=True, bounds=RARE),
         Measure("early", "early", "Crashes later, but not late", "agents", whole=True, bounds=RARE),
         Measure("late", "late", "Late crashes", "agents", whole=True, bounds=RARE),
+        Measure(
+            "crashed",
+            "crashed",
+            "Agents that crash after tick 0, of those that flew then",
+            "%",
+            "nobody flew",
+            bounds=RARE_PERCENT,
+        ),
         Measure("groups", "groups", "Groups of those that fly", "groups", whole=True),
         Measure(
             "one",
@@ -87,6 +103,7 @@ class Gathering(Settings):
             "at_0": int((when == 0).sum()),
             "early": int(((when > 0) & (when <= self.late)).sum()),
             "late": int((when > self.late).sum()),
+            "crashed": share_crashed(when, len(up)),
             "groups": len(sizes),
             "one": 100 * int(len(sizes) == 1),
             "largest": 100.0 * float(sizes[0] / up.sum()) if len(sizes) else None,
@@ -96,6 +113,12 @@ class Gathering(Settings):
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """Those of one look."""
         return self.looks[-1] / len(self.looks)
+
+
+def share_crashed(when: np.ndarray, agents: int) -> float | None:
+    """Of agents that flew after tick 0, those that crashed later, %; `when`: ticks of crashes."""
+    flew = agents - int((when == 0).sum())
+    return 100.0 * float((when > 0).sum() / flew) if flew else None
 
 
 def groups_of(flock: Flock) -> np.ndarray:

@@ -41,6 +41,18 @@ from app.experiments.pictures.optima import draw_optima, draw_tradeoff
 from app.experiments.pictures.ordering import draw_ordering
 from app.experiments.pictures.phases import draw_phases
 from app.experiments.pictures.rows import draw_rows
+from app.experiments.pictures.schemes.blocks import draw_avoidance, draw_meeting
+from app.experiments.pictures.schemes.flowchart import draw_flowchart
+from app.experiments.pictures.schemes.potential import draw_potential
+from app.experiments.pictures.schemes.projections import draw_projections
+from app.experiments.pictures.schemes.regions import draw_regions
+from app.experiments.pictures.schemes.steps import draw_motion, draw_steps
+from app.experiments.pictures.schemes.zones import (
+    draw_cases,
+    draw_neighbourhood,
+    draw_view,
+    draw_zones,
+)
 from app.experiments.pictures.squash import draw_squash
 from app.experiments.pictures.turns import draw_turns
 from app.experiments.verdicts.verdict import Verdict, main_ones
@@ -79,6 +91,17 @@ OF_RUNS: dict[str, Callable[..., None]] = {
     "detour": draw_detour,
     "expected": draw_expected,
     "diffusion": draw_diffusion,
+    "potential": draw_potential,
+    "projections": draw_projections,
+    "regions": draw_regions,
+    "zones": draw_zones,
+    "view": draw_view,
+    "neighbourhood": draw_neighbourhood,
+    "cases": draw_cases,
+    "steps": draw_steps,
+    "motion": draw_motion,
+    "meeting": draw_meeting,
+    "avoidance": draw_avoidance,
 }
 """Pictures of the run of one seed."""
 OF_BOTH: dict[str, Callable[..., None]] = {
@@ -91,6 +114,7 @@ OF_BOTH: dict[str, Callable[..., None]] = {
     "turns": draw_turns,
     "holding": draw_holding,
     "gallery": draw_gallery,
+    "flowchart": draw_flowchart,
 }
 """Pictures of several measures and of the run of one seed."""
 LOOK = {

@@ -1,42 +1,90 @@
-"""How a flock stands what is turned up: a panel per measure, a line per sweep and size."""
+"""How a flock stands what is turned up: a row of panels per measure, a column per condition."""
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
+from agents.conditions import Conditions
 from agents.spec import OPTIONS
+from app.experiments.file import Sweep
 from app.experiments.pictures.boxes import explain
 from app.experiments.verdicts.verdict import Verdict, of, sweeps_of
 
 COLOURS = ("#b07d12", "#2166ac", "#1f9d63", "#c0392b", "#7b5ea7", "#3c434b")
-WIDTH, HEIGHT = 5.2, 3.7
-COLUMNS = 2
-APART = 0.006
+WIDTH, HEIGHT = 3.3, 2.7
+LEAST_WIDTH = 7.0
+LETTERS = 34
+"""Of a line above a column."""
+JOINED = "\u00a0"
+"""A space at which no line is broken."""
+ROOM = 1.1
+"""How much higher than the highest mean panels are: bars may go on beyond."""
+APART = 0.008
 """By how much of the axis lines are set beside each other, so that their bars can be told apart."""
+
+Column = tuple[str, str]
+"""What is turned up, and what else agents go through, in words."""
+Kind = tuple[str, str, int]
+"""What tells lines apart: model, its fixed parameters, agents."""
 
 
 def draw_endurance(figure: Any, made: list[Verdict]) -> None:
     """Draw the panels."""
     measures = list(dict.fromkeys(one.measure for one in made))
-    columns = min(COLUMNS, len(measures))
-    rows = -(-len(measures) // columns)
-    figure.set_size_inches(WIDTH * columns, HEIGHT * rows + 0.8)
-    panels = figure.subplots(rows, columns, squeeze=False, sharex=True).ravel()
-    for axes in panels[len(measures) :]:
-        axes.set_visible(False)
-    for axes, measure in zip(panels, measures, strict=False):
-        found = sweeps_of(of(made, measure.name))
-        for k, (sweep, agents, points) in enumerate(found):
-            aside, colour = k - 0.5 * (len(found) - 1), COLOURS[k % len(COLOURS)]
-            draw_line(axes, aside, colour, points, f"{sweep.label or sweep.model}, N = {agents}")
-        unit = found[0][2][0].unit
-        axes.set_ylabel(measure.symbol + (f" / {unit}" if unit != "1" else ""))
-        axes.set_title(measure.title, loc="left", fontsize=10)
-        axes.set_ylim(bottom=0.0)
-        axes.tick_params(labelbottom=True)
-        axes.set_xlabel(titled(found[0][0].parameter))
-    signs = panels[0].get_legend_handles_labels()[0]
+    sweeps = sweeps_of(of(made, measures[0].name))
+    columns = list(dict.fromkeys(column_of(sweep) for sweep, _, _ in sweeps))
+    kinds = list(dict.fromkeys(kind_of(sweep, agents) for sweep, agents, _ in sweeps))
+    width = max(LEAST_WIDTH, WIDTH * len(columns) + 0.5)
+    figure.set_size_inches(width, HEIGHT * len(measures) + 1.3)
+    panels = figure.subplots(len(measures), len(columns), squeeze=False, sharex="col", sharey="row")
+    for row, measure in zip(panels, measures, strict=True):
+        for sweep, agents, points in sweeps_of(of(made, measure.name)):
+            k = kinds.index(kind_of(sweep, agents))
+            axes = row[columns.index(column_of(sweep))]
+            draw_line(axes, k - 0.5 * (len(kinds) - 1), COLOURS[k % len(COLOURS)], points)
+            unit = points[0].unit
+        row[0].set_ylabel(measure.symbol + (f" / {unit}" if unit != "1" else ""))
+        row[0].set_ylim(0.0, top_of(of(made, measure.name)))
+        row[0].set_title(measure.title, loc="left", fontsize=10)
+    for k, (parameter, around) in enumerate(columns):
+        panels[-1, k].set_xlabel(titled(parameter))
+        if around:
+            words = "\n".join(textwrap.wrap(around, LETTERS)).replace(JOINED, " ")
+            panels[0, k].annotate(
+                words, (0.5, 1.0), xycoords="axes fraction", xytext=(0, 26),
+                textcoords="offset points", ha="center", va="bottom", fontsize=9.5,
+            )  # fmt: skip
+    signs = [sign_of(k, kind, sweeps) for k, kind in enumerate(kinds)]
     explain(figure, signs, "mean over the runs that have the measure; bars: its 95 % interval")
+
+
+def column_of(sweep: Sweep) -> Column:
+    """What is turned up in a sweep, and what else its agents go through."""
+    chosen = {
+        name: value for name, value in sweep.chosen.items() if name in Conditions.model_fields
+    }
+    words = [f"{titled(name)} {value:g}".replace(" ", JOINED) for name, value in chosen.items()]
+    return sweep.parameter, ", ".join(words)
+
+
+def top_of(points: list[Verdict]) -> float:
+    """Up to where the panels of a measure go: the means decide, few runs have long bars."""
+    return ROOM * max((one.summary.mean for one in points if one.summary.runs), default=1.0) or 1.0
+
+
+def kind_of(sweep: Sweep, agents: int) -> Kind:
+    """What tells a line of a sweep apart from the others of its column."""
+    return sweep.model, repr(sorted(sweep.fixed.items())), agents
+
+
+def sign_of(k: int, kind: Kind, sweeps: list[tuple[Sweep, int, list[Verdict]]]) -> Any:
+    """What the line of a kind is called: as in the first column that has it."""
+    from matplotlib.lines import Line2D
+
+    sweep = next(one for one, agents, _ in sweeps if kind_of(one, agents) == kind)
+    label = f"{sweep.label or sweep.model}, N = {kind[2]}"
+    return Line2D([], [], color=COLOURS[k % len(COLOURS)], marker="o", markersize=4.5, label=label)
 
 
 def titled(parameter: str) -> str:
@@ -44,7 +92,7 @@ def titled(parameter: str) -> str:
     return OPTIONS[parameter].title.lower() if parameter in OPTIONS else parameter
 
 
-def draw_line(axes: Any, aside: float, colour: str, points: list[Verdict], label: str) -> None:
+def draw_line(axes: Any, aside: float, colour: str, points: list[Verdict]) -> None:
     """Draw the means of one sweep, a little aside from the others'."""
     values = [float(point.case.value or 0.0) for point in points]
     shift = aside * APART * (max(values) - min(values))
@@ -53,4 +101,4 @@ def draw_line(axes: Any, aside: float, colour: str, points: list[Verdict], label
     at, means = [x for x, _ in there], [s.mean for _, s in there]
     low, high = [s.interval[0] for _, s in there], [s.interval[1] for _, s in there]
     axes.vlines(at, low, high, **line)
-    axes.plot(at, means, marker="o", markersize=4.5, label=label, **line)
+    axes.plot(at, means, marker="o", markersize=4.5, **line)

@@ -254,7 +254,7 @@ def prepare(sweep: Sweep, tell: Tell | None) -> None:
     for cell in sweep.cells:
         spec = cell.identity["spec"]
         rule = cell.basis[f"the rule of {spec['model']}"]
-        late = bool(spec["delay"] or spec["jitter"] or spec["lost"])
+        late = any(spec[name] for name in ("delay", "jitter", "lost", "place_error"))
         chosen.setdefault(f"{rule} {spec['activation']} {late}", cell)
     told: set[str] = set()
     for cell in chosen.values():

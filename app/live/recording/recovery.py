@@ -79,8 +79,6 @@ def recover(folder: str | Path) -> dict[str, int]:
 def recovered(part: Part) -> dict[str, int]:
     """The rows by table of what was left of a part, of which tables are made. Raises Refusal."""
     demand_parquet("a recording of the laboratory")
-    import pyarrow as pa
-
     found = {}
     for name in TABLES:
         stream = part.stream(name)
@@ -88,7 +86,7 @@ def recovered(part: Part) -> dict[str, int]:
             continue
         try:
             found[name] = finish(stream, part.table(name))
-        except (OSError, pa.ArrowInvalid) as error:
+        except OSError as error:
             raise Refusal(f"{str(stream)!r} cannot be recovered: {error}") from None
     return found
 
@@ -104,8 +102,12 @@ def unbegun(folder: Path) -> list[Part]:
 
 def ending(folder: str | Path) -> Ending | None:
     """How a recording ends, of which there are tables; None if it has no tick. Raises Refusal."""
+    from app.live.recording.replay import meta_of
+
     parts = [part for part in parts_of(Path(folder)) if part.table("ticks").exists()]
     for part in reversed(parts):
+        for name in ("ticks", "commands", "events"):
+            meta_of(part.table(name))
         ticks = last_rows(part, "ticks", 1)
         if not ticks:
             continue
@@ -125,11 +127,12 @@ def ending(folder: str | Path) -> Ending | None:
 
 def last_rows(part: Part, name: str, count: int | None) -> list[dict[str, Any]]:
     """The last rows of a table, at most those of its last group. Raises Refusal."""
-    from app.live.recording.replay import open_table
+    from app.live.recording.replay import demand_whole, open_table
 
     file = open_table(part.table(name))
     for group in reversed(range(len(file.offsets) - 1)):
         table = file.group(group)
+        demand_whole(table, part.table(name))
         if table.num_rows:
             first = 0 if count is None else max(table.num_rows - count, 0)
             rows: list[dict[str, Any]] = table.slice(first).to_pylist()

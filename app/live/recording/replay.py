@@ -22,16 +22,26 @@ from app.live.laboratory.lab import Lab, lab_from_toml
 from app.live.laboratory.parts import Part, parts_of
 from app.live.recording.columns import columns_of, described
 from app.live.recording.record import TABLES
-from worlds.refusal import Refusal, unknown
+from app.live.recording.stream import LONGEST, arrow_type
+from worlds.refusal import Refusal, shortened, unknown
 from worlds.writing import writing
 
 if TYPE_CHECKING:
     import pandas as pd
 
+METADATA: dict[str, Any] = {
+    "format": int,
+    "laboratory": str,
+    "began": int | float,
+    "began_on_the_clock": int | float,
+}
+"""What is read of the metadata of every table."""
+NEVER_NULL = frozenset(
+    ("tick", "number", "received", "now", "mode", "name", "steer", "throttle", "kind", "words")
+)
+"""Columns in which every row of every table has a value."""
 BATCH = 10_000
 """Rows that are read at once."""
-LONGEST = 2**20
-"""Bytes of a text in a table: events keep what was asked, whatever a browser sent."""
 Row = dict[str, Any]
 
 
@@ -178,13 +188,30 @@ def meta_of(path: Path) -> dict[str, Any]:
     missing = [name for name in TABLES[path.stem] if name not in table.names]
     if missing:
         raise Refusal(f"{str(path)!r} has no column {missing[0]!r}")
+    for name, kind in TABLES[path.stem].items():
+        there = table.schema.field(name).type
+        if there != arrow_type(kind):
+            raise Refusal(f"{str(path)!r}: its column {name!r} is {there}, {kind} is needed")
+    for key, of in METADATA.items():
+        if not isinstance(meta.get(key), of):
+            raise Refusal(
+                f"the metadata of {str(path)!r} is damaged: {key} is {shortened(meta.get(key))}"
+            )
     return meta
 
 
 def rows(path: Path) -> Iterator[Row]:
     """The rows of a table, read as they are asked for. Raises Refusal."""
     for batch in open_table(path).batches(rows=BATCH):
+        demand_whole(batch, path)
         yield from batch.to_pylist()
+
+
+def demand_whole(table: Any, path: Path) -> None:
+    """Refuse rows without what every row has. Raises Refusal."""
+    for name in NEVER_NULL & set(table.schema.names):
+        if table[name].null_count:
+            raise Refusal(f"{str(path)!r} is damaged: its column {name!r} has rows without a value")
 
 
 def open_table(path: Path) -> ParquetTable:

@@ -8,9 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from agents.part_stream import PartStream
 from agents.record import KEY
 from worlds.extra import demand_parquet
 
+LONGEST = 2**20
+"""Bytes of a text in a table: events keep what was asked, whatever a browser sent."""
 GROUP = 100_000
 """Rows of a row group of the Parquet file; the stream has some hundreds in a batch."""
 
@@ -71,27 +74,19 @@ def arrow_type(kind: str) -> Any:
 def finish(part: Path, path: Path) -> int:
     """Make the Parquet file `path` of all whole batches of a `.part`, which is removed; its rows.
 
-    Raises OSError, or pyarrow's ArrowInvalid if it is no stream.
+    Raises OSError, or Refusal if it is no stream of ours.
     """
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
     made = path.with_name(path.name + ".tmp")
-    rows, group, waiting = 0, 0, []
+    rows = 0
     try:
         with open(part, "rb") as source:
-            stream = pa.ipc.open_stream(source)
+            stream = PartStream(part, source, LONGEST)
             with pq.ParquetWriter(made, stream.schema, compression="zstd") as writer:
-                whole = True
-                while whole:
-                    try:
-                        waiting.append(stream.read_next_batch())
-                        group += waiting[-1].num_rows
-                    except (StopIteration, pa.ArrowInvalid, OSError):
-                        whole = False
-                    if group >= GROUP or not whole:
-                        writer.write_table(pa.Table.from_batches(waiting, stream.schema))
-                        rows, group, waiting = rows + group, 0, []
+                for batch in stream.batches(GROUP):
+                    writer.write_batch(batch)
+                    rows += batch.num_rows
         os.replace(made, path)
     finally:
         made.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""A layout from a file that a browser sent: TOML, GeoJSON, WKT or DXF."""
+"""A layout from a file that a browser sent: TOML, or a drawing or map that the readers know."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import json
 import math
 import re
 import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
 from worlds.layout import layout_names, world_from_layout
 from worlds.readers import read_geometry, world_around
+from worlds.readers.plan_question import PlanChoice, PlanQuestion
+from worlds.readers.read import READERS
 from worlds.reading import toml
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -27,42 +31,69 @@ MOST_POINTS = 100_000
 MOST_WORDS = 350
 """Letters of a drawing's refusal that are shown."""
 ELSEWHERE = "options are those of 'flockscope world import', whose layout can be opened here"
-DRAWINGS = (".geojson", ".json", ".wkt", ".dxf")
+PAIRS = (".yaml", ".yml")
+"""Half of a map of ROS: a browser sends one file, so both come as a ZIP file."""
+DRAWINGS = tuple(ending for ending in READERS if ending not in PAIRS)
 ENDINGS = (".toml", *DRAWINGS)
+OPTIONS = ("roles", "thickness", "unit", "degrees")
+"""How a drawing can be read from the page, by the names of `read_geometry`."""
 
 
-def layout_from_browser(name: str, content: bytes) -> World:
+def layout_from_browser(
+    name: str, content: bytes, options: Mapping[str, Any] | None = None
+) -> World:
     """The world in a file that a browser sent, read in a process of its own.
 
-    Raises Refusal as `layout_of`, and where the file takes too much time or memory.
+    `options` are those of OPTIONS that are given. Raises Refusal as `layout_of`, and where the file
+    takes too much time or memory.
     """
     if len(content) > LARGEST:
         raise too_large(name, content)
     reader = f"{__name__}:layout_as_json"
-    found = json.loads(read_in_sandbox(reader, plain_name(name), content))
+    given = json.dumps({key: (options or {})[key] for key in OPTIONS if key in (options or {})})
+    both = given.encode() + b"\n" + content
+    found = json.loads(read_in_sandbox(reader, plain_name(name), both))
+    if "question" in found:
+        raise PlanQuestion(
+            found["question"], tuple(PlanChoice(**choice) for choice in found["choices"])
+        )
     return world_from_layout(found["layout"], found["name"])
 
 
 def layout_as_json(name: str, content: bytes) -> bytes:
-    """The layout in a file as JSON. Raises Refusal as `layout_of`."""
-    world = layout_of(name, content)
+    """The layout in a file, or the question that it leaves open, as JSON.
+
+    `content` is a line of options, as JSON, and the file. Raises Refusal as `layout_of`.
+    """
+    options, _, file = content.partition(b"\n")
+    try:
+        world = layout_of(name, file, json.loads(options))
+    except PlanQuestion as question:
+        choices = [asdict(choice) for choice in question.choices]
+        return json.dumps({"question": str(question), "choices": choices}).encode()
     return json.dumps({"name": world.name, "layout": world.to_layout()}).encode()
 
 
-def layout_of(name: str, content: bytes) -> World:
-    """The world in a file of this name.
+def layout_of(name: str, content: bytes, options: Mapping[str, Any] | None = None) -> World:
+    """The world in a file of this name; `options` are how a drawing is read.
 
     Raises Refusal with one line for a file that is too large or of another kind, that cannot be
-    read, or whose world is unsound or too large for the laboratory.
+    read, or whose world is unsound or too large for the laboratory; PlanQuestion for a drawing
+    that may mean two things.
     """
     name = plain_name(name)
     ending = Path(name).suffix.lower()
+    if ending in PAIRS:
+        raise Refusal(f"{name} is one half of a map of ROS: open a ZIP file of it and its image")
     if ending not in ENDINGS:
         raise unknown("kind of layout file", ending or name, ENDINGS)
     if len(content) > LARGEST:
         raise too_large(name, content)
     try:
-        world = from_toml(name, content) if ending == ".toml" else from_drawing(name, content)
+        if ending == ".toml":
+            world = from_toml(name, content)
+        else:
+            world = from_drawing(name, content, options or {})
         demand_small(world, name)
         demand_sound(world)
     except Refusal:
@@ -108,16 +139,19 @@ def demand_few(layout: dict[str, Any], name: str) -> None:
         raise too_many(name, len(obstacles))
 
 
-def from_drawing(name: str, content: bytes) -> World:
+def from_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World:
     """The world around a drawing, with solid edges. Raises Refusal."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_bytes(content)
         try:
-            geometry = read_geometry(path)
+            geometry = read_geometry(path, **options)
             if len(geometry.obstacles) > MOST_OBSTACLES:
                 raise too_many(name, len(geometry.obstacles))
             return world_around(geometry)
+        except PlanQuestion as question:
+            words = str(question).replace(str(path), name)
+            raise PlanQuestion(words[:MOST_WORDS], question.choices) from None
         except Refusal as refusal:
             words = str(refusal).replace(str(path), name)
             # No options can be given here: where the words ask for one, they say where they can.

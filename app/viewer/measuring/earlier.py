@@ -17,7 +17,8 @@ MODELS = 2
 class EarlierRuns:
     """Keeps runs that are over, the latest first.
 
-    A run like one that is kept already, in seed and all, takes its place.
+    A run like one that is kept already, in seed, parameters and all that was changed, takes its
+    place.
     """
 
     def __init__(self) -> None:
@@ -35,8 +36,8 @@ class EarlierRuns:
         """Keep a run, if there is anything to be seen of it."""
         if not any(len(at) > 1 for at, _ in run.curves.values()):
             return
-        model = run.conditions.model
-        same = [one for one in self.of(model) if one.conditions != run.conditions][: KEPT - 1]
+        run, model = run.ended(), run.conditions.model
+        same = [one for one in self.of(model) if one.history != run.history][: KEPT - 1]
         others = [one for one in self.kept if one.conditions.model is not model]
         self.kept = [run, *same, *others][: KEPT * MODELS]
 

@@ -21,6 +21,7 @@ from app.viewer.measuring.crowd import refuse_too_many_links
 from app.viewer.measuring.extremes import Extremes
 from app.viewer.measuring.measured import COUNTED, QUICK, STEADY, offered
 from app.viewer.measuring.rate_limit import RateLimit
+from app.viewer.measuring.run_conditions import ConditionHistory, RunConditions
 from app.viewer.measuring.time_series import TimeSeries
 from worlds.refusal import Refusal
 
@@ -92,6 +93,8 @@ class Readings:
     extremes: Extremes = field(init=False)
     offered: tuple[str, ...] = field(init=False)
     """What can be measured of this flock."""
+    conditions: ConditionHistory = field(init=False)
+    """Under what the run was made so far; a value that any thread may read."""
     quick: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 15, share=0.05))
     slow: RateLimit = field(default_factory=lambda: RateLimit(period=1 / 4, share=0.1))
     aside: Aside = field(default_factory=Aside)
@@ -99,6 +102,16 @@ class Readings:
     def __post_init__(self) -> None:
         self.extremes = Extremes(self.flock)
         self.offered = offered(self.flock)
+        self.conditions = ConditionHistory.begun(self.flock)
+
+    def note_conditions(self, by_hand: bool = False) -> None:
+        """Note the conditions of the flock as they are from its tick on.
+
+        `by_hand`: somebody has put agents elsewhere, which holds for the rest of the run.
+        """
+        by_hand = by_hand or self.conditions.last.by_hand
+        now = RunConditions.of(self.flock, by_hand)
+        self.conditions = self.conditions.noted(self.flock.tick, now)
 
     def watch(self, names: frozenset[str]) -> None:
         """Change what is measured beside what always is."""
@@ -159,6 +172,8 @@ class Readings:
         self.slow.renew()
         for series in self.all_series.values():
             series.cut(tick)
+        self.conditions = self.conditions.cut(tick)
+        self.note_conditions()
 
     def study(self) -> Callable[[], Found]:
         """A function that makes the costly measurements of the flock now, within a rate limit.

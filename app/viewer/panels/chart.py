@@ -10,6 +10,7 @@ import viser
 from viser import uplot
 
 from app.viewer.measuring.curves import thinned
+from app.viewer.panels.plotted import DOT
 from app.viewer.panels.style import block
 
 HEIGHT, POINTS = 190, 400
@@ -38,11 +39,13 @@ class Curve(NamedTuple):
     """Pixels drawn and left out in turn; none: all are drawn."""
     width: float = 2.0
     """Pixels."""
+    dots: bool = False
+    """Whether its values are dots and no line."""
 
     @property
-    def pen(self) -> tuple[str, str, tuple[float, ...], float]:
+    def pen(self) -> tuple[str, str, tuple[float, ...], float, bool]:
         """All but the values."""
-        return self.colour, self.label, self.dash, self.width
+        return self.colour, self.label, self.dash, self.width, self.dots
 
 
 class Shown(NamedTuple):
@@ -140,8 +143,11 @@ class Chart:
         return (ends, *(np.full(2, np.nan) for _ in columns[1:]))
 
     def drawn(self, shown: Shown) -> np.ndarray:
-        """Which of the points are drawn: few enough, and always the last of every curve."""
-        known = (np.flatnonzero(np.isfinite(curve.values))[-1:] for curve in shown.curves)
+        """Which of the points are drawn: few enough, always every dot and the last of a curve."""
+        known = (
+            np.flatnonzero(np.isfinite(curve.values))[0 if curve.dots else -1 :]
+            for curve in shown.curves
+        )
         return np.unique(np.concatenate([thinned(shown.at, self.points), *known]))
 
 
@@ -161,7 +167,12 @@ def axes(x: str, y: str) -> tuple[uplot.Axis, uplot.Axis]:
     )
 
 
-def series(colour: str, label: str, dash: tuple[float, ...], width: float) -> uplot.Series:
+def series(
+    colour: str, label: str, dash: tuple[float, ...], width: float, dots: bool
+) -> uplot.Series:
     """How a curve is drawn."""
+    if dots:
+        shape: Any = {"show": True, "size": DOT, "fill": colour, "width": 0}
+        return uplot.Series(label=label, stroke=colour, width=0, points=shape)
     more: Any = {"dash": dash} if dash else {}
     return uplot.Series(label=label, stroke=colour, width=width, points={"show": False}, **more)

@@ -17,6 +17,8 @@ KINDS = ("CSV", "PNG", "SVG")
 LONGEST_NAME = 120
 """Letters of a file's name, but for its ending."""
 INCHES, DOTS = (6.4, 4.0), 200
+DOT = 6.0
+"""Diameter of a mark on a curve, pixels."""
 PIXEL = 0.72
 """Points of a pen that is a pixel wide on the page."""
 INK = "#30363d"
@@ -36,6 +38,8 @@ class Line:
     width: float = 2.0
     strength: float = 1.0
     """Below 1 for what is faint."""
+    marks: tuple[np.ndarray, np.ndarray] | None = None
+    """Where dots stand on it, (K,) times and values."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +115,16 @@ def drawn(plotted: Plotted, kind: str) -> bytes:
             linewidth=line.width * PIXEL,
             zorder=3.0 if line.strength == 1.0 else 2.0,
         )
+        if line.marks is not None and len(line.marks[0]):
+            axes.plot(
+                *line.marks,
+                marker="o",
+                markersize=DOT * PIXEL,
+                linestyle="",
+                color=line.colour,
+                alpha=line.strength,
+                zorder=4.0,
+            )
     axes.set_xlabel(plotted.titles[0])
     axes.set_ylabel(plotted.titles[1])
     axes.set_ylim(*plotted.range)

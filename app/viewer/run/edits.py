@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any, Protocol
@@ -21,6 +21,7 @@ from app.viewer.run.keeping import Keeping
 from app.viewer.run.run import Run
 from app.viewer.run.state import State
 from worlds.obstacles import Disc
+from worlds.readers.plan_question import PlanQuestion
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -84,12 +85,20 @@ class Edits:
             with self.drags_lock:  # it was refused: the next change of this drag is told again
                 self.drags.pop(gesture, None)
 
-    def open_layout(self, name: str, content: bytes) -> Future:
+    def open_layout(
+        self,
+        name: str,
+        content: bytes,
+        options: Mapping[str, Any] | None = None,
+        ask: Callable[[PlanQuestion], None] | None = None,
+    ) -> Future:
         """Set up the flock anew in the world of a layout file, TOML or a drawing.
 
-        A file that is refused, or a world in which the flock cannot be, changes nothing.
+        A file that is refused, or a world in which the flock cannot be, changes nothing. `options`
+        say how a drawing is read. `ask` takes the question of one that may mean two things, on
+        the simulation's thread; without it, it is refused.
         """
-        return self.host.tell(lambda: self.open_now(name, content))
+        return self.host.tell(lambda: self.open_now(name, content, options or {}, ask))
 
     def layout(self) -> Future:
         """The world as TOML, bytes."""
@@ -137,8 +146,20 @@ class Edits:
     def layout_now(self) -> bytes:
         return self.host.sound_run().flock.world.to_toml().encode()
 
-    def open_now(self, name: str, content: bytes) -> None:
-        world = layout_from_browser(name, content)
+    def open_now(
+        self,
+        name: str,
+        content: bytes,
+        options: Mapping[str, Any],
+        ask: Callable[[PlanQuestion], None] | None,
+    ) -> None:
+        try:
+            world = layout_from_browser(name, content, options)
+        except PlanQuestion as question:
+            if ask is None:
+                raise
+            ask(question)
+            return
         spec, beside = self.host.state.again()
         self.host.schedule(spec.but(world=world, size=None, dim=world.dim), beside)
 

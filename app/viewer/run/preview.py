@@ -48,7 +48,7 @@ class Preview:
         for tick, change in self.changes:
             self.go_on(tick, last)
             with suppress(Refusal):  # as far as rounding makes it another run
-                change(self.coming)
+                self.coming.change(change)
         self.go_on(last, last)
         for one, before in zip(self.coming.both, shown.both, strict=True):
             one.camera.fastest = before.camera.fastest

@@ -100,6 +100,14 @@ class Run:
             self.flock.set(**before)
             raise
 
+    def change(self, change: Callable[[Run], None]) -> None:
+        """Carry out a change of this run, and note its conditions as they are from now on."""
+        try:
+            change(self)
+        finally:
+            for one in self.both:
+                one.readings.note_conditions()
+
     def advance(self, ticks: int) -> None:
         """Run ticks. Raises whatever the rule raises."""
         if self.measures:
@@ -144,10 +152,14 @@ class Run:
         """Put an agent somewhere and turn it."""
         self.flock.position[row] = position
         self.flock.heading[row] = heading
+        self.readings.note_conditions(by_hand=True)
 
     def spec(self) -> bytes:
-        """The run as TOML."""
-        return self.flock.spec.to_toml().encode()
+        """The run as TOML, with its parameters as they are now and a line on what was changed."""
+        changed = self.readings.conditions.changes()
+        told = " ".join(f"# Changed while it ran: {', '.join(changed)}".split())
+        told += ". Here are the last values.\n"
+        return f"{told if changed else ''}{self.flock.spec.to_toml()}".encode()
 
     def saved(self) -> bytes:
         """The flock's state as a file."""

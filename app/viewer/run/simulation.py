@@ -422,7 +422,7 @@ class Simulation:
         run = self.sound_run()
         self.time_line.demand_now()
         tick = run.flock.tick
-        change(run)
+        run.change(change)
         self.time_line.changed()
         if self.preview is None:
             self.have_compiled(run)

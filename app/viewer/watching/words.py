@@ -9,7 +9,7 @@ from typing import Any
 from agents.catalogue import MODELS
 from agents.models.declare import Declared, declared
 from app.viewer.lab.panels.run import status
-from app.viewer.measuring.course import worded
+from app.viewer.measuring.run_conditions import worded
 from app.viewer.panels.notation import plain
 from app.viewer.panels.parameters import raised_powers
 from app.viewer.panels.style import block

@@ -20,12 +20,13 @@ class Downloads:
         gui.add_markdown("**Picture, film, page that plays**: *Take*, on the picture.")
         gui.add_markdown(
             "**Spec**: model, parameters, world and seed. Run it again with "
-            "`flockscope run FILE.toml`; it gives the same numbers."
+            "`flockscope run FILE.toml`. It gives the same numbers if nothing was changed while it "
+            "ran; if something was, the file says so."
         )
         spec = gui.add_button("Download spec (TOML)", icon=viser.Icon.FILE_TEXT, color="gray")
         gui.add_markdown(
-            "**State**: every agent as it is now. `Flock.load` goes on from it. Of two models side "
-            "by side both files come as one ZIP."
+            "**State**: every agent as it is now. `flockscope run FILE.parquet` and `Flock.load` "
+            "go on from it. Of two models side by side both files come as one ZIP."
         )
         state = gui.add_button(
             "Download state (Parquet)", icon=viser.Icon.DATABASE_EXPORT, color="gray"

@@ -29,7 +29,8 @@ class SceneFiles:
         self.now, self.open, self.tell = now, open, tell
         gui.add_markdown(
             "**Scene**: the run with its view and plots. A scene, a spec, a saved state or a "
-            "recording is opened here or by `flockscope lab FILE`."
+            "recording is opened here or by `flockscope lab FILE`, and run without a page by "
+            "`flockscope run FILE`."
         )
         self.name = gui.add_text("Name", "", hint="What the scene is called")
         save = gui.add_button("Save scene (TOML)", icon=viser.Icon.DOWNLOAD, color="gray")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,11 +12,19 @@ from viser import uplot
 
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measuring.course import Conditions, Course
-from app.viewer.measuring.curves import Points, over_earlier, points, together, worded
+from app.viewer.measuring.course import Course
+from app.viewer.measuring.curves import (
+    Points,
+    over_earlier,
+    points,
+    thinned,
+    together,
+    worded,
+)
 from app.viewer.measuring.earlier import EarlierRuns
 from app.viewer.measuring.measured import scale, told, words
 from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.run_conditions import TOLD, ConditionHistory, RunConditions
 from app.viewer.measuring.table import TICKS, table, titled, unit
 from app.viewer.panels.chart import DASH, Curve, Shown
 from app.viewer.panels.plotted import Line, Plotted, plot_csv
@@ -30,6 +39,10 @@ STRENGTHS = (0.75, 0.6, 0.5)
 THIN = 1.5
 SHARE, ROOM = (0.0, 1.02), 27
 """The axis of a share, and letters that an axis of a chart has room for."""
+MARKS = 60
+"""Marks of a run that are drawn, about: a slider that is dragged makes one a tick."""
+CAPTION = 105
+"""Letters in a line of a figure's caption."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +55,14 @@ class Before:
     """0 for the last one of its model."""
     each: float
     """Ticks of the first flock that last as long as one of its own."""
+    whose: str = ""
+    """The name of its model, of two."""
+
+    @property
+    def short(self) -> str:
+        """What its curves are called under the mouse, whatever is changed in the runs of now."""
+        before = "before" if not self.age else f"{self.age + 1} before"
+        return ", ".join(filter(None, (self.whose, before)))
 
 
 class Overlay:
@@ -52,20 +73,22 @@ class Overlay:
 
     def __init__(self, runs: Sequence[Readings], earlier: EarlierRuns, most: int, last: float):
         self.runs, self.last = runs, last
-        self.of = [Conditions.of(run.flock) for run in runs]
+        self.histories = [run.conditions for run in runs]
+        self.of = [history.last for history in self.histories]
         self.each = [self.ratio(one) for one in self.of]
         self.before: list[Before] = []
-        for now in self.of:
+        for now, history in zip(self.of, self.histories, strict=True):
             for age, course in enumerate(earlier.of(now.model)[:most]):
-                label = self.named(course.conditions.differences(now), now)
+                label = self.named(course.history.differences(history), now)
                 each = self.ratio(course.conditions)
-                self.before.append(Before(course, label, age, each))
+                whose = now.model.name if len(runs) > 1 else ""
+                self.before.append(Before(course, label, age, each, whose))
 
-    def ratio(self, of: Conditions) -> float:
+    def ratio(self, of: RunConditions) -> float:
         """Ticks of the first flock that last as long as one of another."""
         return ratio(of.dt, of.unit, self.of[0].dt, self.of[0].unit)
 
-    def named(self, differences: str, now: Conditions) -> str:
+    def named(self, differences: str, now: RunConditions) -> str:
         """What an earlier run is called, as no other is."""
         whose = f"{now.model.name}, " if len(self.of) > 1 else ""
         name = f"{whose}{differences or 'the same seed'} (before)"
@@ -83,8 +106,11 @@ class Overlay:
         first = self.of[0]
         return (1.0, "tick") if first.unit == TICKS else (first.dt, f"time ({first.unit})")
 
-    def shown(self, names: tuple[str, ...], keyed: bool) -> Shown:
-        """What a chart of observables shows; `keyed` if its head tells them apart."""
+    def shown(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> Shown:
+        """What a chart of observables shows; `keyed` if its head tells them apart.
+
+        `changes`: whether its head says what was changed in the runs of now.
+        """
         lasts, title = self.clock
         pairs = [(place, name) for place in range(len(self.runs)) for name in names]
         at, *now = together(
@@ -94,28 +120,30 @@ class Overlay:
         under = [(one, name) for one in self.before for name in names]
         found = [self.window(self.scaled(one, name), at[-1]) for one, name in under]
         at, now, old = over_earlier(at, now, found, whole=np.isinf(self.last))
-        curves = [
-            Curve(
-                f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}",
-                values,
-                f"{titled(name, self.models)}, {one.label}",
-                DOTS[one.age],
-                THIN,
-            )
-            for (one, name), values in zip(under, old, strict=True)
-            if np.isfinite(values).any()
-        ]
-        curves += [
-            Curve(
-                COLOURS[names.index(name)],
-                values,
-                self.label(name, k),
-                DASH if k else (),
-            )
-            for (k, name), values in zip(pairs, now, strict=True)
-        ]
-        head = self.head(names, keyed)
+        at, now, old = with_ticks(self.all_marks, at, now, old)
+        curves: list[Curve] = []
+        for (one, name), values in zip(under, old, strict=True):
+            if np.isfinite(values).any():
+                colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}"
+                label = f"{titled(name, self.models)}, {one.short}"
+                where = marks(one.course.history, one.each)
+                curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
+                curves.append(Curve(colour, values, label, DOTS[one.age], THIN))
+        for (k, name), values in zip(pairs, now, strict=True):
+            where = marks(self.histories[k], self.each[k])
+            curves.append(dots(COLOURS[names.index(name)], only_at(where, at, values)))
+        for (k, name), values in zip(pairs, now, strict=True):
+            dash = DASH if k else ()
+            curves.append(Curve(COLOURS[names.index(name)], values, self.label(name, k), dash))
+        head = self.head(names, keyed, changes)
         return Shown(head, at * lasts, tuple(curves), (title, self.axis(names)), axis(names))
+
+    @property
+    def all_marks(self) -> np.ndarray:
+        """The ticks (K,) of the first flock at which something was changed in any run."""
+        runs = list(zip(self.histories, self.each, strict=True))
+        runs += [(one.course.history, one.each) for one in self.before]
+        return np.concatenate([marks(history, each) for history, each in runs])
 
     def scaled(self, one: Before, name: str) -> Points:
         """How an observable of an earlier run went over the time of the first flock."""
@@ -148,7 +176,7 @@ class Overlay:
                 return title
         return f"value{of}"
 
-    def head(self, names: tuple[str, ...], keyed: bool) -> str:
+    def head(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> str:
         """The key to the curves: of those of now with their values, if `keyed`, then of others."""
         if not names:
             return ""
@@ -159,12 +187,31 @@ class Overlay:
                 now = " · ".join(told(name, run.values.get(name)) for run in self.runs)
                 entries.append((f"{html.escape(worded((name,)))} <b>{now}</b>", colour))
             made = key(entries)
+        changed = "".join(
+            f'<span><i class="fs-dot"></i>{html.escape(one)}</span>'
+            for one in (self.changes() if changes else ())
+        )
+        made += f'<div class="fs-key fs-changed">{changed}</div>' if changed else ""
         shown = [one for one in self.before if any(len(one.course.points(n)[0]) for n in names)]
         lines = "".join(
             f'<span><i class="fs-line fs-before-{one.age}"></i>{html.escape(one.label)}</span>'
             for one in shown
         )
         return f'{made}<div class="fs-key fs-before">{lines}</div>' if lines else made
+
+    def changes(self) -> list[str]:
+        """What was changed in the runs of now, in a few entries; of two runs whose it is."""
+        found = [history.changes() for history in self.histories]
+        told = list(found[0])
+        if len(found) > 1:
+            shared = [one for one in found[0] if one in found[1]]
+            told = shared + [
+                f"{of.model.name}: {one}"
+                for of, changes in zip(self.of, found, strict=True)
+                for one in changes
+                if one not in shared
+            ]
+        return [*told[:TOLD], *["…"] * (len(told) > TOLD)]
 
     def plotted(self, names: tuple[str, ...]) -> Plotted:
         """What a chart of observables shows, to take home."""
@@ -177,13 +224,17 @@ class Overlay:
                 at, values = course.points(name)
                 at, values = self.window((at * self.each[k], values), now)
                 colour, dash = COLOURS[names.index(name)], DASH if k else ()
-                lines.append(Line(self.label(name, k), colour, at * lasts, values, dash))
+                where = marks(self.histories[k], self.each[k])
+                dots = mark_points(where, at, values, lasts)
+                label = self.label(name, k)
+                lines.append(Line(label, colour, at * lasts, values, dash, marks=dots))
         for one in self.before:
             for name in names:
                 at, values = self.window(self.scaled(one, name), now)
                 label = f"{titled(name, self.models)}, {one.label}"
                 colour, pen = COLOURS[names.index(name)], (DOTS[one.age], THIN, STRENGTHS[one.age])
-                lines.append(Line(label, colour, at * lasts, values, *pen))
+                dots = mark_points(marks(one.course.history, one.each), at, values, lasts)
+                lines.append(Line(label, colour, at * lasts, values, *pen, marks=dots))
         runs = [*zip(("now", "beside"), courses, strict=False)]
         runs += [(one.label, one.course) for one in self.before]
         return Plotted(
@@ -201,10 +252,57 @@ class Overlay:
         return f"{models}-seed{self.of[0].seed}-tick{tick}"
 
     def caption(self, tick: int) -> str:
-        """Which run it is, in a line."""
+        """Which run it is, in a line; below, what is not at its default, and what was changed."""
         first, *others = self.of
         beside = "".join(f"; dashed: {one.model.title}" for one in others)
-        return f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{beside}"
+        line = f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{beside}"
+        own = [history.departures() for history in self.histories]
+        more = [
+            ", ".join(one if len(own) == 1 else [f"{of.model.name}: {one[0]}", *one[1:]])
+            for of, one in zip(self.of, own, strict=True)
+            if one
+        ]
+        return "\n".join(row for text in (line, *more) for row in textwrap.wrap(text, CAPTION))
+
+
+def marks(history: ConditionHistory, each: float) -> np.ndarray:
+    """The ticks (K,) at which a run was changed, `each` as many of the first flock's; not all."""
+    found = history.marks
+    return found[thinned(found, MARKS)] * each if len(found) else found
+
+
+def with_ticks(
+    more: np.ndarray, at: np.ndarray, now: list[np.ndarray], old: list[np.ndarray]
+) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+    """Curves of now and of before at ticks `at` (K,), and also at those of `more` in between."""
+    more = more[(more >= at[0]) & (more <= at[-1])]
+    ticks = np.union1d(at, more)
+    if len(ticks) == len(at):
+        return at, now, old
+
+    def on_all(curves: list[np.ndarray]) -> list[np.ndarray]:
+        return [np.interp(ticks, at, values) for values in curves]
+
+    return ticks, on_all(now), on_all(old)
+
+
+def only_at(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The values of a curve at some of the ticks `at` (K,), nan at the others."""
+    return np.where(np.isin(at, some), values, np.nan)
+
+
+def dots(colour: str, values: np.ndarray) -> Curve:
+    """Marks on a curve, as a curve of dots without a label, which the mouse is told nothing of.
+
+    It is there without any mark, too: a browser makes a chart anew that gets one more curve.
+    """
+    return Curve(colour, values, dots=True)
+
+
+def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: float) -> Points:
+    """Times and values (M,) of a curve at some ticks that it has, of which each `lasts` so long."""
+    some = some[(some >= at[0]) & (some <= at[-1])] if len(at) else some[:0]
+    return some * lasts, np.interp(some, at, values) if len(some) else some
 
 
 def briefly(name: str) -> str:

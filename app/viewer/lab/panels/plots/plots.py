@@ -84,9 +84,11 @@ class Plots:
         self.runs.follow(runs)
         self.offer(readings, beside)
         overlay = Overlay(runs, self.runs, EARLIER[self.earlier.value], self.last)
+        first = True
         for chart in self.charts:
             chart.names = self.choices[chart.choice.value]
-            chart.refresh(overlay)
+            chart.refresh(overlay, changes=first)
+            first = first and not chart.names
         some = bool(self.runs.kept)
         if self.forget.visible != some:
             self.forget.visible = some
@@ -129,8 +131,8 @@ class ChosenChart:
             return None
         return self.overlay.plotted(self.names)
 
-    def refresh(self, overlay: Overlay) -> None:
-        """Draw its observables of all runs.
+    def refresh(self, overlay: Overlay, changes: bool) -> None:
+        """Draw its observables of all runs; `changes`: say above them what was changed.
 
         What the values are now is said in the title if there is but one, else in a key.
         """
@@ -141,5 +143,5 @@ class ChosenChart:
         if self.choice.label != label:
             self.choice.label = label
         self.overlay = overlay
-        shown = overlay.shown(self.names, keyed=not lone)
-        self.plot.show(shown, overlay.head(self.names, keyed=True) if lone else "")
+        shown = overlay.shown(self.names, not lone, changes)
+        self.plot.show(shown, overlay.head(self.names, keyed=True))

@@ -13,6 +13,7 @@ import viser
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
 from app.viewer.editing.pick import floor_place, obstacle_hit
+from app.viewer.lab.panels.world.plan_questions import PlanQuestions
 from app.viewer.lab.panels.world.world_controls import (
     DISC,
     NONE,
@@ -44,6 +45,7 @@ class WorldPanel(WorldControls):
     ):
         super().__init__(gui)
         self.simulation = simulation
+        self.questions = PlanQuestions(simulation)
         self.show_marks = show_marks
         self.selected = 0
         """Key of the selected obstacle; 0 for none."""
@@ -223,7 +225,7 @@ class WorldPanel(WorldControls):
 
     async def opened(self, event: viser.GuiEvent) -> None:
         file = event.target.value
-        self.simulation.edits.open_layout(file.name, file.content)
+        self.questions.open_layout(event.client, file.name, file.content)
 
     # Drawing.
 

@@ -9,6 +9,7 @@ import viser
 
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
+from app.viewer.editing.layout_file import ENDINGS
 from app.viewer.web.values import show
 from worlds.world import World
 
@@ -67,8 +68,9 @@ class WorldControls:
             "Open layout ...",
             icon=viser.Icon.UPLOAD,
             color="gray",
-            mime_type=".toml,.geojson,.json,.wkt,.dxf",
-            hint="TOML, GeoJSON, WKT or DXF of up to 5 MB; builds a new flock in it",
+            mime_type=",".join(ENDINGS),
+            hint="TOML, a drawing (DXF, SVG, GeoJSON, WKT) or a map (Vadere, MovingAI, ROS as ZIP) "
+            "of up to 5 MB; builds a new flock in it",
         )
 
     def fit(self, world: World) -> None:

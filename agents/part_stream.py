@@ -1,0 +1,197 @@
+"""The `.part` of a recording: an Arrow stream that anybody may have made, read batch by batch.
+
+A batch is judged by its own header before room is made for it: what its length says, whether it is
+packed, how many rows it claims. Arrow believes what stands in a batch, so every batch is
+validated in full before anything looks at its values. https://arrow.apache.org/docs/format has
+Message.fbs, of which the few numbers that are needed are read here.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from agents.parquet import LONGEST, MOST_BYTES, MOST_METADATA, MOST_NUMBERS, is_text
+from agents.parquet_footer import EXTENSION, MOST_COLUMNS
+from worlds.refusal import Refusal, shortened
+
+BEGIN = b"\xff\xff\xff\xff"
+"""Begins every message."""
+SCHEMA, BATCH = 1, 3
+"""Kinds of messages: which columns there are, and rows of them."""
+MOST_HEADER = 2 * MOST_METADATA
+"""Bytes of what a message says of itself."""
+NO_STREAM = "is not a recording that flockscope has begun"
+
+
+class PartStream:
+    """The schema and the whole batches of a `.part` that is open; `longest`: bytes of a text in it.
+
+    Raises Refusal for what is no such stream, and OSError.
+
+    Attributes
+    ----------
+    schema: of pyarrow.
+    """
+
+    def __init__(self, path: Path, file: BinaryIO, longest: int = LONGEST):
+        import pyarrow as pa
+
+        self.origin = repr(str(path))
+        self.file = file
+        self.longest = longest
+        self.size = os.fstat(file.fileno()).st_size
+        first = self.message()
+        if first is None or first.kind != SCHEMA or EXTENSION in first.content:
+            raise Refusal(f"{self.origin} {NO_STREAM}")
+        try:
+            self.schema = pa.ipc.read_schema(pa.BufferReader(first.content))
+            self.demand_columns(pa)
+        except (pa.ArrowException, ValueError, OSError) as error:
+            if isinstance(error, Refusal):
+                raise
+            raise Refusal(f"{self.origin} {NO_STREAM}") from None
+
+    def demand_columns(self, pa: Any) -> None:
+        """Raise Refusal for a stream that no recording has."""
+        texts = self.schema.metadata or {}
+        if sum(map(len, texts.values())) > MOST_METADATA:
+            raise Refusal(
+                f"the metadata of {self.origin} has more than {MOST_METADATA} bytes, "
+                "the most that is read"
+            )
+        if not 0 < len(self.schema) <= MOST_COLUMNS:
+            raise Refusal(f"{self.origin} {NO_STREAM}")
+        for field in self.schema:
+            kind = field.type
+            if pa.types.is_fixed_size_list(kind):
+                kind = kind.value_type
+            numbers = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, is_text)
+            if not any(one(kind) for one in numbers):
+                raise Refusal(
+                    f"{self.origin}: its column {shortened(field.name)} holds neither numbers "
+                    "nor text"
+                )
+            if self.schema.names.count(field.name) > 1:
+                raise Refusal(f"{self.origin} has the column {shortened(field.name)} twice")
+
+    def message(self) -> Message | None:
+        """The next message; None where no whole one follows. Raises Refusal, OSError."""
+        begin = self.file.read(8)
+        length = int.from_bytes(begin[4:], "little")
+        if len(begin) < 8 or begin[:4] != BEGIN or not 0 < length <= self.left:
+            return None
+        if length > MOST_HEADER:
+            raise self.too_much(f"a header of {length} bytes", MOST_HEADER)
+        header = self.file.read(length)
+        try:
+            made = Message(header)
+        except (struct.error, ValueError):
+            return None
+        if not 0 <= made.length <= self.left:
+            return None
+        if made.length > MOST_BYTES:
+            raise self.too_much(f"a batch of {made.length} bytes", MOST_BYTES)
+        made.content = begin + header + self.file.read(made.length)
+        return made
+
+    @property
+    def left(self) -> int:
+        """Bytes that have not been read."""
+        return self.size - self.file.tell()
+
+    def batches(self, rows: int) -> Iterator[Any]:
+        """Its rows as record batches of at least so many rows, but for the last.
+
+        They end where no whole batch follows: a kill leaves the last one unfinished. Raises
+        Refusal, OSError.
+        """
+        import pyarrow as pa
+
+        waiting: list[Any] = []
+        count = 0
+        while (batch := self.next_batch()) is not None:
+            if batch.num_rows:
+                waiting.append(batch)
+                count += batch.num_rows
+            if count >= rows:
+                yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
+                waiting, count = [], 0
+        if waiting:
+            yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
+
+    def next_batch(self) -> Any:
+        """The next record batch; None where no sound one follows. Raises Refusal, OSError."""
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        made = self.message()
+        if made is None or made.kind != BATCH:
+            return None
+        if made.is_packed:
+            raise Refusal(f"{self.origin} has packed batches, and flockscope writes none")
+        if made.rows * len(self.schema) > MOST_NUMBERS:
+            raise self.too_much(f"a batch of {made.rows} rows", MOST_NUMBERS // len(self.schema))
+        try:
+            content = pa.ipc.read_message(pa.BufferReader(made.content))
+            batch = pa.ipc.read_record_batch(content, self.schema)
+            batch.validate(full=True)
+        except (pa.ArrowException, OSError, ValueError):
+            return None
+        for column in batch.columns:
+            if is_text(column.type) and (
+                (pc.max(pc.binary_length(column)).as_py() or 0) > self.longest
+            ):
+                raise Refusal(f"{self.origin}: a text of it is longer than {self.longest} bytes")
+        return batch
+
+    def too_much(self, what: str, most: int) -> Refusal:
+        """The refusal for more than is read together."""
+        return Refusal(f"{self.origin} holds {what}: at most {most} are read at once")
+
+
+class Message:
+    """What the header of a message says of it. Raises ValueError or struct.error if it is none.
+
+    Attributes
+    ----------
+    kind: SCHEMA, BATCH or another. length: bytes that follow the header. rows: of a batch.
+    is_packed: whether its columns are. content: all its bytes, once they are read.
+    """
+
+    def __init__(self, header: bytes):
+        self.header = header
+        self.content = b""
+        root = self.unpack("<I", 0)
+        self.kind = self.field(root, 1, "<B")
+        self.length = self.field(root, 3, "<q")
+        self.rows, self.is_packed = 0, False
+        if self.kind == BATCH and (place := self.place(root, 2)):
+            batch = place + self.unpack("<I", place)
+            self.rows = self.field(batch, 0, "<q")
+            self.is_packed = self.place(batch, 3) != 0
+        if self.rows < 0:
+            raise ValueError
+
+    def unpack(self, form: str, at: int) -> int:
+        """The number at a byte."""
+        if at < 0:
+            raise ValueError
+        found: int = struct.unpack_from(form, self.header, at)[0]
+        return found
+
+    def place(self, table: int, field: int) -> int:
+        """The byte at which a field of a table stands; 0 if it is left out."""
+        names = table - self.unpack("<i", table)
+        if 4 + 2 * field >= self.unpack("<H", names):
+            return 0
+        offset = self.unpack("<H", names + 4 + 2 * field)
+        return table + offset if offset else 0
+
+    def field(self, table: int, field: int, form: str) -> int:
+        """The number in a field of a table, 0 if it is left out."""
+        place = self.place(table, field)
+        return self.unpack(form, place) if place else 0

@@ -1,0 +1,136 @@
+"""Level flights with a load: at the speed of least power, or at one speed for all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from agents.flight.aircraft import Aircraft, demand_possible
+from agents.flight.trim import SPEEDS, Trim, trim
+from app.flight.report import as_value
+from app.flight.request import SPEED, Request
+from worlds.refusal import Refusal
+
+STRIDE = 0.4
+"""Between two speeds of the search for the least power, m/s."""
+LEAST_STRIDE = 0.1
+SECONDS = 3600.0
+"""In an hour."""
+
+
+class Battery(NamedTuple):
+    """What the shafts are driven by."""
+
+    energy: float
+    """Wh."""
+    efficiency: float
+    """Share of it that comes to the shafts."""
+
+    def hours(self, power: float) -> float:
+        """How long it drives shafts that take a power, W."""
+        return self.energy * self.efficiency / power
+
+
+def loaded(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
+    """The aircraft with a load, kg, spread over its body. Raises Refusal if that is too heavy."""
+    fields = aircraft.model_dump() | {"mass": aircraft.mass + load}
+    heaviest = Aircraft.model_fields["mass"]
+    most = max(one.le for one in heaviest.metadata if hasattr(one, "le"))
+    if fields["mass"] > most:
+        raise Refusal(
+            f"{origin or 'load'} {1000.0 * load:g} g is outside "
+            f"[0, {1000.0 * (most - aircraft.mass):g}] g with mass = {aircraft.mass:g} kg"
+        )
+    made = Aircraft(**fields)
+    demand_possible(made)
+    return made
+
+
+def carried(
+    asked: Request,
+    loads: list[float],
+    battery: Battery,
+    speed: float | None,
+    at: Callable[[float], None],
+) -> tuple[list[dict[str, Any]], list[float]]:
+    """Values of the flights with loads (kg, rising), and the loads without a level flight.
+
+    `speed` in m/s; None: that of the least power for each load. Raises Refusal if there is none.
+    """
+    rows, missing = [], []
+    near: Trim | None = None
+    for done, load in enumerate(loads):
+        at(done / len(loads))
+        craft = loaded(asked.aircraft, load)
+        found = cheapest(asked, craft, near) if speed is None else begun(asked, craft, speed, near)
+        if found is None:
+            missing.append(load)
+            continue
+        near = found
+        rows.append(value_of(found, load, battery))
+    if not rows:
+        raise Refusal(
+            "no level flight was found with any load of "
+            f"{', '.join(f'{1000.0 * one:g}' for one in loads)} g: try another speed, frequency "
+            "or twist"
+        )
+    return rows, missing
+
+
+def value_of(made: Trim, load: float, battery: Battery) -> dict[str, Any]:
+    """A flight with a load as JSON has it."""
+    hours = battery.hours(made.power)
+    return {
+        "load": 1000.0 * load,
+        "mass": made.aircraft.mass,
+        **as_value(made),
+        "endurance": hours,
+        "range": hours * SECONDS * made.speed / 1000.0,
+    }
+
+
+def flight(asked: Request, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
+    """The level flight at a speed, m/s, found from a known one; None if it is not found so."""
+    if not SPEEDS[0] <= speed <= SPEEDS[1]:
+        return None
+    try:
+        return trim(craft, speed, frequency=asked.frequency, twist=asked.twist, near=near)
+    except Refusal:
+        return None
+
+
+def begun(asked: Request, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
+    """The same, from the flight with the load before or, if that does not lead there, from none."""
+    found = None if near is None else flight(asked, craft, speed, near)
+    return found or flight(asked, craft, speed, None)
+
+
+def cheapest(asked: Request, craft: Aircraft, near: Trim | None) -> Trim | None:
+    """The level flight of the least power; None if there is none at the speeds that are tried.
+
+    Speeds are tried faster and slower in strides that halve: power over speed is a U.
+    """
+    best = first_flight(asked, craft, near)
+    stride = STRIDE
+    known: dict[float, Trim | None] = {} if best is None else {best.speed: best}
+    while best is not None and stride >= LEAST_STRIDE:
+        for speed in (best.speed + stride, best.speed - stride):
+            if speed not in known:
+                known[speed] = flight(asked, craft, speed, best)
+        flights = [one for one in known.values() if one is not None]
+        better = min(flights, key=lambda one: one.power)
+        if better is best:
+            stride *= 0.5
+        best = better
+    return best
+
+
+def first_flight(asked: Request, craft: Aircraft, near: Trim | None) -> Trim | None:
+    """A level flight to begin with, at the speed of the load before or faster."""
+    speed = SPEED if near is None else near.speed
+    while speed <= SPEEDS[1]:
+        found = begun(asked, craft, speed, near)
+        if found is not None:
+            return found
+        speed += STRIDE
+    return None

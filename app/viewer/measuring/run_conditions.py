@@ -1,0 +1,239 @@
+"""The conditions of a run: as it began, and from which tick on they were others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.home import at_home
+from agents.models.model import Model
+from agents.spec import Spec
+from app.viewer.measuring.measured import few
+from worlds.world import World
+
+TOLD = 3
+"""Differences between two runs that are told; of more, that there are others."""
+MOST = 1000
+"""Stretches of one run that are kept. Of more, the two shortest neighbours become one."""
+SEVERAL = None
+"""The value of a parameter in a stretch that was two of different values."""
+BY_HAND = "moved by hand"
+
+Steps = tuple[tuple[int, Any], ...]
+"""The values that one thing had in a run, each with the tick from which on it had it."""
+
+
+@dataclass(frozen=True)
+class RunConditions:
+    """What a run is made of: all by which it may differ from another one of its model."""
+
+    model: Model
+    seed: int
+    agents: int
+    world: World
+    options: Mapping[str, Any]
+    parameters: Mapping[str, Any]
+    dt: float
+    """Time that a tick stands for."""
+    by_hand: bool = False
+    """Whether somebody has put agents elsewhere."""
+
+    @classmethod
+    def of(cls, flock: Flock, by_hand: bool = False) -> RunConditions:
+        """Those of a flock, with its parameters as they are now."""
+        return cls(
+            flock.model,
+            flock.seed,
+            len(flock.ids),
+            flock.world,
+            flock.options.chosen,
+            flock.parameters.model_dump(),
+            flock.dt,
+            by_hand,
+        )
+
+    @property
+    def unit(self) -> str:
+        """That of its time: ticks, or s."""
+        return self.model.body.unit
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Everything by its name; options and parameters share no names."""
+        whole = {"seed": self.seed, "world": self.world, "agents": self.agents}
+        return {**whole, **self.options, **self.parameters, BY_HAND: self.by_hand}
+
+    def joined(self, later: RunConditions) -> RunConditions:
+        """Those of a stretch that had these first and then others: what differs is SEVERAL."""
+        parameters = {
+            name: value if self.parameters.get(name) == value else SEVERAL
+            for name, value in later.parameters.items()
+        }
+        return replace(later, parameters=parameters)
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a run that was made under one set of conditions."""
+
+    begin: int
+    """The tick at which it begins: the next one is the first that is made so."""
+    conditions: RunConditions
+
+
+@dataclass(frozen=True)
+class ConditionHistory:
+    """The conditions of a run over its ticks, a value: the first stretch, and one for each change.
+
+    Changes at one tick are one change, and those that come to nothing are none.
+    """
+
+    stretches: tuple[Stretch, ...]
+
+    @classmethod
+    def begun(cls, flock: Flock) -> ConditionHistory:
+        """That of a flock which begins now."""
+        return cls((Stretch(flock.tick, RunConditions.of(flock)),))
+
+    @property
+    def first(self) -> RunConditions:
+        """Those with which it began."""
+        return self.stretches[0].conditions
+
+    @property
+    def last(self) -> RunConditions:
+        """Those of now, or of its end."""
+        return self.stretches[-1].conditions
+
+    @property
+    def marks(self) -> np.ndarray:
+        """The ticks (K,) at which something was changed."""
+        return np.array([one.begin for one in self.stretches[1:]], float)
+
+    def noted(self, tick: int, conditions: RunConditions) -> ConditionHistory:
+        """The same run, whose conditions are these from a tick on, the latest so far."""
+        before = [one for one in self.stretches if one.begin < tick]
+        if before and before[-1].conditions == conditions:
+            return ConditionHistory(tuple(before))
+        begin = tick if before else self.stretches[0].begin
+        return ConditionHistory(tuple(few_stretches([*before, Stretch(begin, conditions)])))
+
+    def cut(self, tick: int) -> ConditionHistory:
+        """The run until a tick: without what was changed after it."""
+        first, *others = self.stretches
+        return ConditionHistory((first, *(one for one in others if one.begin <= tick)))
+
+    def ended(self, tick: int) -> ConditionHistory:
+        """That of a run whose last tick it is: nothing was made of what was changed then."""
+        return self.cut(tick - 1)
+
+    def places(self, ticks: np.ndarray) -> np.ndarray:
+        """In which stretch each of some ticks (K,) was made: their places."""
+        begins = [one.begin for one in self.stretches]
+        return np.maximum(np.searchsorted(begins, ticks, side="left") - 1, 0)
+
+    @cached_property
+    def steps(self) -> dict[str, Steps]:
+        """The values that everything had, by its name; None for an option at its default."""
+        found = [(one.begin, one.conditions.values) for one in self.stretches]
+        names = dict.fromkeys(name for _, values in found for name in values)
+        made: dict[str, Steps] = {}
+        for name in names:
+            steps = [(found[0][0], found[0][1].get(name))]
+            for begin, values in found[1:]:
+                if values.get(name) != steps[-1][1]:
+                    steps.append((begin, values.get(name)))
+            made[name] = tuple(steps)
+        return made
+
+    def differences(self, other: ConditionHistory) -> str:
+        """What is or was other here than in another run, in few words; nothing if nothing was."""
+        mine, theirs = self.steps, other.steps
+        begin = self.stretches[0].begin
+        told = [f"from {self.moment(begin)} on"] if begin != other.stretches[0].begin else []
+        for name in dict.fromkeys([*mine, *theirs]):
+            steps = mine.get(name, ((begin, None),))
+            beside = theirs.get(name, ((begin, None),))
+            if relative(steps, self) != relative(beside, other):
+                told.append(self.described(name, steps, beside))
+        return ", ".join([*told[:TOLD], *["…"] * (len(told) > TOLD)])
+
+    def changes(self) -> list[str]:
+        """What was changed in this run, and when, in few words each."""
+        return [self.described(name, one) for name, one in self.steps.items() if len(one) > 1]
+
+    def departures(self) -> list[str]:
+        """All that is not as the model has it by default, and all that was changed."""
+        model = self.first.model
+        usual = model.parameters().model_dump() | at_home(Spec(model.name), model).chosen
+        known = self.first.options.keys() | usual.keys()
+        return [
+            self.described(name, steps)
+            for name, steps in self.steps.items()
+            if len(steps) > 1
+            or (name in known and steps[0][1] != usual.get(name))
+            or (name == BY_HAND and steps[0][1])
+        ]
+
+    def described(self, name: str, steps: Steps, beside: Steps = ()) -> str:
+        """The values of one thing in few words; those of another run `beside` are told apart."""
+        ((_, first), *others), last = steps, steps[-1][1]
+        when = "" if not others else f" at {self.moment(others[0][0])}"
+        if len(others) > 1:
+            when = f" from {self.moment(others[0][0])} to {self.moment(others[-1][0])}"
+        if name == "world":
+            return world_described(first, last, when, beside)
+        if name == BY_HAND:
+            return f"agents {BY_HAND}{when}" if last else f"no agents {BY_HAND}"
+        if name == "agents" and not others:
+            return f"{first} agents"
+        between = " → …" * (len(others) > 1)
+        later = f"{between} → {worded(last)}" if others else ""
+        return f"{name} {worded(first)}{later}{when}"
+
+    def moment(self, tick: int) -> str:
+        """A tick in the words of the run's clock."""
+        of = self.first
+        return f"tick {tick}" if of.unit == "ticks" else f"{few(tick * of.dt)} {of.unit}"
+
+
+def relative(steps: Steps, of: ConditionHistory) -> Steps:
+    """The same with ticks counted from the beginning of the run."""
+    return tuple((tick - of.stretches[0].begin, value) for tick, value in steps)
+
+
+def few_stretches(stretches: list[Stretch]) -> list[Stretch]:
+    """The same, at most so many: of too many, the two that are the shortest together are one."""
+    if len(stretches) > MOST:
+        begins = np.array([one.begin for one in stretches])
+        place = int(np.argmin(begins[2:] - begins[:-2]))
+        first, second = stretches[place : place + 2]
+        one = Stretch(first.begin, first.conditions.joined(second.conditions))
+        stretches[place : place + 2] = [one]
+    return stretches
+
+
+def world_described(first: World, last: World, when: str, beside: Steps) -> str:
+    """The world of a run in few words."""
+    if when:
+        return f"{first.name} changed{when}" if first.name == last.name else f"world changed{when}"
+    same = bool(beside) and any(world.name == first.name for _, world in beside)
+    return f"{first.name} as it was" if same else f"world {first.name}"
+
+
+def worded(value: Any) -> str:
+    """The value of a parameter or of an option in few letters.
+
+    >>> worded(0.30000000000000004), worded("angular"), worded(True), worded(None)
+    ('0.3', 'angular', 'on', 'as usual')
+    """
+    if value is None:
+        return "as usual"
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return few(float(value)) if isinstance(value, int | float) else str(value)

@@ -1,0 +1,91 @@
+"""A drawing that may mean two things is asked about in the browser that has opened it."""
+
+from __future__ import annotations
+
+import asyncio
+from types import SimpleNamespace
+
+import pytest
+
+from app.viewer.lab.panels.world.plan_questions import PlanQuestions
+from worlds.readers.plan_question import PlanChoice, PlanQuestion
+
+QUESTION = PlanQuestion(
+    "house.wkt: it is <all>: give --solid A",
+    (
+        PlanChoice("Solid block", {"roles": {"obstacle": ["A"]}}),
+        PlanChoice("Walls", {"roles": {"wall": ["A"]}}, thickness=True),
+    ),
+)
+
+
+class Window:
+    """What of viser's gui a question uses, and what was put there."""
+
+    def __init__(self):
+        self.words, self.buttons, self.numbers, self.closed = [], {}, [], False
+
+    def add_modal(self, _title):
+        return self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def close(self):
+        self.closed = True
+
+    def add_html(self, content):
+        self.words.append(content)
+
+    def add_number(self, _label, value, **_):
+        self.numbers.append(SimpleNamespace(value=value))
+        return self.numbers[-1]
+
+    def add_button(self, label, **_):
+        def on_click(answer):
+            self.buttons[label] = answer
+
+        return SimpleNamespace(on_click=on_click)
+
+
+class Edits:
+    """Commands to the simulation: the first file is asked about, what follows is taken."""
+
+    def __init__(self):
+        self.calls = []
+
+    def open_layout(self, name, content, options, ask):
+        self.calls.append((name, content, options))
+        if len(self.calls) == 1:
+            ask(QUESTION)
+
+
+@pytest.mark.parametrize(
+    ("label", "options"),
+    [
+        ("Solid block", {"roles": {"obstacle": ["A"]}}),
+        ("Walls", {"roles": {"wall": ["A"]}, "thickness": 0.35}),
+        ("Cancel", None),
+    ],
+)
+def test_an_answer_opens_the_drawing_again_with_it(label, options):
+    edits, window = Edits(), Window()
+    client = SimpleNamespace(gui=window)
+
+    async def browse():
+        PlanQuestions(SimpleNamespace(edits=edits)).open_layout(client, "house.wkt", b"...")
+        while not window.buttons:  # the question comes from another thread
+            await asyncio.sleep(0)
+        window.numbers[0].value = 0.35
+        await window.buttons[label](None)
+
+    asyncio.run(asyncio.wait_for(browse(), 60.0))
+    assert window.closed
+    assert list(window.buttons) == ["Solid block", "Walls", "Cancel"]
+    assert "it is &lt;all&gt;." in window.words[0]
+    assert "--solid" not in window.words[0]
+    again = [] if options is None else [("house.wkt", b"...", options)]
+    assert edits.calls == [("house.wkt", b"...", {}), *again]
