@@ -9,11 +9,10 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypedDict
 
 import numpy as np
 from pydantic import ConfigDict, StrictInt, StrictStr, TypeAdapter, ValidationError
-from typing_extensions import TypedDict
 
 from app.experiments.runs.outcome import STATUSES
 
@@ -22,15 +21,17 @@ DEEPEST = 40
 LONGEST_NAME = 200
 """Characters of the name of an axis or of a column."""
 
-NUMBER = {int, float}
-FIXED_KINDS: tuple[set[type], ...] = (
-    *({int}, {int}, {str}, {str, type(None)}, NUMBER, {int}, {str, type(None)}),
-)
+Kinds = set[type]
+WHOLE: Kinds = {int}
+NUMBER: Kinds = {int, float}
+TEXT: Kinds = {str}
+WORDS: Kinds = {str, type(None)}
+FIXED_KINDS: tuple[Kinds, ...] = (WHOLE, WHOLE, TEXT, WORDS, NUMBER, WHOLE, WORDS)
 """Of the FIXED columns of `run`, in order."""
 MEASURED_KINDS = {int, float, type(None)}
 
 
-class Progress(TypedDict):
+class Progress(TypedDict, total=False):
     """How fast a sweep is."""
 
     rate: float | None
@@ -129,7 +130,8 @@ def demand_cell(cell: Any) -> dict[str, Any]:
 
 def demand_kinds(table: str, rows: list[tuple], kinds: Sequence[set[type]]) -> list[tuple]:
     """The rows, if each column has values of its kinds only. Raises Contents."""
-    for number, (values, allowed) in enumerate(zip(zip(*rows, strict=True), kinds, strict=True)):
+    columns = zip(*rows, strict=True) if rows else ([],) * len(kinds)
+    for number, (values, allowed) in enumerate(zip(columns, kinds, strict=True)):
         if not set(map(type, values)) <= allowed:
             raise Contents(f"column {number + 1} of what {table} holds is of another kind")
     return rows

@@ -92,7 +92,7 @@ class Kept:
         """What the process that writes has left word of."""
         rows = self._rows("SELECT key, value FROM state")
         with self._checked():
-            demand_kinds("state", rows, ({str}, {str}))
+            demand_kinds("state", rows, ({str}, {str, bytes}))
             return demand_state({key: json_value(text) for key, text in rows})
 
     @cached_property
