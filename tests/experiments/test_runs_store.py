@@ -209,3 +209,81 @@ def test_hostile_json_in_a_store_is_refused_in_a_line(tmp_path, text):
         connection.execute("INSERT INTO state VALUES ('runs', ?)", [text])
     with pytest.raises(Refusal, match="broken JSON"):
         _ = Kept(tmp_path).state
+
+
+def long_plan(folder):
+    """A store whose plan takes SQLite more than one look at the clock."""
+    with Store(folder, ["k"]) as store:
+        [cell] = store.lay_out(CELLS[:1])
+        series = {"s": (np.array([1]), np.array([0.5]))}
+        store.add(cell, 1, Outcome("ok", {"k": 1}, series=series))
+    with closing(sqlite3.connect(folder / FILE)) as connection, connection:
+        rows = ((place, cell) for place in range(1, 100_000))
+        connection.executemany("INSERT INTO plan (place, cell) VALUES (?, ?)", rows)
+
+
+@pytest.mark.parametrize("ask", ["counts", "runs", "series", "cells"])
+def test_a_question_that_takes_too_long_is_interrupted(tmp_path, ask):
+    long_plan(tmp_path)
+    found = getattr(Kept(tmp_path), ask)
+    assert list(found() if callable(found) else found), "in 30 s there is an answer"
+    with pytest.raises(Refusal, match="cannot be read: the answer takes too long"):
+        found = getattr(Kept(tmp_path, limit=0.0), ask)
+        list(found() if callable(found) else found)
+
+
+@pytest.mark.parametrize(
+    ("table", "column"),
+    [
+        *(("run", name) for name in ("status", "reason", "seconds", "ticks", "k")),
+        *(("cell", name) for name in ("json",)),
+        *(("series", name) for name in ("observable", "ticks", "values")),
+        ("state", "value"),
+    ],
+)
+@pytest.mark.parametrize("value", [b"\xff\x00", "words", 2**62, float("inf"), -1.5, None])
+def test_a_value_of_any_kind_in_any_column_is_an_answer_or_a_line(tmp_path, table, column, value):
+    with Store(tmp_path, ["k"]) as store:
+        [cell] = store.lay_out(CELLS[:1])
+        series = {"s": (np.array([1]), np.array([0.5]))}
+        store.add(cell, 1, Outcome("ok", {"k": 1}, series=series))
+        store.tell(runs=1)
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        try:
+            connection.execute(f'UPDATE {table} SET "{column}" = ?', [value])
+        except sqlite3.IntegrityError:
+            return  # SQLite itself keeps it out
+    kept = Kept(tmp_path)
+    for ask in (
+        lambda: kept.counts,
+        lambda: kept.state,
+        lambda: kept.cells,
+        kept.runs,
+        kept.series,
+    ):
+        try:
+            list(ask())
+        except Refusal as error:
+            assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize("text", ["NaN", "1e999", '"\\ud800"', "[" * 41 + "]" * 41])
+def test_json_that_others_cannot_read_is_refused(tmp_path, text):
+    with Store(tmp_path, ["k"]):
+        pass
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        connection.execute("INSERT INTO state VALUES ('runs', ?)", [text])
+    with pytest.raises(Refusal, match="broken JSON"):
+        _ = Kept(tmp_path).state
+
+
+def test_a_strangers_store_is_judged_before_anything_is_written(tmp_path):
+    with Store(tmp_path, ["k"]):
+        pass
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection:
+        connection.execute("PRAGMA journal_mode = DELETE")
+        connection.execute("CREATE VIEW more AS SELECT 1")
+    before = (tmp_path / FILE).read_bytes()
+    with pytest.raises(Refusal, match="is not a store of runs"):
+        Store(tmp_path, ["k"]).__enter__()
+    assert (tmp_path / FILE).read_bytes() == before

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from worlds.refusal import Refusal
@@ -43,16 +44,35 @@ LARGEST = 64 * 2**20
 """Bytes of one text or blob."""
 BUSY = 10.0
 """Seconds to wait for another process that looks into the file."""
+LONGEST = 30.0
+"""Seconds that one question to a store may take; then it is interrupted."""
+STEPS = 100_000
+"""Instructions of SQLite between two looks at the clock."""
 
 
 @contextmanager
-def guarded(path: Path) -> Iterator[None]:
-    """Whatever SQLite raises within is a Refusal that names the file."""
+def guarded(path: Path, kept: str = "kept") -> Iterator[None]:
+    """Whatever SQLite raises within is a Refusal that names the file, which cannot be `kept`."""
     try:
         yield
-    except sqlite3.Error as error:
-        why = "the disk is full" if "full" in str(error) else str(error)
-        raise Refusal(f"store of runs {str(path)!r} cannot be kept: {why}") from None
+    except (sqlite3.Error, OverflowError) as error:
+        why = "the disk is full" if "is full" in str(error) else str(error)
+        if why == "interrupted":
+            why = "the answer takes too long"
+        raise Refusal(f"store of runs {str(path)!r} cannot be {kept}: {why}") from None
+
+
+class TimeLimit:
+    """It interrupts what a connection does that takes longer than a number of seconds."""
+
+    def __init__(self, connection: sqlite3.Connection, seconds: float):
+        self.seconds = seconds
+        self.restart()
+        connection.set_progress_handler(lambda: time.monotonic() > self.end, STEPS)
+
+    def restart(self) -> None:
+        """Give the next question the whole time."""
+        self.end = time.monotonic() + self.seconds
 
 
 def opened(path: Path) -> sqlite3.Connection:
@@ -62,6 +82,9 @@ def opened(path: Path) -> sqlite3.Connection:
         demand_ours(path)
     if not os.access(path.parent if new else path, os.W_OK):
         raise Refusal(f"store of runs {str(path)!r} cannot be written: it may only be read")
+    if not new:  # SQLite changes the file when WAL is set: whose it is must be known before
+        with guarded(path), closing(read_only(path)) as judged:
+            has_tables(judged, path)
     with guarded(path):
         made = sqlite3.connect(path, timeout=BUSY, isolation_level=None)
         mode = made.execute("PRAGMA journal_mode = WAL").fetchone()[0]
@@ -111,20 +134,28 @@ def looked_into(path: Path) -> sqlite3.Connection:
     if not path.is_file():
         raise Refusal(f"{str(path)!r}: there is no store of runs")
     demand_ours(path)
-    with guarded(path):
-        made = sqlite3.connect(
-            f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=BUSY, isolation_level=None
-        )
+    with guarded(path, "read"):
+        made = read_only(path)
         try:
             there = has_tables(made, path)
         except sqlite3.OperationalError:  # a folder that may only be read has no room for the WAL
             made.close()
             made = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
             there = has_tables(made, path)
+        except BaseException:
+            made.close()
+            raise
         if not there:
             made.close()
             raise Refusal(f"{str(path)!r}: there is no run in it yet")
         return made
+
+
+def read_only(path: Path) -> sqlite3.Connection:
+    """A connection that changes nothing in the file."""
+    return sqlite3.connect(
+        f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=BUSY, isolation_level=None
+    )
 
 
 def demand_ours(path: Path) -> None:
@@ -150,14 +181,10 @@ def holds_tables(path: Path) -> bool:
 
     One of ours says nothing yet where a kill came while it was made, or its head is in the WAL.
     """
-    with guarded(path):
-        made = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
-        try:
-            names = {row[0] for row in made.execute("SELECT name FROM sqlite_master")}
-            ours = made.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
-            return bool(names) and not ours
-        finally:
-            made.close()
+    with guarded(path, "read"), closing(read_only(path)) as made:
+        names = {row[0] for row in made.execute("SELECT name FROM sqlite_master")}
+        ours = made.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
+        return bool(names) and not ours
 
 
 def quoted(column: str) -> str:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
-import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,14 +12,26 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.runs.database import FILE, FIXED, guarded, looked_into, quoted
+from app.experiments.runs.contents import (
+    Contents,
+    demand_cell,
+    demand_kinds,
+    demand_runs,
+    demand_state,
+    json_value,
+    series_of,
+)
+from app.experiments.runs.database import (
+    FILE,
+    FIXED,
+    LONGEST,
+    TimeLimit,
+    guarded,
+    looked_into,
+    quoted,
+)
 from app.experiments.runs.outcome import STATUSES
 from worlds.refusal import Refusal
-
-LONGEST = 30.0
-"""Seconds that one question to a store may take; then it is interrupted."""
-STEPS = 100_000
-"""Instructions of SQLite between two looks at the clock."""
 
 ORDERED = (
     "JOIN (SELECT cell AS c, min(place) AS place FROM plan GROUP BY cell) ON c = run.cell "
@@ -35,32 +45,41 @@ class Kept:
     """A store as it stands; what is asked for once is of one moment."""
 
     folder: Path
+    limit: float = LONGEST
+    """Seconds that one question may take."""
 
     @property
     def path(self) -> Path:
         """The file."""
         return self.folder / FILE
 
-    def _rows(self, statement: str) -> list[tuple]:
-        with closing(looked_into(self.path)) as connection, guarded(self.path):
-            end = time.monotonic() + LONGEST
-            connection.set_progress_handler(lambda: time.monotonic() > end, STEPS)
-            return connection.execute(statement).fetchall()
-
-    def _value(self, text: Any) -> Any:
-        """A value from its JSON. Raises Refusal for what is none."""
+    @contextmanager
+    def _checked(self) -> Iterator[None]:
+        """What the store holds that it cannot is a Refusal that names the file."""
         try:
-            return json.loads(text)
-        except (ValueError, TypeError, RecursionError):
-            raise Refusal(f"{str(self.path)!r} cannot be read: it holds broken JSON") from None
+            with guarded(self.path, "read"):
+                yield
+        except Contents as error:
+            raise Refusal(f"{str(self.path)!r} cannot be read: {error}") from None
+
+    def _rows(self, statement: str) -> list[tuple]:
+        with closing(looked_into(self.path)) as connection, self._checked():
+            TimeLimit(connection, self.limit)
+            return connection.execute(statement).fetchall()
 
     @property
     def counts(self) -> dict[str, int]:
         """Runs of the plan by how they ended."""
-        found = self._rows(
-            "SELECT status, count(*) FROM run WHERE cell IN (SELECT cell FROM plan) GROUP BY status"
+        found = dict(
+            self._rows(
+                "SELECT status, count(*) FROM run WHERE cell IN (SELECT cell FROM plan) "
+                "GROUP BY status"
+            )
         )
-        return {status: dict(found).get(status, 0) for status in STATUSES}
+        with self._checked():
+            if not set(found) <= set(STATUSES):
+                raise Contents("a run has an unknown status")
+        return {status: found.get(status, 0) for status in STATUSES}
 
     @property
     def others(self) -> int:
@@ -71,7 +90,10 @@ class Kept:
     @property
     def state(self) -> dict[str, Any]:
         """What the process that writes has left word of."""
-        return {key: self._value(value) for key, value in self._rows("SELECT * FROM state")}
+        rows = self._rows("SELECT key, value FROM state")
+        with self._checked():
+            demand_kinds("state", rows, ({str}, {str, bytes}))
+            return demand_state({key: json_value(text) for key, text in rows})
 
     @cached_property
     def columns(self) -> list[str]:
@@ -83,31 +105,44 @@ class Kept:
     def cells(self) -> dict[int, dict[str, Any]]:
         """The cells of the plan by their number in the store, each once, in order."""
         found = self._rows(
-            "SELECT cell.id, json FROM plan JOIN cell ON cell.id = plan.cell ORDER BY place"
+            "SELECT c, json FROM (SELECT cell AS c, min(place) AS place FROM plan GROUP BY cell) "
+            "LEFT JOIN cell ON cell.id = c ORDER BY place"
         )
-        return {number: self._value(text) for number, text in dict(found).items()}
+        with self._checked():
+            demand_kinds("cell", found, ({int}, {str}))
+            if len(dict(found)) < len(found):
+                raise Contents("two cells have one number")
+            return {number: demand_cell(json_value(text)) for number, text in found}
 
     @cached_property
     def plan(self) -> list[int]:
         """The number of the cell at each place of the plan, where one may stand twice."""
-        return [row[0] for row in self._rows("SELECT cell FROM plan ORDER BY place")]
+        found = self._rows("SELECT cell FROM plan ORDER BY place")
+        with self._checked():
+            return [row[0] for row in demand_kinds("plan", found, ({int},))]
 
     def runs(self, columns: list[str] | None = None) -> list[tuple]:
         """The runs of the plan in its order: the FIXED columns, then what was measured."""
-        names = [*FIXED, *(self.columns if columns is None else columns)]
-        chosen = ", ".join(f"run.{quoted(name)}" for name in names)
-        return self._rows(f"SELECT {chosen} FROM run {ORDERED}")
+        measured = self.columns if columns is None else columns
+        chosen = ", ".join(f"run.{quoted(name)}" for name in (*FIXED, *measured))
+        found = self._rows(f"SELECT {chosen} FROM run {ORDERED}")
+        with self._checked():
+            return demand_runs(found, len(measured))
 
     def series(self) -> Iterator[tuple[int, int, str, np.ndarray, np.ndarray]]:
         """Cell, seed, observable, ticks and values of all series, in the order of the plan."""
-        with closing(looked_into(self.path)) as connection, guarded(self.path):
+        with closing(looked_into(self.path)) as connection, self._checked():
+            limit = TimeLimit(connection, self.limit)
             found = connection.execute(
                 'SELECT run.cell, run.seed, observable, run.ticks, "values" FROM series AS run '
                 + ORDERED
                 + ", observable"
             )
-            for cell, seed, name, ticks, values in found:
-                yield cell, seed, name, np.frombuffer(ticks, "<i8"), np.frombuffer(values, "<f8")
+            for row in found:
+                demand_kinds("series", [row], ({int}, {int}, {str}, {bytes}, {bytes}))
+                cell, seed, name, *blobs = row
+                yield cell, seed, name, *series_of(*blobs)
+                limit.restart()  # who takes the series has all the time
 
 
 def readable(folder: Path) -> bool:

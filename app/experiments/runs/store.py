@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from filelock import FileLock, Timeout
 
+from app.experiments.runs.contents import Contents, demand_cell, json_value
 from app.experiments.runs.database import FILE, FIXED, guarded, opened, quoted
 from app.experiments.runs.outcome import BROKEN, Outcome, Status
 from worlds.refusal import Refusal
@@ -152,10 +153,16 @@ class Store:
         mine = set(cells)
         with guarded(self.path):
             rows = self.connection.execute(
-                "SELECT id, json, (SELECT count(*) FROM run WHERE cell = id) FROM cell"
+                "SELECT id, json, runs FROM cell "
+                "JOIN (SELECT cell AS c, count(*) AS runs FROM run GROUP BY cell) ON c = id"
             ).fetchall()
-        found = [(json.loads(text), runs) for one, text, runs in rows if one not in mine and runs]
-        return [(one["identity"], one["basis"], runs) for one, runs in found]
+        try:
+            found = [
+                (demand_cell(json_value(text)), runs) for one, text, runs in rows if one not in mine
+            ]
+        except Contents as error:
+            raise Refusal(f"{str(self.path)!r} cannot be gone on with: {error}") from None
+        return [(one.get("identity", {}), one.get("basis", {}), runs) for one, runs in found]
 
     def add(self, cell: int, seed: int, outcome: Outcome) -> None:
         """Take a run; it is on the disk after the next commit."""

@@ -23,10 +23,10 @@ def status_of(folder: Path) -> dict[str, Any]:
         "done": sum(counts.values()),
         "of": state.get("runs"),
         "others": kept.others,
-        "rate": progress and progress["rate"],
-        "seconds_left": progress and progress["seconds_left"],
-        "workers": progress and progress["workers"],
-        "pid": progress and progress["pid"],
+        "rate": progress and progress.get("rate"),
+        "seconds_left": progress and progress.get("seconds_left"),
+        "workers": progress and progress.get("workers"),
+        "pid": progress and progress.get("pid"),
     }
 
 
