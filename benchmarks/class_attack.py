@@ -34,6 +34,8 @@ from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.home import at_home
 
 AGENTS = 300
+FEWEST = 3
+"""Results of honest students before a part of a class ends."""
 APART = 3.0
 """Seconds between two results of an honest student."""
 QUESTION = {
@@ -170,7 +172,7 @@ async def attack(
         await asyncio.sleep(0.5)
     tasks += [asyncio.create_task(one.honest(session, base, waits)) for one in students[:first]]
     tasks.append(asyncio.create_task(teacher_waits(session, base, cookie, waits)))
-    await asyncio.sleep(seconds)
+    await passed(seconds, waits.quiet)
     for number, one in enumerate(students[first:last]):
         await one.open(session, base, LONG[number % len(LONG)])
         tasks.append(asyncio.create_task(one.other(session, base, waits, "dishonest", 0.2)))
@@ -178,11 +180,18 @@ async def attack(
         await one.open(session, base, SLOW)
         tasks.append(asyncio.create_task(one.other(session, base, waits, "slow", APART)))
     waits.begun = True
-    await asyncio.sleep(seconds)
+    await passed(seconds, waits.honest)
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
     await asyncio.gather(*(one.line.close() for one in students))
+
+
+async def passed(seconds: float, results: list[float]) -> None:
+    """Wait so long, and until there are a few results: on a busy machine that is longer."""
+    await asyncio.sleep(seconds)
+    while len(results) < FEWEST:
+        await asyncio.sleep(0.5)
 
 
 def main() -> None:
