@@ -22,7 +22,7 @@ from agents.spec import Spec, whole
 from agents.state.usable import LARGEST
 from worlds.checks import demand_sound
 from worlds.layout import world_from_layout
-from worlds.refusal import Refusal, shortened, unknown
+from worlds.refusal import Refusal, demand_line, shortened, unknown
 from worlds.world import World
 from worlds.writing import writing
 
@@ -69,18 +69,18 @@ class Recording:
             self.next_id = meta["next_id"]
             if type(self.next_id) is not int or not 0 <= self.next_id <= LARGEST:
                 raise ValueError(f"next_id = {shortened(self.next_id)} is outside [0, 2^53]")
-            self.model, self.title = text_of(meta["model"]), text_of(meta["title"])
+            self.model, self.title = line_of(meta["model"]), line_of(meta["title"])
             self.time_per_tick = float(meta["time_per_tick"])
             if not 0.0 < self.time_per_tick < math.inf:
                 raise ValueError(f"a tick stands for a time of {self.time_per_tick:g}")
-            self.time_unit = text_of(meta["time_unit"])
-            self.length_unit = text_of(meta["length_unit"])
+            self.time_unit = line_of(meta["time_unit"])
+            self.length_unit = line_of(meta["length_unit"])
             self.columns: dict[str, dict[str, str]] = {
-                name: {key: text_of(meta["columns"][name][key]) for key in ("unit", "meaning")}
+                name: {key: line_of(meta["columns"][name][key]) for key in ("unit", "meaning")}
                 for name in self.names
             }
             self.layout: dict[str, Any] = dict(meta["world"])
-            self.world_name = text_of(meta["world_name"])
+            self.world_name = line_of(meta["world_name"])
         except KeyError as missing:
             raise self.bad_metadata(f"it has no {missing}") from None
         except RecursionError:
@@ -259,3 +259,8 @@ def text_of(value: Any) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{shortened(value)} stands where a text is needed")
     return value
+
+
+def line_of(value: Any) -> str:
+    """A text of metadata in one line. Raises TypeError or ValueError for anything else."""
+    return demand_line(text_of(value))

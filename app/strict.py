@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, ConfigDict
+
+from worlds.refusal import demand_line
 
 Value = bool | float | str
 """What a parameter may be set to."""
+Line = Annotated[str, AfterValidator(demand_line)]
+"""A text that is shown in a line."""
 
 
 class Strict(BaseModel):

@@ -62,9 +62,10 @@ def memory_limit() -> str:
 
 
 def stop(words: str) -> None:
-    """Tell why nothing can be done, and end."""
+    """Tell why nothing can be done, in a line that commands no terminal, and end."""
+    shown = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in words)
     with suppress(OSError):
-        print(f"flockscope: {words}", file=sys.stderr)
+        print(f"flockscope: {shown}", file=sys.stderr)
     raise SystemExit(2) from None
 
 

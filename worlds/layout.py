@@ -18,7 +18,7 @@ from worlds.mission import mission
 from worlds.obstacles import obstacle
 from worlds.plug_ins import plug_ins
 from worlds.reading import read_text, toml
-from worlds.refusal import Refusal, unknown
+from worlds.refusal import BREAKS, Refusal, shortened, unknown
 from worlds.world import BOUNDARY_SPACING, DISTANCES, World, box, edges_of
 
 DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
@@ -180,13 +180,13 @@ class Layout:
             size=sides,
             edges=edges,
             distance=distance,
-            title=str(self.keys.get("title", "")),
+            title=self.line("title"),
             low=self.corner(low, dim),
             obstacles=solid,
             mission=task,
             height=height,
             boundary_spacing=self.length("boundary_spacing", BOUNDARY_SPACING),
-            source=str(self.keys.get("source", "")),
+            source=self.line("source"),
             random=random,
         )
 
@@ -247,6 +247,15 @@ class Layout:
         if not isinstance(value, list | tuple):
             raise Refusal(f"{key} is not a list of tables: write [[{key}]] ({self.name})")
         return list(value)
+
+    def line(self, key: str) -> str:
+        """A text of one line in it, by default empty. Raises Refusal."""
+        value = self.keys.get(key, "")
+        if not isinstance(value, str) or BREAKS.search(value):
+            raise Refusal(
+                f"{key} = {shortened(value)} is not allowed: one line of text ({self.name})"
+            )
+        return value
 
     def length(self, key: str, default: float) -> float:
         """A length > 0 in it. Raises Refusal."""

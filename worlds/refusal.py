@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
+
+
+CONTROLS = (
+    "\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f"
+    "\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff"
+)
+"""What a terminal obeys, what begins a line, turns the order of others, or is half a character;
+for a set of a regular expression. Newlines, tabs and returns are apart."""
+BREAKS = re.compile(f"[{CONTROLS}\n\t\r]")
 
 
 class Refusal(ValueError):
@@ -25,6 +35,17 @@ def refusal_of(lines: Sequence[str]) -> Refusal:
     """A refusal of one or more lines, repeated ones once."""
     distinct = list(dict.fromkeys(lines))
     return Refusal(distinct[0]) if len(distinct) == 1 else Refusals(distinct)
+
+
+def demand_line(text: str) -> str:
+    """A text that is one line, such as a title. Raises ValueError for any other.
+
+    >>> demand_line("a title")
+    'a title'
+    """
+    if BREAKS.search(text):
+        raise ValueError(f"{shortened(text)} is not allowed: one line of plain text is needed")
+    return text
 
 
 def unknown(

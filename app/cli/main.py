@@ -97,7 +97,7 @@ def load(name: str) -> Any:
     return command
 
 
-app = typer.Typer(cls=Commands, no_args_is_help=False)
+app = typer.Typer(cls=Commands, no_args_is_help=False, pretty_exceptions_enable=False)
 
 
 def show_version(asked: bool) -> None:

@@ -11,10 +11,9 @@ import sys
 from collections.abc import Iterable
 from typing import Any, TextIO
 
-CONTROLS = re.compile(
-    "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]|\r(?!\n)"
-)  # newlines, tabs and the line ends of CSV stay
-"""Characters that a terminal obeys, or that turn the order of others."""
+from worlds.refusal import CONTROLS
+
+ESCAPED = re.compile(f"[{CONTROLS}]|\r(?!\n)")  # newlines, tabs and the line ends of CSV stay
 
 
 def escape_controls(text: str) -> str:
@@ -23,7 +22,7 @@ def escape_controls(text: str) -> str:
     >>> print(escape_controls("a" + chr(27) + "[2J"))
     a\\x1b[2J
     """
-    return CONTROLS.sub(lambda found: ascii(found[0])[1:-1], text)
+    return ESCAPED.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 class EscapingStream:
@@ -73,7 +72,13 @@ def make_console(**options: Any) -> Any:
     from rich.segment import Segment
 
     class EscapingConsole(Console):
-        """It escapes where every text passes, that of tables and of bars."""
+        """It escapes where every text passes, that of tables and of bars.
+
+        Texts are escaped before rich measures them, so that it cuts what is shown.
+        """
+
+        def render_str(self, text: str, **more: Any) -> Any:
+            return super().render_str(escape_controls(text), **more)
 
         def render(self, *args: Any, **more: Any) -> Iterable[Segment]:
             for part in super().render(*args, **more):

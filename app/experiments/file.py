@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from agents.spec import OPTIONS, Options
 from app.experiments.kinds import Settings
 from app.experiments.overrides import PLAIN, Overrides
-from app.strict import Strict, Value
+from app.strict import Line, Strict, Value
 
 Picture = Literal[
     "models",
@@ -293,8 +293,8 @@ class File[Kind: Settings](Strict):
     """A whole file."""
 
     kind: str = "convergence"
-    title: str
-    source: str
+    title: Line
+    source: Line
     picture: Picture
     runs: int = Field(ge=1)
     settings: Kind

@@ -11,10 +11,11 @@ import pytest
 
 import app.cli
 from cli.calling import start
+from worlds.refusal import CONTROLS
 
-HOSTILE = "a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7fz"
-SHOWN = r"a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7fz"
-RAW = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+HOSTILE = "a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7f\u2028\u200f\ud800z"
+SHOWN = r"a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7f\u2028\u200f\ud800z"
+RAW = re.compile(f"[{CONTROLS}]")
 PRINTS = f"""
 import json, logging, sys, warnings
 import typer
@@ -101,3 +102,35 @@ def test_a_spec_with_a_hostile_name_is_refused_without_commands(tmp_path):
     out, err = program.communicate(timeout=120)
     assert not RAW.search(out + err)
     assert program.returncode == 2
+
+
+def test_a_cell_is_cut_after_it_was_escaped():
+    """Rich measures what is shown: a line of the table is no wider than the table."""
+    program = """
+from rich.table import Table
+from app.cli.terminal import guard_streams, make_console
+guard_streams()
+table = Table("name", "value")
+table.add_row(chr(27) * 30, "1")
+make_console(width=40).print(table)
+"""
+    out, err = run_program(sys.executable, "-c", program)
+    assert err == ""
+    assert max(map(len, out.splitlines())) <= 40
+    assert r"\x1b" in out
+
+
+@pytest.mark.parametrize(
+    "title", ["a\nflockscope: all is well", "a\x1b[2Jb", "a\u2028b", "a\u202eb"]
+)
+def test_a_title_of_a_file_is_one_line(tmp_path, title):
+    quoted = json.dumps(title)
+    (tmp_path / "sweep.toml").write_text(f"title = {quoted}\n[run]\nmodel = 'vem'\nticks = 1\n")
+    (tmp_path / "world.toml").write_text(f"title = {quoted}\nsize = [4.0, 4.0]\n")
+    for command in (("sweep", "check", "sweep.toml"), ("world", "check", "world.toml")):
+        made = start(*command, cwd=tmp_path)
+        out, err = made.communicate(timeout=120)
+        assert (made.returncode, out) == (2, "")
+        assert err.count("\n") == 1
+        assert not RAW.search(err)
+        assert "one line of" in err

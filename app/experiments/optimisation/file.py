@@ -10,7 +10,7 @@ from agents.spec import LARGEST_SEED
 from app.experiments.cluster.asked import Cluster
 from app.experiments.search import Algorithm
 from app.experiments.sweeps.given.file import MOST_TICKS, Axis, Observe, Run, Span, Stop
-from app.strict import Strict, Value
+from app.strict import Line, Strict, Value
 
 MOST_EVALUATIONS = 1_000_000
 FRESH_FROM = 1000
@@ -102,7 +102,7 @@ class Constraint(Measured):
 class OptimisationFile(Strict):
     """A whole file."""
 
-    title: str = Field(default="", max_length=200)
+    title: Line = Field(default="", max_length=200)
     run: Run
     stop: Stop | None = None
     search: Search

@@ -9,12 +9,20 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from typing import Any, NoReturn, TypedDict
+from typing import Annotated, Any, NoReturn, TypedDict
 
 import numpy as np
-from pydantic import ConfigDict, StrictInt, StrictStr, TypeAdapter, ValidationError
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    StrictInt,
+    StrictStr,
+    TypeAdapter,
+    ValidationError,
+)
 
 from app.experiments.runs.outcome import STATUSES
+from worlds.refusal import demand_line
 
 DEEPEST = 40
 """Lists and tables within each other."""
@@ -46,7 +54,7 @@ class State(TypedDict, total=False):
     __pydantic_config__ = ConfigDict(extra="ignore", allow_inf_nan=False)  # type: ignore[misc]
 
     kind: StrictStr
-    title: StrictStr
+    title: Annotated[StrictStr, AfterValidator(demand_line)]
     axes: list[StrictStr]
     columns: list[StrictStr]
     base: StrictStr

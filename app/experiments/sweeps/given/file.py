@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from agents.spec import LARGEST_SEED, Options
 from app.experiments.cluster.asked import Cluster
-from app.strict import Strict, Value
+from app.strict import Line, Strict, Value
 
 MOST_CELLS = 1_000_000
 MOST_TICKS = 10**9
@@ -242,7 +242,7 @@ class Record(Strict):
 class SweepFile(Strict):
     """A whole file."""
 
-    title: str = Field(default="", max_length=200)
+    title: Line = Field(default="", max_length=200)
     run: Run
     stop: Stop | None = None
     design: list[AnyDesign] = Field(default_factory=list)
