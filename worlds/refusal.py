@@ -83,7 +83,8 @@ def nearest(text: str, known: Iterable[str]) -> str:
     """The known name that a text was most likely meant to be; "" if none is close.
 
     Close is what one slip makes of a name of up to four letters, and one more for each four more;
-    or its beginning, of three letters or more. Dashes and capitals do not count.
+    or its beginning, of three letters or more, or it with one or two letters more. Dashes and
+    capitals do not count.
 
     >>> nearest("rnu", ["lab", "run"]), nearest("emulatd", ["vicon", "emulated cars"])
     ('run', 'emulated cars')
@@ -112,6 +113,8 @@ def slips(text: str, known: str) -> float | None:
     count = distance(text, known, most)
     if count is not None and count < least + (text == known):
         return count
+    if len(known) >= 3 and text.startswith(known) and len(text) <= len(known) + 2:
+        return most + 0.5
     beginning = distance(text, known[: len(text)], most // 2)
     longer = beginning is not None and len(text) >= 3 and len(known) > len(text)
     return most + (beginning or 0) + 0.01 * len(known) if longer else None
