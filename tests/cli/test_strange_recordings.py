@@ -20,7 +20,7 @@ from agents import Flock, frames, parquet, parquet_footer, parquet_thrift
 from agents.record import KEY, Recorder
 from agents.recording import Recording
 from cli import thrift_tree
-from cli.calling import call, refusal
+from cli.calling import refusal
 from cli.thrift_tree import at, put
 from worlds.refusal import Refusal
 
