@@ -208,11 +208,17 @@ def test_a_source_whose_process_is_killed_stops_the_cars_and_is_in_the_log(cars)
         (source,) = children(operator.process.pid)
         os.kill(source, signal.SIGKILL)
         cars.listen(lambda: cars.mode() == STOP)
-        wait_for(lambda: operator.status() and operator.status().arm == "safe")
-        words = [event.words for event in operator.events if event.kind == "source"]
-        assert "its process was killed (SIGKILL)" in words[0]
+        # The first status that comes may be from before the arming, and safe.
+        wait_for(lambda: operator.status() and of_source(operator))
+        assert "its process was killed (SIGKILL)" in of_source(operator)[0]
+        wait_for(lambda: operator.status().arm == "safe")
     finally:
         operator.close()
+
+
+def of_source(operator):
+    """What the events so far say of the source."""
+    return [event.words for event in operator.events if event.kind == "source"]
 
 
 def children(pid):
