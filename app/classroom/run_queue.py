@@ -64,8 +64,7 @@ class RunQueue:
         """Make runs for another question: compile them, and see what a usual one takes."""
         self.records = {}
         self.usual.first = ("warm_up", question, scene)
-        if self.usual_seconds is not None:
-            self.usual_seconds.cancel()
+        # What is measured for the question before is not cancelled: students' runs wait for it.
         self.usual_seconds = asyncio.create_task(self.measure_usual(question, scene))
 
     async def measure_usual(self, question: Question, scene: Spec) -> float:

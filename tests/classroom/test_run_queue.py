@@ -15,8 +15,9 @@ from app.classroom import run_queue
 from app.classroom.asking import Asking
 from app.classroom.class_file.opening import load
 from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.run_queue import RunQueue
 from app.classroom.student import Role
-from app.classroom.workers.measuring import TimeLimit
+from app.classroom.workers.measuring import MadeRun, TimeLimit
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.classroom.workers.task_process import TaskProcess, TimeUp
 from app.viewer.gallery.address import packed
@@ -123,6 +124,47 @@ def test_of_those_who_wait_the_one_who_has_had_least_is_next():
 
     asyncio.run(done())
     assert order == [9.0, 2.0, 2.0, 3.0, 7.0]  # the first found nobody there
+
+
+def test_those_who_wait_for_a_process_that_is_closed_are_cancelled_and_no_more():
+    async def closed():
+        process = TaskProcess(Tasks)
+        waiting = [asyncio.create_task(process.do("sleep", BUSY)) for _ in range(3)]
+        while len(process.waiting) < 2 or process.worker is None:
+            await asyncio.sleep(0)
+        await process.close()
+        found = await asyncio.gather(*waiting, return_exceptions=True)
+        assert [type(one) for one in found] == 3 * [asyncio.CancelledError]
+
+    asyncio.run(closed())
+
+
+class SlowMeasure:
+    """A process whose measure of a usual run ends when the test says so."""
+
+    def __init__(self):
+        self.measured = asyncio.Event()
+
+    async def do(self, name, *_given, **_options):
+        if name == "measure_usual":
+            await self.measured.wait()
+            return 0.1
+        return MadeRun(name, 0.2)
+
+
+def test_a_run_that_waits_is_made_though_the_teacher_asks_something_else_meanwhile():
+    async def asked_again():
+        queue = RunQueue()
+        queue.usual = queue.slow = process = SlowMeasure()
+        queue.begin("a question", SCENE)
+        run = asyncio.create_task(queue.make("Ada", "a question", toml(SCENE), SCENE))
+        await asyncio.sleep(0)
+        queue.begin("another", SCENE)
+        await asyncio.sleep(0)
+        process.measured.set()
+        assert await run == "make_usual"
+
+    asyncio.run(asked_again())
 
 
 @pytest.mark.parametrize("dishonest", [1, 3, 10])

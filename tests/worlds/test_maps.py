@@ -157,6 +157,12 @@ def test_a_map_of_ros_that_cannot_be_used_is_told(tmp_path, changes, words):
     refused(small_map(tmp_path, **changes), words)
 
 
+def test_aliases_that_multiply_are_refused_before_a_message_writes_them(tmp_path):
+    more = {f"a{k}": f"&a{k} [{', '.join([f'*a{k - 1}'] * 10)}]" for k in range(1, 9)}
+    path = small_map(tmp_path, **{"a0": "&a0 [x]"} | more, origin="*a8")
+    refused(path, "it has aliases (*name), which no map of ROS needs")
+
+
 def test_maps_that_are_hostile_are_refused_before_they_take_memory(tmp_path):
     path = small_map(tmp_path)
     for side, words in (

@@ -159,6 +159,23 @@ def test_drawings_that_multiply_are_refused_before_they_do(svg):
     assert f"draws more than {MOST_ITEMS} elements" in svg.refused(body)
 
 
+@pytest.mark.parametrize("href", ['xlink:href="!g{}"', 'href="#g{0}" xlink:href="#"'])
+def test_uses_are_counted_as_the_library_follows_them(svg, href):
+    uses = [href.format(k) for k in range(10)]
+    groups = "".join(f'<g id="g{k}">' + f"<use {uses[k + 1]}/>" * 10 + "</g>" for k in range(9))
+    body = f'<defs>{groups}<rect id="g9" width="1" height="1"/></defs><use {uses[0]}/>'
+    assert f"draws more than {MOST_ITEMS} elements" in svg.refused(body)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_entities_are_not_read_in_whatever_letters_they_are_written(tmp_path, encoding):
+    path = tmp_path / "bomb.svg"
+    text = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE svg [<!ENTITY a "x">]>'
+    path.write_text(text + "<svg>&a;</svg>", encoding)
+    with pytest.raises(Refusal, match="it declares entities, which are not read"):
+        read_geometry(path)
+
+
 def test_entities_are_not_read(tmp_path):
     path = tmp_path / "bomb.svg"
     names = "abcdefgh"

@@ -82,12 +82,25 @@ def member(archive: zipfile.ZipFile, name: str, most: int, path: Path) -> bytes:
     return data
 
 
+class PlainLoader(yaml.SafeLoader):
+    """The safe loader without aliases.
+
+    Some hundred bytes of them stand for billions of values, which a message would write.
+    """
+
+    def compose_node(self, *where: Any) -> Any:
+        """A node of the document. Raises YAMLError for an alias."""
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("it has aliases (*name), which no map of ROS needs")
+        return super().compose_node(*where)
+
+
 def settings(text: str, origin: str) -> dict[str, Any]:
     """The keys of the YAML file, checked. Raises Refusal."""
     if len(text) > LARGEST_YAML:
         raise Refusal(f"{origin}: it has more than {LARGEST_YAML} letters, too many for a map")
     try:
-        values = yaml.safe_load(text)
+        values = yaml.load(text, Loader=PlainLoader)
     except RecursionError:
         raise Refusal(f"{origin} is not YAML: it is nested too deep") from None
     except (yaml.YAMLError, ValueError) as error:

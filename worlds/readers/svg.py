@@ -18,6 +18,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
+from xml.parsers import expat
 
 import shapely
 
@@ -80,8 +81,7 @@ def read_svg(path: Path) -> Contents:
 
 def document(data: bytes, path: Path) -> Xml.Element:
     """The outermost element. Raises Refusal; a file that declares entities is not read."""
-    if b"<!ENTITY" in data:
-        raise Refusal(f"{path}: it declares entities, which are not read: save it as plain SVG")
+    demand_no_entities(data, path)
     try:
         root = Xml.fromstring(data)
     except (Xml.ParseError, ValueError, LookupError) as error:
@@ -89,6 +89,23 @@ def document(data: bytes, path: Path) -> Xml.Element:
     if root.tag.rpartition("}")[2] != "svg":
         raise Refusal(f"{path} is not SVG: its outermost element is {shortened(root.tag)}")
     return root
+
+
+def demand_no_entities(data: bytes, path: Path) -> None:
+    """Refuse a file that declares entities, of which few bytes make many. Raises Refusal."""
+
+    # The parser looks, not we for `<!ENTITY`: in UTF-16 that is written otherwise.
+    def declared(*_: object) -> None:
+        raise Refusal(f"{path}: it declares entities, which are not read: save it as plain SVG")
+
+    parser = expat.ParserCreate()
+    parser.EntityDeclHandler = declared
+    try:
+        parser.Parse(data, True)
+    except Refusal:
+        raise
+    except (expat.ExpatError, LookupError, ValueError):
+        return  # what is no XML is told by who reads it
 
 
 def height_of(root: Xml.Element) -> float:
@@ -103,7 +120,7 @@ def height_of(root: Xml.Element) -> float:
 
 def demand_few(root: Xml.Element, path: Path) -> None:
     """Refuse what would draw too much, use elements counted as often as they are opened."""
-    known = {one.get("id"): one for one in root.iter() if one.get("id")}
+    known = {one.get("id"): one for one in root.iter() if "id" in one.attrib}
     counted: dict[Xml.Element, int] = {}
     # Each element after all that it holds or uses, without recursion.
     stack: list[tuple[Xml.Element, int, bool]] = [(root, 0, False)]
@@ -111,7 +128,9 @@ def demand_few(root: Xml.Element, path: Path) -> None:
     while stack:
         one, depth, is_done = stack.pop()
         parts = [*one]
-        used = known.get((one.get("href") or one.get(HREF) or "").removeprefix("#"))
+        # As svgelements has it, which leaves out the first letter, whatever that is.
+        address = one.get("href", one.get(HREF))
+        used = None if address is None else known.get(address[1:])
         if one.tag.rpartition("}")[2] == "use" and used is not None:
             parts.append(used)
         if is_done:

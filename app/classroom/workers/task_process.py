@@ -61,10 +61,16 @@ class TaskProcess:
                 raise TimeUp from None
             raise
         finally:
-            if self.waiting:
-                heapq.heappop(self.waiting)[2].set_result(None)
-            else:
-                self.busy = False
+            self.pass_turn()
+
+    def pass_turn(self) -> None:
+        """Let the next of those who wait have the process, if anybody waits."""
+        while self.waiting:
+            turn = heapq.heappop(self.waiting)[2]
+            if not turn.done():  # as whoever is cancelled while all is closed
+                turn.set_result(None)
+                return
+        self.busy = False
 
     async def ready(self) -> WorkerProcess:
         """The process, begun if need be. Raises Gone, and what its first task refuses."""
