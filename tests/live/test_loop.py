@@ -309,6 +309,22 @@ def test_trouble_of_the_source_takes_the_arming_away_though_its_frames_go_on():
     assert log[-1].words == "the source works again" or log[-2].words == "the source works again"
 
 
+def test_who_arms_after_the_source_has_failed_is_held_though_its_last_poses_are_fresh():
+    loop, _, radio = loop_of()
+    loop.tick()
+    loop.feed.trouble = "mock: its process was killed (SIGSEGV); it is opened again in 1 s"
+    loop.tick()
+    loop.ask(ARM)
+    loop.tick()
+    loop.tick()
+    loop.feed.trouble = ""
+    run(loop, 10)
+    assert loop.control.safety.arm.state == "safe"
+    assert radio.modes[-7:] == [STOP] * 7
+    holds = [one for one in loop.events.since(0)[1] if one.kind == "hold"]
+    assert len(holds) == 1
+
+
 def test_the_latency_is_from_the_frame_to_the_command():
     loop, _, radio = loop_of()
     radio.takes = 0.002

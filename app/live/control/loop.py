@@ -229,8 +229,9 @@ class Loop:
         ]
         self.overtaken = []
         source = self.feed.trouble
-        if source and not self.troubles.get("source") and self.control.safety.arm.state == "armed":
-            # a source that is opened again may have changed: what it tells is looked at by a person
+        if source and self.control.safety.arm.state == "armed":
+            # A source that is opened again may have changed: a person looks at what it tells. That
+            # holds also for who arms while its last pose is still fresh.
             self.ask(OperatorRequest("hold", "source", source))
         self.troubles["source"] = source
         journal = self.journal
