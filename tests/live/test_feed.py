@@ -1,5 +1,6 @@
 """A source in a child process: what is kept of it, and what becomes of one that hangs or dies."""
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -145,6 +146,32 @@ def test_who_is_killed_again_and_again_is_opened_ever_more_rarely(monkeypatch):
 
         until(pauses, WITHIN)
         assert [one.rpartition(" again in ")[2] for one in told] == ["0.1 s", "0.2 s", "0.4 s"]
+
+
+def test_it_is_opened_again_though_at_first_no_process_can_be_started(monkeypatch):
+    monkeypatch.setattr(feed_module, "PAUSE", 0.1)
+    begin, begun, told = Feed._open, [], []
+
+    def scarce(feed):
+        begun.append(feed)
+        if len(begun) == 2:
+            raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+        begin(feed)
+
+    fail = Feed._fail
+
+    def noted(feed, *how, **more):
+        fail(feed, *how, **more)
+        told.append(feed.trouble)
+
+    monkeypatch.setattr(Feed, "_open", scarce)
+    monkeypatch.setattr(Feed, "_fail", noted)
+    with Feed(Stub("killed")) as feed:
+        until(lambda: len(feed.since(-1)) >= 6, WITHIN)
+    assert told[1] == (
+        "stub that is killed: no process can be started: Resource temporarily unavailable; "
+        "it is opened again in 0.2 s"
+    )
 
 
 @pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGKILL, signal.SIGABRT])

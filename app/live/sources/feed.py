@@ -83,20 +83,25 @@ class Feed:
         self._reader.start()
 
     def _open(self) -> None:
-        """Start a child that opens the source."""
+        """Start a child that opens the source. Raises OSError if no process can be started."""
         spawn = multiprocessing.get_context("spawn")
-        self._line, theirs = spawn.Pipe(duplex=True)
-        self._process = spawn.Process(
-            target=serve,
-            args=(self.source, theirs, self.patience),
-            name=f"flockscope {self.source.name}",
-            daemon=True,
-        )
-        self._deadline = time.monotonic() + self.patience
+        deadline = time.monotonic() + self.patience
+        line, theirs = spawn.Pipe(duplex=True)
+        with theirs:
+            process = spawn.Process(
+                target=serve,
+                args=(self.source, theirs, self.patience),
+                name=f"flockscope {self.source.name}",
+                daemon=True,
+            )
+            try:
+                process.start()
+            except OSError:
+                line.close()
+                raise
+        self._line, self._process, self._deadline = line, process, deadline
         self._began = None
         self._state = "connecting"
-        self._process.start()
-        theirs.close()
 
     def latest(self) -> MocapFrame | None:
         """The newest frame; None before the first."""
@@ -167,17 +172,27 @@ class Feed:
 
     def _read(self) -> None:
         """Take what the child sends until it is gone, and that of the next, until one is not."""
-        while True:
+        is_open = True
+        while is_open:
             self._take_all()
             self._line.close()
-            if self._state != "pausing" or self._closing.wait(self._pause):
-                break
+            is_open = self._open_again()
+        self._arrived.set()
+
+    def _open_again(self) -> bool:
+        """Open the source again after a pause; False if it is not to be opened any more."""
+        while self._state == "pausing" and not self._closing.wait(self._pause):
             self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
             with self._ending:  # whoever closes sees either no child or one that is whole
                 if self._closing.is_set():
                     break
-                self._open()
-        self._arrived.set()
+                try:
+                    self._open()
+                    return True
+                except OSError as error:  # of memory, processes or files there may be more later
+                    why = error.strerror or error
+                    self._fail(f"no process can be started: {why}", crashed=True)
+        return False
 
     def _take_all(self) -> None:
         """Take what the child sends until it is gone."""
