@@ -200,6 +200,17 @@ def test_a_file_that_ends_the_process_that_reads_it_is_refused(state, monkeypatc
         opened("sent.parquet", packed(state))
 
 
+def test_the_library_sees_no_footer_of_a_stranger_as_it_is_written_anew(state, monkeypatch):
+    content = packed(state)
+
+    def seen(*_, **__):
+        raise AssertionError("it reads the footer as it came")
+
+    monkeypatch.setattr(pq, "read_table", seen)
+    made = ParquetTable("made", limits.rewrite("sent.parquet", content), "a state").read()
+    assert made.equals(ParquetTable("sent", content, "a state").read(), check_metadata=True)
+
+
 def test_what_is_opened_was_written_by_ours(state):
     content = packed(state, compression="gzip", row_group_size=3)
     anew = pq.ParquetFile(io.BytesIO(read_in_sandbox(REWRITE, "sent.parquet", content)))
