@@ -24,6 +24,8 @@ SCHEMA, BATCH = 1, 3
 """Kinds of messages: which columns there are, and rows of them."""
 MOST_HEADER = 2 * MOST_METADATA
 """Bytes of what a message says of itself."""
+MOST_WAITING = 2**28
+"""Bytes of batches that are kept until they are enough rows to be written together."""
 NO_STREAM = "is not a recording that flockscope has begun"
 
 
@@ -104,7 +106,8 @@ class PartStream:
         return self.size - self.file.tell()
 
     def batches(self, rows: int) -> Iterator[Any]:
-        """Its rows as record batches of at least so many rows, but for the last.
+        """Its rows as record batches of at least so many rows, but for the last, and for those
+        after which more than `MOST_WAITING` bytes wait.
 
         They end where no whole batch follows: a kill leaves the last one unfinished. Raises
         Refusal, OSError.
@@ -112,14 +115,15 @@ class PartStream:
         import pyarrow as pa
 
         waiting: list[Any] = []
-        count = 0
+        count = size = 0
         while (batch := self.next_batch()) is not None:
             if batch.num_rows:
                 waiting.append(batch)
                 count += batch.num_rows
-            if count >= rows:
+                size += batch.nbytes
+            if count >= rows or size > MOST_WAITING:  # few rows may hold long texts
                 yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
-                waiting, count = [], 0
+                waiting, count, size = [], 0, 0
         if waiting:
             yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
 

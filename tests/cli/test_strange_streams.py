@@ -127,6 +127,15 @@ def test_what_is_read_at_once_is_bounded(table, tmp_path, limit, monkeypatch):
     assert "100" in refusal("recover", part)
 
 
+def test_few_rows_of_long_texts_do_not_wait_for_more_rows(table, tmp_path, monkeypatch):
+    part = left(tmp_path, table)
+    monkeypatch.setattr(part_stream, "MOST_WAITING", 10)
+    with part.open("rb") as file:
+        batches = [*part_stream.PartStream(part, file).batches(1000)]
+    assert [batch.num_rows for batch in batches] == [5, 5, 5]
+    assert pa.Table.from_batches(batches).equals(table)
+
+
 def test_packed_batches_are_refused_before_they_are_unpacked(table, tmp_path):
     options = pa.ipc.IpcWriteOptions(compression="zstd")
     zeros = pa.table({"tick": np.zeros(1000, np.int64)}, metadata=table.schema.metadata)
