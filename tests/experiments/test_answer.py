@@ -97,6 +97,43 @@ def test_the_runs_that_are_said_to_decide_do():
     assert mean_above(spread_about(0.2, 2 * (needed // 4))).word == "undecided"
 
 
+@given(st.lists(st.sampled_from([0.0, 1.0, 9.0, 100.0]), min_size=5, max_size=40))
+def test_more_runs_are_asked_for_than_there_are_where_a_few_may_be_far_from_all_others(runs):
+    values = RunRanges(np.array(runs), np.array(runs), (0.0, 100.0), rare=True)
+    for bound in (2.0, 50.0, 97.0):
+        answer = mean_above(values.plus(-bound))
+        assert answer.needed is None or answer.needed > len(runs)
+
+
+@pytest.mark.parametrize(
+    ("good", "runs", "share"), [(14, 25, 0.8), (34, 53, 0.8), (8, 13, 0.9), (41, 53, 0.9)]
+)
+def test_more_runs_are_asked_for_than_there_are_of_a_share(good, runs, share):
+    answer = share_of_runs(good, runs, share)
+    assert answer.word == "undecided"
+    assert answer.needed is not None
+    assert answer.needed > runs, "fewer would decide, if they were rounded luckily"
+
+
+@given(st.integers(5, 60), st.integers(0, 60), st.sampled_from([[], [0.0, 100.0] * 20]))
+def test_more_successes_are_asked_for_than_there_are_beside_published_ones(runs, failed, theirs):
+    values = np.array([100.0] * max(runs - failed, 0) + [0.0] * min(failed, runs))
+    ours = RunRanges(values, values, (0.0, 100.0), binary=True)
+    published = Published(values=theirs) if theirs else Published(mean=60.0)
+    found = compare(ours, published)
+    assert found.needed is None or found.needed > runs
+    assert found.why != "all runs are equal"
+
+
+def test_a_rare_failure_that_few_runs_cannot_show_asks_for_more_of_them():
+    values = np.full(20, 100.0) - np.linspace(0.0, 0.1, 20)
+    few = mean_above(RunRanges(values, values, (0.0, 100.0), rare=True).plus(-90.0))
+    assert few.word == "undecided"
+    assert few.needed is not None
+    more = np.full(few.needed, 100.0) - np.linspace(0.0, 0.1, few.needed)
+    assert mean_above(RunRanges(more, more, (0.0, 100.0), rare=True).plus(-90.0)) == HOLDS
+
+
 @given(st.integers(1, 60), st.data())
 def test_the_bounds_of_a_share_are_exact(runs, data):
     good = data.draw(st.integers(0, runs))

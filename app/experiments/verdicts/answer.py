@@ -153,7 +153,7 @@ def share_of_runs(good: int, runs: int, share: float, of: int = 1) -> Answer:
     found, p = decide(lambda confidence: share_word(good, runs, share, confidence), of)
     if found != "undecided":
         return Answer(found, p=p)
-    return Answer(found, runs_for_share(good / runs, share, of))
+    return Answer(found, runs_for_share(good / runs, share, of, runs))
 
 
 def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
@@ -170,14 +170,17 @@ def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
     return "does not hold" if not every and limits.high < share else "undecided"
 
 
-def runs_for_share(rate: float, share: float, of: int = 1) -> int | None:
-    """Runs with which a share like `rate` is told from `share`, about; None if none would."""
+def runs_for_share(rate: float, share: float, of: int = 1, made: int = 1) -> int | None:
+    """Runs, of which so many are made, with which a share like `rate` is told from `share`, about.
+
+    None if no number would.
+    """
     confidence = 1.0 - (1.0 - CONFIDENCE) / of
 
     def decides(runs: int) -> bool:
         return share_word(round(rate * runs), runs, share, confidence) != "undecided"
 
-    return least(decides, 1)
+    return least(decides, made)
 
 
 def all_of(answers: Sequence[Answer]) -> Answer:

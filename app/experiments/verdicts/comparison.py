@@ -19,6 +19,7 @@ from app.experiments.verdicts.judge import (
     RunRanges,
     as_of_runs,
     estimate_mean,
+    likely_good,
     mean_interval,
     ranges_of,
     share_difference,
@@ -200,12 +201,19 @@ def what_lacks(
     """Runs that would decide a comparison, about, or else what keeps it undecided."""
     if values.open_runs:
         return None, f"{values.open_runs} of {counted(values.runs, 'run')} given up"
-    if values.are_equal:
+    if values.are_equal and not values.binary:
         return None, "all runs are equal"
 
     def decides(runs: int) -> bool:
-        ours = as_of_runs(values.estimate, values.runs, runs)
-        return word_of(mean_interval(difference_of(ours, theirs, mean)), tolerance) != "undecided"
+        if values.binary:
+            good, (low, high) = likely_good(values, runs), values.bounds
+            made = np.repeat([low, high], [runs - good, good])
+            likely = replace(values, least=made, most=made)
+            limits = difference_limits(likely, theirs, mean, CONFIDENCE)
+        else:
+            ours = as_of_runs(values.estimate, values.runs, runs)
+            limits = mean_interval(difference_of(ours, theirs, mean))
+        return word_of(limits, tolerance) != "undecided"
 
     needed = least(decides, values.runs)
     if needed is None and theirs.size:

@@ -205,15 +205,22 @@ def low_limit(
     """The low limit of the mean of values (..., R) of which none is below a bound."""
     unknown = np.isinf(values).any(axis=-1)
     estimate = estimate_mean(np.where(unknown[..., None], 0.0, values), scale)
-    floor = np.asarray(estimate.mean, float)
-    floor = (
-        share * floor + (1.0 - share) * bound
-        if math.isfinite(bound)
-        else np.full_like(floor, -np.inf)
-    )
     low = mean_interval(estimate, confidence).low
+    return np.where(unknown, -np.inf, bounded_low(estimate, low, bound, share, rare))
+
+
+def bounded_low(
+    estimate: MeanEstimate, low: np.ndarray, bound: float, share: float, rare: bool
+) -> np.ndarray:
+    """The low limit of a mean, if no run is below a bound, of that without a bound."""
+    mean = np.asarray(estimate.mean, float)
+    floor = (
+        share * mean + (1.0 - share) * bound
+        if math.isfinite(bound)
+        else np.full_like(mean, -np.inf)
+    )
     low = np.where(estimate.error == 0.0, floor, np.minimum(low, floor) if rare else low)
-    return np.where(unknown, -np.inf, np.maximum(low, bound))
+    return np.maximum(low, bound)
 
 
 def share_interval(good: int | np.ndarray, runs: int, confidence: float = CONFIDENCE) -> Limits:
@@ -364,16 +371,24 @@ def ranges_of(values: Sequence[float | None] | np.ndarray, limit: float | None =
 
 def likely_interval(values: RunRanges, runs: int, confidence: float = CONFIDENCE) -> Limits:
     """The interval that so many runs like these, all of which ended, would give."""
-    if values.are_equal or values.binary:
-        value = float(values.least.mean())
-        low, high = values.bounds
-        if values.binary:
-            good = round(runs * (value - low) / (high - low))
-            share = share_interval(good, runs, confidence)
-            return Limits(low + (high - low) * share.low, low + (high - low) * share.high)
-        same = np.full(runs, value)
-        return bounded_interval(same, same, values.bounds, confidence)
-    return mean_interval(as_of_runs(values.estimate, values.runs, runs), confidence)
+    low, high = values.bounds
+    if values.binary:
+        limits = share_interval(likely_good(values, runs), runs, confidence)
+        return Limits(low + (high - low) * limits.low, low + (high - low) * limits.high)
+    estimate = as_of_runs(values.estimate, values.runs, runs)
+    below = mean_interval(estimate, confidence)
+    share = (0.5 * (1.0 - confidence)) ** (1.0 / runs)
+    mirrored = estimate._replace(mean=-estimate.mean)
+    return Limits(
+        bounded_low(estimate, below.low, low, share, values.rare),
+        -bounded_low(mirrored, -below.high, -high, share, values.rare),
+    )
+
+
+def likely_good(values: RunRanges, runs: int) -> int:
+    """Successes that so many runs like these, which are counted, would have."""
+    low, high = values.bounds
+    return round(runs * (float(values.least.mean()) - low) / (high - low))
 
 
 def as_of_runs(estimate: MeanEstimate, runs: int, others: int) -> MeanEstimate:
