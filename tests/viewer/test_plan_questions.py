@@ -51,6 +51,12 @@ class Window:
         return SimpleNamespace(on_click=on_click)
 
 
+def questions_on(edits):
+    """The questions of a page of which no browser leaves."""
+    server = SimpleNamespace(on_client_disconnect=lambda _: None)
+    return PlanQuestions(server, SimpleNamespace(edits=edits))
+
+
 class Edits:
     """Commands to the simulation: the first file is asked about, what follows is taken."""
 
@@ -73,10 +79,10 @@ class Edits:
 )
 def test_an_answer_opens_the_drawing_again_with_it(label, options):
     edits, window = Edits(), Window()
-    client = SimpleNamespace(gui=window)
+    client = SimpleNamespace(gui=window, client_id=3)
 
     async def browse():
-        PlanQuestions(SimpleNamespace(edits=edits)).open_layout(client, "house.wkt", b"...")
+        questions_on(edits).open_layout(client, "house.wkt", b"...")
         while not window.buttons:  # the question comes from another thread
             await asyncio.sleep(0)
         window.numbers[0].value = 0.35
@@ -89,3 +95,17 @@ def test_an_answer_opens_the_drawing_again_with_it(label, options):
     assert "--solid" not in window.words[0]
     again = [] if options is None else [("house.wkt", b"...", options)]
     assert edits.calls == [("house.wkt", b"...", {}), *again]
+
+
+def test_a_browser_holds_one_question_and_none_once_it_has_gone():
+    questions = questions_on(None)
+    windows = [Window() for _ in range(3)]
+    for window in windows:
+        client = SimpleNamespace(gui=window, client_id=3)
+        questions.ask(client, "house.wkt", b"...", {}, QUESTION)
+    other = SimpleNamespace(gui=Window(), client_id=4)
+    questions.ask(other, "house.wkt", b"...", {}, QUESTION)
+    assert [window.closed for window in windows] == [True, True, False]
+    assert questions.open == {3: windows[2], 4: other.gui}
+    asyncio.run(questions.forget_client(client))
+    assert questions.open == {4: other.gui}

@@ -209,7 +209,7 @@ class Laboratory:
         with tabs.add_tab("Setup"):
             self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):
-            self.world = WorldPanel(gui, self.simulation, self.scene.handles.show)
+            self.world = WorldPanel(self.server, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
             self.view = FlockView(gui, usual_of(state.spec), self.point)
         tell = self.simulation.notices.put

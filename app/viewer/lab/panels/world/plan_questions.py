@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import viser
+from viser._gui_handles import GuiModalHandle
 
 from app.viewer.panels.style import block
 from app.viewer.run.simulation import Simulation
@@ -20,10 +21,26 @@ THINNEST, THICKEST = 0.01, 5.0
 
 
 class PlanQuestions:
-    """A window with a button for each answer; an answer opens the drawing again, with it."""
+    """A window with a button for each answer; an answer opens the drawing again, with it.
 
-    def __init__(self, simulation: Simulation):
+    There is at most one in each browser, as each holds its file: the last question counts.
+    """
+
+    def __init__(self, server: viser.ViserServer, simulation: Simulation):
         self.simulation = simulation
+        self.open: dict[int, GuiModalHandle] = {}
+        """By browser."""
+        server.on_client_disconnect(self.forget_client)
+
+    async def forget_client(self, client: viser.ClientHandle) -> None:
+        """A browser has gone, and its question with it."""
+        self.open.pop(client.client_id, None)
+
+    def close(self, client: viser.ClientHandle) -> None:
+        """Close the question of a browser, if it has one."""
+        modal = self.open.pop(client.client_id, None)
+        if modal is not None:
+            modal.close()
 
     def open_layout(
         self,
@@ -51,7 +68,9 @@ class PlanQuestions:
         question: PlanQuestion,
     ) -> None:
         """Open the window."""
+        self.close(client)
         modal = client.gui.add_modal("What does this drawing mean?")
+        self.open[client.client_id] = modal
         thickness: viser.GuiNumberHandle | None = None
         with modal:
             words = html.escape(str(question).partition(": give ")[0])
@@ -65,14 +84,14 @@ class PlanQuestions:
 
         def answer(choice: PlanChoice) -> Callable[[viser.GuiEvent], Any]:
             async def answered(_event: viser.GuiEvent) -> None:
-                modal.close()
+                self.close(client)
                 wide = thickness.value if thickness is not None and choice.thickness else None
                 self.open_layout(client, name, content, with_answer(options, choice, wide))
 
             return answered
 
         async def cancelled(_event: viser.GuiEvent) -> None:
-            modal.close()
+            self.close(client)
 
         for button, choice in buttons:
             button.on_click(answer(choice))

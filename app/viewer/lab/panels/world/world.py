@@ -41,11 +41,14 @@ class WorldPanel(WorldControls):
     """One tool, one selection and one open polygon, shared by all browsers like the flock."""
 
     def __init__(
-        self, gui: viser.GuiApi, simulation: Simulation, show_marks: Callable[[Marks], None]
+        self,
+        server: viser.ViserServer,
+        simulation: Simulation,
+        show_marks: Callable[[Marks], None],
     ):
-        super().__init__(gui)
+        super().__init__(server.gui)
         self.simulation = simulation
-        self.questions = PlanQuestions(simulation)
+        self.questions = PlanQuestions(server, simulation)
         self.show_marks = show_marks
         self.selected = 0
         """Key of the selected obstacle; 0 for none."""
