@@ -12,6 +12,7 @@ import json
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -29,6 +30,9 @@ MOST_BYTES = 2**31
 """Bytes that the pages of a row group unpack to."""
 MOST_METADATA = 2**25
 """Bytes of a file's metadata: a world of 100 000 corners is a tenth of it."""
+MOST_TEXT = 2**28
+"""Bytes of texts that are decoded together: a word that stands once in a file may
+stand in every row."""
 LONGEST = 10_000
 """Bytes of a text in a table."""
 BATCH = 2**18
@@ -158,7 +162,7 @@ class ParquetTable:
         import pyarrow as pa
         import pyarrow.compute as pc
 
-        columns, fields = [], []
+        columns, fields, size = [], [], 0
         for name, column in zip(batch.schema.names, batch.columns, strict=True):
             if pa.types.is_dictionary(column.type):
                 words = column.dictionary
@@ -167,6 +171,11 @@ class ParquetTable:
                     (pc.max(pc.binary_length(words)).as_py() or 0) > self.longest
                 ):
                     raise self.damaged(f"a text of it is longer than {self.longest} bytes")
+                if is_text(words.type):
+                    each = pc.cast(pc.binary_length(words), pa.int64()).take(column.indices)
+                    size += pc.sum(each).as_py() or 0
+                    if size > MOST_TEXT:
+                        raise self.damaged(f"its texts unpack to more than {MOST_TEXT} bytes")
                 column = column.dictionary_decode()
             columns.append(column)
             fields.append(self.schema.field(name).with_type(column.type))
@@ -183,13 +192,21 @@ class ParquetTable:
         names = self.names if columns is None else list(columns)
         if self.rows * len(names) > MOST_NUMBERS:
             raise self.too_much(f"{self.rows} rows of {len(names)} columns")
+        numbers = sum(self.numbers(k, names) for k in range(self.meta.num_row_groups))
+        if numbers > MOST_NUMBERS:  # a row of a list has many
+            raise self.too_much(f"{numbers} numbers")
         return self.table(self.batches(names), names)
 
     def table(self, batches: Iterable[Any], columns: Iterable[str] | None = None) -> Any:
-        """Batches of some columns (all) as a pyarrow Table, which may be empty."""
+        """Batches of some columns (all) as a pyarrow Table, which may be empty. Raises Refusal."""
         import pyarrow as pa
 
-        made = list(batches)
+        made, size = [], 0
+        for batch in batches:
+            made.append(batch)
+            size += batch.nbytes
+            if size > MOST_BYTES:
+                raise self.damaged(f"its rows unpack to more than {MOST_BYTES} bytes")
         names = self.names if columns is None else list(columns)
         none = pa.schema([self.schema.field(name) for name in names], self.schema.metadata)
         return pa.Table.from_batches(made, made[0].schema if made else none)
@@ -213,11 +230,7 @@ class ParquetTable:
         with self.reading():
             group = self.meta.row_group(k)
             found = [group.column(place) for place in range(group.num_columns)]
-            return [
-                one
-                for one in found
-                if {one.path_in_schema, one.path_in_schema.partition(".")[0]} & wanted
-            ]
+            return [one for one in found if not wanted.isdisjoint(beginnings(one.path_in_schema))]
 
     def numbers(self, k: int, names: Iterable[str]) -> int:
         """Numbers in columns of a row group, by the footer."""
@@ -239,6 +252,15 @@ class ParquetTable:
         except (Damaged, OSError, ValueError):
             raise self.damaged() from None
         return total
+
+
+def beginnings(path: str) -> list[str]:
+    """What the column of a path may be called: names may have points, and paths join them by one.
+
+    >>> beginnings("x.y.list.element")
+    ['x', 'x.y', 'x.y.list', 'x.y.list.element']
+    """
+    return list(accumulate(path.split("."), "{}.{}".format))
 
 
 def is_text(kind: Any) -> bool:

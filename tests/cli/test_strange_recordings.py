@@ -351,3 +351,47 @@ def test_a_title_reaches_no_terminal_as_it_is(table, tmp_path):
     said = refusal("recording", path)
     assert "one line of plain text is needed" in said
     assert said.isprintable()
+
+
+def parquet_table(columns, path):
+    """A Parquet file of columns, opened with bounds."""
+    pq.write_table(pa.table(columns), path)
+    return parquet.ParquetTable(path, None, "a table")
+
+
+@pytest.mark.parametrize("name", ["x", "x.y", ".", "x.y.z"])
+def test_lists_are_bounded_whatever_their_column_is_called(tmp_path, monkeypatch, name):
+    """A path joins names by points, which names may have themselves."""
+    monkeypatch.setattr(parquet, "MOST_NUMBERS", 1000)
+    lists = pa.array([[0.0] * 500] * 3)
+    made = parquet_table({name: lists}, tmp_path / "lists.parquet")
+    assert made.numbers(0, [name]) == 1500
+    assert made.unpacked(0, [name]) > 0
+    for read in (made.read, lambda: list(made.batches()), lambda: made.group(0)):
+        with pytest.raises(Refusal, match=r"1500 numbers.*: at most 1000 numbers are read at once"):
+            read()
+
+
+def test_the_numbers_in_lists_of_all_row_groups_are_bounded(tmp_path, monkeypatch):
+    monkeypatch.setattr(parquet, "MOST_NUMBERS", 1000)
+    path = tmp_path / "groups.parquet"
+    pq.write_table(pa.table({"x": pa.array([[0.0] * 400] * 3)}), path, row_group_size=1)
+    made = parquet.ParquetTable(path, None, "a table")
+    assert sum(batch.num_rows for batch in made.batches()) == 3
+    with pytest.raises(Refusal, match="1200 numbers"):
+        made.read()
+
+
+def test_a_word_that_stands_in_every_row_is_bounded(tmp_path, monkeypatch):
+    """Some kilobytes stand for a gigabyte: it is counted before it is written out."""
+    word = {"word": pa.array(["w" * 9000] * 2000).dictionary_encode()}
+    made = parquet_table(word, tmp_path / "words.parquet")
+    assert made.unpacked(0, ["word"]) < 20_000
+    assert made.read().num_rows == 2000
+    monkeypatch.setattr(parquet, "MOST_TEXT", 10**6)
+    with pytest.raises(Refusal, match="its texts unpack to more than 1000000 bytes"):
+        made.read()
+    assert sum(batch.num_rows for batch in made.batches(rows=100)) == 2000
+    monkeypatch.setattr(parquet, "MOST_BYTES", 10**6)
+    with pytest.raises(Refusal, match="its rows unpack to more than 1000000 bytes"):
+        made.table(made.batches(rows=100))
