@@ -10,6 +10,7 @@ import numpy as np
 from mesa.agent import AgentSet
 from mesa.experimental.continuous_space import ContinuousSpace
 
+from agents.observables.neighbours import separation
 from worlds.refusal import Refusal, shortened
 from worlds.world import World
 
@@ -181,13 +182,43 @@ class FlockSpace(ContinuousSpace):
     """A `ContinuousSpace` whose positions are the flock's own array.
 
     Mesa's space keeps a second array and dictionaries; here `agent_positions` and `active_agents`
-    are read from the flock, so that its queries (`get_agents_in_radius`, ...) see the truth.
+    are read from the flock, so that its queries (`get_agents_in_radius`, ...) see the truth. Mesa's
+    space is a torus along all axes or none; where a world wraps along some, ours is, too.
     """
 
     def __init__(self, flock: Rows):
         self.flock = flock
         box = np.column_stack([np.zeros(flock.world.dim), flock.world.size])
         super().__init__(box, torus=bool(flock.world.images.all()), random=flock.random, n_agents=0)
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether distances are to the nearest image along some axes and not along others."""
+        images = self.flock.world.images
+        return bool(images.any() and not images.all())
+
+    def calculate_difference_vector(self, point: Any, agents: Any = None) -> np.ndarray:
+        """From a point to all agents, or to some, (N, dim), length."""
+        if not self.is_mixed:
+            return super().calculate_difference_vector(point, agents)
+        rows = slice(None) if agents is None else [agent.row for agent in agents]
+        world = self.flock.world
+        return separation(point, self.flock.position[rows], world.size, world.images)
+
+    def calculate_distances(self, point: Any, agents: Any = None, **kwargs: Any) -> tuple:
+        """Distances (N,) from a point to all agents, or to some, and these agents."""
+        if not self.is_mixed:
+            return super().calculate_distances(point, agents, **kwargs)
+        if kwargs:
+            raise Refusal(f"{next(iter(kwargs))} is not taken where a world wraps along some axes")
+        apart = np.linalg.norm(self.calculate_difference_vector(point, agents), axis=-1)
+        return apart, self.active_agents if agents is None else np.asarray(agents)
+
+    def torus_correct(self, point: Any) -> np.ndarray:
+        """A point, in the box along the axes that wrap; where none does, along all, as in Mesa."""
+        wraps = self.flock.world.wraps
+        inside = super().torus_correct(point)
+        return np.where(wraps, inside, point) if wraps.any() else inside
 
     @property
     def agent_positions(self) -> np.ndarray:

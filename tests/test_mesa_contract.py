@@ -11,6 +11,7 @@ import pickle
 
 import mesa
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -209,20 +210,28 @@ MODEL = {
 }
 """By the public names of `mesa.Model`, and of one that is made."""
 
+
+def changed(agents, how):
+    """What is left of a set of the first three once it was changed."""
+    some = AgentSet(agents.to_list()[:3], random=agents.random)
+    how(some)
+    return identities(some)
+
+
 SET = {
-    "add": lambda a: a.to_list()[0] in a,
+    "add": lambda a: changed(a, lambda some: some.add(a.to_list()[4])),
     "agg": lambda a: a.agg("unique_id", max),
-    "clear": lambda a: len(copy.copy(a)),
+    "clear": lambda a: changed(a, lambda some: some.clear()),
     "count": lambda a: AgentSet(a.to_list(), random=a.random).count(6),
-    "discard": lambda a: len(a.select()),
+    "discard": lambda a: changed(a, lambda some: some.discard(a.to_list()[1])),
     "do": lambda a: len(a.do("step")),
     "get": lambda a: a.get("unique_id"),
     "groupby": lambda a: sorted(a.groupby(lambda one: one.unique_id % 2).count().items()),
     "index": lambda a: AgentSet(a.to_list(), random=a.random).index(a.to_list()[3]),
     "isdisjoint": lambda a: a.isdisjoint(a),
     "map": lambda a: a.map(lambda one: one.unique_id),
-    "pop": lambda a: len(a.select(at_most=1)),
-    "remove": lambda a: identities(a.select(lambda one: one.unique_id != 2)),
+    "pop": lambda a: len(changed(a, lambda some: some.pop())),
+    "remove": lambda a: changed(a, lambda some: some.remove(a.to_list()[0])),
     "select": lambda a: identities(a.select(lambda one: one.unique_id > 3, at_most=2)),
     "set": lambda a: a.set("tag", 3).get("tag"),
     "shuffle": lambda a: sorted(identities(a.shuffle())),
@@ -247,7 +256,9 @@ def near(found):
 AGENT = {
     "advance": lambda agent: agent.advance(),
     "create_agents": lambda agent: len(type(agent).create_agents(agent.model, 2)),
-    "from_dataframe": lambda agent: hasattr(type(agent), "from_dataframe"),
+    "from_dataframe": lambda agent: len(
+        type(agent).from_dataframe(agent.model, pd.DataFrame(index=range(2)))
+    ),
     "get_nearest_neighbors": lambda agent: near(agent.get_nearest_neighbors(2)),
     "get_neighbors_in_radius": lambda agent: near(agent.get_neighbors_in_radius(1.0)),
     "pos": lambda agent: np.asarray(agent.pos).tolist(),
@@ -319,6 +330,25 @@ def test_an_agent_is_one_of_mesa_in_every_name(name):
 @pytest.mark.parametrize("name", SPACE)
 def test_the_space_is_one_of_mesa_in_every_name(name):
     assert SPACE[name](flock().space) == SPACE[name](stock().space)
+
+
+@pytest.mark.parametrize("world", ["corridor", "walkway"])
+def test_the_space_of_a_world_that_wraps_along_one_axis_is_near_across_that_seam(world):
+    one = Flock("vem", agents=3, world=world, rng=1)
+    wraps, size = one.world.wraps, np.asarray(one.world.size)
+    assert sorted(wraps.tolist()) == [False, True]
+    along = np.where(wraps, 0.01, 0.0)
+    one.position[:] = [
+        0.5 * size,
+        0.5 * size * ~wraps + along,
+        0.5 * size * ~wraps + size * wraps - along,
+    ]
+    here = one.position[1]
+    assert one.space.calculate_distances(here)[0][2] == pytest.approx(0.02)
+    assert one.space.calculate_difference_vector(here)[2] == pytest.approx(-2.0 * along)
+    assert identities(one.space.get_agents_in_radius(here, 0.1)[0]) == identities(one.members[1:])
+    outside = np.where(wraps, size + 0.01, -1.0)
+    assert one.space.torus_correct(outside) == pytest.approx(np.where(wraps, 0.01, -1.0))
 
 
 # --- time, whoever makes it pass ---------------------------------------------------------------

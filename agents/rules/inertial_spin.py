@@ -215,7 +215,7 @@ RULE = Rule(
     memory=("spin_x", "spin_y", "spin_z", "mean_spin_x", "mean_spin_y", "mean_spin_z"),
     written=("mean_spin_x", "mean_spin_y", "mean_spin_z"),
     units={"spin": "s", "mean_spin": "s"},
-    words={"spin": "spin", "mean_spin": "mean spin of the last tick"},
+    words={"spin": "spin", "mean_spin": "mean spin of a tick"},
     perceive=perceive,
     checked="a turn runs through the flock as a wave, the faster the stronger it is ordered "
     "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "

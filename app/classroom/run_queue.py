@@ -70,7 +70,7 @@ class RunQueue:
     async def measure_usual(self, question: Question, scene: Spec) -> float:
         """Processor time (s) that a usual run of a question may take."""
         took = SECONDS
-        with suppress(Gone, Refusal):
+        with suppress(Exception):  # what fails here fails in the runs too, and is told of those
             took = await self.usual.do("measure_usual", question, scene, SECONDS)
         return min(SECONDS, USUAL_SECONDS + USUAL_TIMES * took)
 

@@ -132,7 +132,7 @@ def test_a_run_that_raises_is_a_point_too(monkeypatch):
 
 def own_world(**changes):
     world = Flock(SCENE).world
-    return replace(world, name="mine", title="Mine;\n x", **changes)
+    return replace(world, name="mine", title="Mine", **changes)
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def own_world(**changes):
         (SCENE.but(size=4.0), ("another size: 4 x 4, not 3 x 3",)),
         (SCENE.but(world="open"), ("another world: open plane",)),
         (SCENE.but(world=own_world(), size=None), ()),
-        (SCENE.but(world=own_world(distance="plain"), size=None), ("another world: Mine, x",)),
+        (SCENE.but(world=own_world(distance="plain"), size=None), ("another world: Mine",)),
         (LED.but(world="wrap"), ("another model: hwvem", "other informed: 1, not 0")),
     ],
 )

@@ -49,14 +49,14 @@ def area(drawing, **options):
 
 
 def test_closed_polylines_and_circles_on_their_layers(drawing):
-    drawing.space.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "WALLS"})
+    drawing.space.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "BLOCKS"})
     drawing.space.add_circle((9, 2), 1.5, dxfattribs={"layer": "PILLARS"})
     drawing.space.add_polyline2d(SQUARE, close=True, dxfattribs={"layer": "OLD"})
     square, pillar, old = drawing.read().obstacles
-    assert square == Polygon(name="WALLS", points=tuple(SQUARE))
+    assert square == Polygon(name="BLOCKS", points=tuple(SQUARE))
     assert pillar == Disc(name="PILLARS", centre=(9, 2), radius=1.5)
     assert old.points == square.points
-    (only,) = drawing.read({"obstacle": ["pillars"], "ignore": ["OLD", "w*"]}).obstacles
+    (only,) = drawing.read({"obstacle": ["pillars"], "ignore": ["OLD", "b*"]}).obstacles
     assert only == pillar
 
 

@@ -123,7 +123,7 @@ def test_a_named_layer_without_a_clear_role_is_never_built_in(plan):
     [
         ("jps-walkablearea", "walkable"), ("WalkableArea-2", "walkable"), ("jps-exits", "goal"),
         ("Exit_north", "goal"), ("jps-distributions", "start"), ("startzone", "start"),
-        ("jps-obstacles", "obstacle"), ("A-WALL", "obstacle"), ("Walls", "obstacle"),
+        ("jps-obstacles", "obstacle"), ("A-WALL", "wall"), ("Walls", "wall"),
         ("pillars 2", "obstacle"), ("jps-journeys", "path"), ("jps-waypoints", "path"),
         ("jps-parameters", "ignore"), ("Defpoints", "ignore"), ("A-ANNO-DIMS", "ignore"),
         ("0", None), ("stage", None), ("not walkable", None), ("wall-start", None),
