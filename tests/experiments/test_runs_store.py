@@ -1,5 +1,6 @@
 """The store of runs: what is committed stays, other files are left alone, others may read."""
 
+import json
 import os
 import sqlite3
 import subprocess
@@ -15,6 +16,7 @@ from app.experiments.runs.database import FILE, looked_into
 from app.experiments.runs.outcome import Outcome
 from app.experiments.runs.reading import Kept, readable
 from app.experiments.runs.store import Store, is_taken
+from app.experiments.sweeps.table import long, wide
 from worlds.refusal import Refusal
 
 CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
@@ -201,8 +203,11 @@ def test_a_store_of_anything_but_plain_tables_is_refused(tmp_path, change):
             look()
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, "9" * 10_000, "{", b"\xff"])
-def test_hostile_json_in_a_store_is_refused_in_a_line(tmp_path, text):
+@pytest.mark.parametrize(
+    "text",
+    ["[" * 100_000, "9" * 10_000, "{", b"\xff", "NaN", "1e999", '"\\ud800"', "[" * 41 + "]" * 41],
+)
+def test_json_in_a_store_that_others_cannot_read_is_refused_in_a_line(tmp_path, text):
     with Store(tmp_path, ["k"]):
         pass
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
@@ -236,6 +241,47 @@ def test_a_question_that_takes_too_long_is_interrupted(tmp_path, ask):
         answer(Kept(tmp_path, limit=0.0), ask)
 
 
+def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_write(
+    tmp_path, monkeypatch
+):
+    with Store(tmp_path, ["k"]) as store:
+        store.lay_out(CELLS[:1])
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        rows = ((1, seed, "ok", 0.0, 1) for seed in range(100_000))
+        into = "INSERT INTO run (cell, seed, status, seconds, ticks) VALUES (?, ?, ?, ?, ?)"
+        connection.executemany(into, rows)
+    with Store(tmp_path, ["k"]) as store:
+        assert len(store.done([1])) == 100_000
+        monkeypatch.setattr("app.experiments.runs.store.LONGEST", 0.0)
+        for ask in (lambda: store.done([1]), lambda: store.others([2]), store.outcomes):
+            with pytest.raises(Refusal, match="cannot be gone on with: the answer takes too long"):
+                ask()
+        store.add(1, 100_001, Outcome("ok", {"k": 1}))
+    assert Kept(tmp_path).counts["ok"] == 100_001
+
+
+@pytest.mark.parametrize("axis", ["status", "place", "value", "k"])
+def test_an_axis_with_the_name_of_another_column_makes_no_table(tmp_path, axis):
+    with Store(tmp_path, ["k"]) as store:
+        [cell] = store.lay_out([("a", json.dumps({"axes": {axis: 1}}))])
+        store.add(cell, 1, Outcome("ok", {"k": 1}))
+        store.tell(axes=[axis])
+    for table in (wide, long):
+        with pytest.raises(Refusal, match=f"axis '{axis}' has the name of another column"):
+            table(Kept(tmp_path))
+
+
+def test_a_series_of_a_run_that_is_not_there_is_in_no_table(tmp_path):
+    with Store(tmp_path, ["k"]) as store:
+        [cell] = store.lay_out(CELLS[:1])
+        series = {"s": (np.array([1]), np.array([0.5]))}
+        for seed in (1, 2):
+            store.add(cell, seed, Outcome("ok", {"k": 1}, series=series))
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        connection.execute("DELETE FROM run WHERE seed = 2")
+    assert long(Kept(tmp_path))["seed"] == [1, 1]
+
+
 @pytest.mark.parametrize(
     ("table", "column"),
     [
@@ -260,16 +306,6 @@ def test_a_value_of_any_kind_in_any_column_is_an_answer_or_a_line(tmp_path, tabl
     for ask in ("counts", "state", "cells", "runs", "series"):
         with suppress(Refusal):
             answer(Kept(tmp_path), ask)
-
-
-@pytest.mark.parametrize("text", ["NaN", "1e999", '"\\ud800"', "[" * 41 + "]" * 41])
-def test_json_that_others_cannot_read_is_refused(tmp_path, text):
-    with Store(tmp_path, ["k"]):
-        pass
-    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
-        connection.execute("INSERT INTO state VALUES ('runs', ?)", [text])
-    with pytest.raises(Refusal, match="broken JSON"):
-        _ = Kept(tmp_path).state
 
 
 def test_a_strangers_store_is_judged_before_anything_is_written(tmp_path):

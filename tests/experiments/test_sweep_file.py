@@ -96,6 +96,11 @@ def test_what_cannot_be_is_refused_with_its_place(tmp_path, before, after, said)
         read(tmp_path, (before, after))
 
 
+def test_an_axis_is_no_column_of_the_table_of_runs(tmp_path):
+    with pytest.raises(Refusal, match=r"axis 'p1' is not allowed: .*s.toml, line 15"):
+        read(tmp_path, ("over = 10", 'column = "p1"'))
+
+
 def test_a_condition_names_its_line(tmp_path):
     with pytest.raises(Refusal, match=r"unknown axis 'p7'.*s.toml, line 14\)"):
         read(tmp_path, ('kind = "grid"', 'kind = "grid"\nwhere = "p1 > p7"'))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import json
 import math
+import shutil
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +22,7 @@ from app.experiments.sweeps.pictures.groups import Group
 from app.experiments.sweeps.sweep import read_sweep
 from app.experiments.sweeps.table import wide
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.sweep import status
 from app.viewer.lab.sweeps.asked import AGENTS, Asked, Axis
 from app.viewer.lab.sweeps.bounds import MOST_CELLS, words
 from app.viewer.lab.sweeps.picture import picture
@@ -35,6 +38,8 @@ from worlds.refusal import Refusal
 OPENS = {"X-Flockscope": "scene"}
 SPEC_OF = at_home("vem", agents=20, seed=2, parameters={"eta": 0.4, "v0": 0.05})
 ASKED = Asked(SPEC_OF, [Axis("eta", 0.0, 6.0, 3)], "polarisation", runs=2, ticks=30)
+OF_PAGE = '[run]\nmodel = "vem"\nticks = 100\n'
+GRID_OF_WORLDS = '[[design]]\nkind = "grid"\n[design.axes]\nworld = ["mine.toml"]\n'
 LONG = replace(ASKED, axes=[Axis("eta", 0.0, 6.0, 50)], runs=100, ticks=4000)
 
 
@@ -266,28 +271,44 @@ def store_of(folder: Path, text: str, runs: int, agents: int = 20) -> Path:
 @pytest.mark.parametrize(
     ("text", "runs", "agents", "said"),
     [
-        ('[run]\nmodel = "vem"\n', 101, 20, "101 runs of a cell"),
-        ('[run]\nmodel = "vem"\n', 10, 3001, "3,001 agents"),
-        ('[run]\nmodel = "mine.py"\n', 10, 20, "code of its own"),
-        ('[run]\nmodel = "vem"\n[[observe]]\nmeasure = "m.py:f"\n', 10, 20, "code of its own"),
-        ('[run]\nmodel = "vem"\n[cluster]\nkind = "slurm"\n', 10, 20, "not of the page's kind"),
-        ('[run]\nmodel = "vem"\n[[record]]\nevery = 1\n', 10, 20, "not of the page's kind"),
+        (OF_PAGE, 101, 20, "101 runs of a cell"),
+        (OF_PAGE, 10, 3001, "3,001 agents"),
+        ('[run]\nmodel = "mine.py"\nticks = 9\n', 10, 20, "code of its own"),
+        (OF_PAGE + '[[observe]]\nmeasure = "m.py:f"\n', 10, 20, "code of its own"),
+        (OF_PAGE + '[[observe]]\nname = "order"\nmeasure = "m.py:f"\n', 10, 20, "either name or"),
+        (OF_PAGE + 'world = "mine.toml"\n', 10, 20, "not of the page's kind"),
+        (OF_PAGE + GRID_OF_WORLDS, 10, 20, "not of the page's kind"),
+        (OF_PAGE + '[[design]]\nkind = "csv"\nfile = "/etc/hosts"\n', 10, 20, "not of the page"),
+        (OF_PAGE + '[cluster]\nkind = "slurm"\n', 10, 20, "not of the page's kind"),
+        (OF_PAGE + "[[record]]\nevery = 1\n", 10, 20, "not of the page's kind"),
+        (OF_PAGE, 10, "many", "does not say what its runs are"),
+        ("run = 5", 10, 20, "run"),
     ],
 )
 def test_the_page_goes_on_with_what_it_could_have_begun_only(tmp_path, text, runs, agents, said):
     with pytest.raises(Refusal, match=said):
         demand_from_page(store_of(tmp_path / "one", text, runs, agents))
-    demand_from_page(store_of(tmp_path / "two", '[run]\nmodel = "vem"\n', 10))
+    demand_from_page(store_of(tmp_path / "two", OF_PAGE, 10))
 
 
-def test_a_store_of_anything_else_is_no_sweep(tmp_path):
+def test_a_store_of_anything_else_is_no_sweep_and_a_broken_one_is_said(tmp_path):
     with Store(tmp_path / "paper", ["k"]) as store:
         store.tell(kind="paper")
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / FILE).write_bytes(b"nonsense" * 40)
     sweeps = Sweeps(tmp_path)
     sweeps.look()
-    assert sweeps.seen.sweeps == ()
+    for _ in range(2):  # what is not read anew is said again
+        sweeps.look()
+        assert sweeps.seen.sweeps == ()
+        (said,) = sweeps.seen.unread
+        assert said.startswith("broken is not shown: ")
+        assert said.endswith("is not a store of runs: move it away")
+        assert html.escape(said) in status(None, sweeps.seen)
+    shutil.rmtree(tmp_path / "broken")
+    sweeps.look()
+    assert sweeps.seen.unread == ()
+    assert "fs-error" not in status(None, sweeps.seen)
     sweeps.close()
 
 

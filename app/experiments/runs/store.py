@@ -10,8 +10,8 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import nullcontext, suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,15 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from app.experiments.runs.contents import Contents, demand_cell, json_value
-from app.experiments.runs.database import FILE, FIXED, guarded, opened, quoted
+from app.experiments.runs.database import (
+    FILE,
+    FIXED,
+    LONGEST,
+    TimeLimit,
+    guarded,
+    opened,
+    quoted,
+)
 from app.experiments.runs.outcome import BROKEN, Outcome, Status
 from worlds.refusal import Refusal
 
@@ -112,10 +120,20 @@ class Store:
             found = self.connection.execute(f"DELETE FROM run WHERE status IN ({marks})", BROKEN)
             return found.rowcount
 
+    @contextmanager
+    def _asked(self) -> Iterator[None]:
+        """What is read of the store within takes LONGEST at most. Raises Refusal."""
+        with guarded(self.path, "gone on with"):
+            TimeLimit(self.connection, LONGEST)
+            try:
+                yield
+            finally:
+                self.connection.set_progress_handler(None, 0)  # what is written is not interrupted
+
     def done(self, cells: Iterable[int]) -> dict[tuple[int, int], Status]:
         """How the runs of these cells ended, by cell and seed."""
         wanted = set(cells)
-        with guarded(self.path):
+        with self._asked():
             rows = self.connection.execute("SELECT cell, seed, status FROM run")
             return {(cell, seed): status for cell, seed, status in rows if cell in wanted}
 
@@ -124,7 +142,7 @@ class Store:
         wanted = None if cells is None else set(cells)
         names = ", ".join(map(quoted, [*FIXED, *self.columns]))
         found: dict[tuple[int, int], Outcome] = {}
-        with guarded(self.path):
+        with self._asked():
             for (
                 cell,
                 seed,
@@ -144,14 +162,14 @@ class Store:
     def values(self, column: str, cells: Iterable[int]) -> dict[tuple[int, int], float | None]:
         """One column of the runs of these cells that came to an end; None where there is none."""
         wanted = set(cells)
-        with guarded(self.path):
+        with self._asked():
             rows = self.connection.execute(f"SELECT cell, seed, {quoted(column)} FROM run")
             return {(cell, seed): value for cell, seed, value in rows if cell in wanted}
 
     def others(self, cells: Iterable[int]) -> list[tuple[dict, dict, int]]:
         """Identity, basis and number of runs of the cells that are not among these."""
         mine = set(cells)
-        with guarded(self.path):
+        with self._asked():
             rows = self.connection.execute(
                 "SELECT id, json, runs FROM cell "
                 "JOIN (SELECT cell AS c, count(*) AS runs FROM run GROUP BY cell) ON c = id"

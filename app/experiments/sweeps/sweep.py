@@ -20,7 +20,12 @@ from app.experiments.sweeps.given.conditions import Condition, comparison
 from app.experiments.sweeps.given.designs import Point, found, points_of
 from app.experiments.sweeps.given.file import MOST_CELLS, Observe, Record, Run, SweepFile
 from app.experiments.sweeps.given.places import Places, about
-from app.experiments.sweeps.making.measures import Measure, demand_number, measure_of
+from app.experiments.sweeps.making.measures import (
+    HEADS,
+    Measure,
+    demand_number,
+    measure_of,
+)
 from app.experiments.sweeps.making.one_run import Making, Until, Wanted
 from app.strict import Strict
 from worlds.reading import read_text, toml
@@ -101,6 +106,7 @@ def sweep_of(
         raise Refusal(f"{len(points)} cells are not allowed: the largest sweep has {MOST_CELLS}")
     making = making_of(file, places, folder, lambda: first_flock(base, points, places))
     making.prepare()
+    demand_own_names(points, making, places)
     basis = Basis(making, file.replicates.first)
     cells: list[Cell] = []
     faults: dict[tuple[int, str], str] = {}
@@ -206,6 +212,18 @@ def all_points(file: SweepFile, places: Places, folder: Path) -> Iterator[tuple[
                     f"axis {axis!r} is not allowed: it is no parameter or option ({where})"
                 )
         yield from ((number, point) for point in points)
+
+
+def demand_own_names(points: list[tuple[int, Point]], making: Making, places: Places) -> None:
+    """Refuse an axis with the name of another column of the table of runs. Raises Refusal."""
+    axes = {axis: design for design, point in points for axis in point}
+    taken = next((one for one in axes if one in {*HEADS, *making.names}), None)
+    if taken is not None:
+        where = places.of(taken, "design.axes", axes[taken])
+        raise Refusal(
+            f"axis {taken!r} is not allowed: the table of runs has another column of that name: "
+            f"rename the parameter, or the column ({where})"
+        )
 
 
 def first_flock(base: Spec, points: list[tuple[int, Point]], places: Places) -> Flock:

@@ -10,8 +10,9 @@ from agents.spec import Spec
 from app.experiments.runs.database import FIXED
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.cells import spec_of
+from app.experiments.sweeps.making.measures import HEADS
 from worlds.extra import demand
-from worlds.refusal import Refusal
+from worlds.refusal import Refusal, shortened
 from worlds.writing import csv_text, writing
 
 Columns = dict[str, list[Any]]
@@ -65,6 +66,8 @@ def long(kept: Kept) -> Columns:
         for name in columns:
             add(cell, seed, name, row[at["ticks"]], row[at[name]])
     for cell, seed, name, ticks, values in kept.series():
+        if (cell, seed) not in statuses:  # of a run that came after the runs were read
+            continue
         for tick, value in zip(ticks.tolist(), values.tolist(), strict=True):
             add(cell, seed, name, tick, None if value != value else value)
     return made
@@ -77,8 +80,15 @@ def measured(kept: Kept) -> list[str]:
 
 
 def axes_of(kept: Kept) -> list[str]:
-    """The axes of the plan, in its order."""
-    return list(kept.state.get("axes", []))
+    """The axes of the plan, in its order. Raises Refusal for one that is named as a column is."""
+    axes = list(kept.state.get("axes", []))
+    for one in axes:
+        if one in HEADS or one in kept.columns:
+            raise Refusal(
+                f"{str(kept.path)!r} makes no table: its axis {shortened(one)} has the name of "
+                "another column"
+            )
+    return axes
 
 
 def places_of(kept: Kept) -> dict[int, int]:

@@ -29,8 +29,10 @@ if TYPE_CHECKING:
 
 K = "k"
 """The column of the tick from which the condition of [stop] held."""
-RESERVED = (*FIXED, K, "place", "replicate", "observable", "value", "tick")
-"""Names that no column can have."""
+HEADS = (*FIXED, "place", "observable", "value", "tick")
+"""Columns of every table of runs: no axis and no measure has their names."""
+RESERVED = (*HEADS, K, "replicate")
+"""Names that no column of a measure has."""
 
 
 @dataclass(frozen=True)

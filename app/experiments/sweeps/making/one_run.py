@@ -59,6 +59,11 @@ class Making:
         return stops + [one.column for one in self.measures if not one.is_series]
 
     @property
+    def names(self) -> list[str]:
+        """Of all that is measured, series too."""
+        return self.columns + [one.column for one in self.measures if one.is_series]
+
+    @property
     def window(self) -> int:
         """Ticks at the end at each of which something is measured."""
         return max((one.over or 0 for one in self.measures), default=0)

@@ -36,6 +36,8 @@ NOBODY, NOTHING = "no sweep yet", "nothing else"
 ALONG, BESIDE = 9, 7
 """Values of an axis, of a curve and of a map, as they are proposed."""
 RUNS, TICKS = 4, 500
+MOST_FAULTS = 3
+"""Sweeps of which it is said why they are not shown."""
 
 
 class AxisForm:
@@ -330,7 +332,10 @@ def sight_of(button: Any, disabled: bool) -> None:
 
 def status(one: Listed | None, seen: Seen) -> str:
     """How far a sweep is, with a bar; and what has gone wrong."""
-    fault = f'<div class="fs-error">{html.escape(seen.fault)}</div>' if seen.fault else ""
+    faults = [seen.fault, *seen.unread[:MOST_FAULTS]]
+    if len(seen.unread) > MOST_FAULTS:
+        faults.append(f"and {len(seen.unread) - MOST_FAULTS} more are not shown")
+    fault = "".join(f'<div class="fs-error">{html.escape(one)}</div>' for one in faults if one)
     if one is None:
         empty = "Runs over values of a parameter, kept in results/. The flock here goes on."
         return fault or f'<div class="fs-quiet">{empty}</div>'

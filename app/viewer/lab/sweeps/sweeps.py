@@ -7,31 +7,34 @@ more often than it can afford: what the page shows is replaced as a whole.
 from __future__ import annotations
 
 import shutil
-import sys
 import threading
 import time
-import tomllib
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from agents.catalogue import FILES, MODELS
 from agents.observables.catalogue import OBSERVABLES
 from app.experiments.runs.database import FILE
 from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import is_taken
 from app.experiments.sweeps.conduct import SPEC, STOP
+from app.experiments.sweeps.given.file import SweepFile
+from app.experiments.sweeps.given.places import Places
+from app.experiments.sweeps.sweep import checked_file
 from app.viewer.lab.sweeps.asked import WORLD, Begun
 from app.viewer.lab.sweeps.bounds import MOST_BEGUN, demand
 from app.viewer.lab.sweeps.process import Making
 from app.viewer.lab.sweeps.reading import Listed, Shown, listed, named_in, shown
-from worlds.reading import read_text
+from worlds.layout import layout_names
+from worlds.reading import read_text, toml
 from worlds.refusal import Refusal
 from worlds.writing import write_text
 
 EVERY, SELDOM = 1.0, 4.0
 """Seconds between two looks while something runs, and while nothing does."""
-TABLES = ("title", "run", "stop", "design", "replicates", "observe")
+TABLES = {"title", "run", "stop", "design", "replicates", "observe"}
 """Of a file, those with which the page goes on: no cluster, no recordings."""
 SHARE = 0.05
 """Of a core, that looking takes at most."""
@@ -48,6 +51,8 @@ class Seen:
     """Why a sweep could not be begun, or is not drawn."""
     said: str = ""
     """What the command said last, of a sweep that begins."""
+    unread: tuple[str, ...] = ()
+    """Of each folder whose store cannot be read, its name and why."""
 
     def of(self, name: str) -> Listed | None:
         """How far a sweep is."""
@@ -70,6 +75,8 @@ class Sweeps:
         self.beginning = threading.Lock()
         self.kept: dict[str, tuple[tuple[float, ...], Listed | None]] = {}
         """Of what does not change, how far it is, by when it was written last."""
+        self.unread: dict[str, str] = {}
+        """Why a sweep is not listed."""
         self.drawn: tuple[object, Shown | None, str] = (None, None, "")
         """What was read last: of which sweep when, what is drawn of it, and why nothing is."""
         self.now = threading.Event()
@@ -185,7 +192,9 @@ class Sweeps:
         """Read how far sweeps are, and what there is to draw of one."""
         self.bury()
         making = self.making
-        found = [one for name in named_in(self.results) if (one := self.listed(name))]
+        names = named_in(self.results)
+        found = [one for name in names if (one := self.listed(name))]
+        self.unread = {name: why for name, why in self.unread.items() if name in names}
         said = ""
         if making is not None and making.runs:
             name = making.folder.name
@@ -197,7 +206,8 @@ class Sweeps:
                 said = making.said()
         self.follow(found)
         drawn, fault = self.draw(found)
-        self.seen = Seen(tuple(found), drawn, self.fault or fault, said)
+        unread = tuple(f"{name} is not shown: {why}" for name, why in self.unread.items())
+        self.seen = Seen(tuple(found), drawn, self.fault or fault, said, unread)
 
     def listed(self, name: str) -> Listed | None:
         """How far a sweep is; what nobody writes is read once."""
@@ -209,13 +219,13 @@ class Sweeps:
         before = self.kept.get(name)
         if before is not None and before[0] == stamps and not is_taken(folder):
             return before[1]
+        self.unread.pop(name, None)
         try:
             made = listed(folder)
         except Exception as error:  # whatever one store holds, the others are shown
             made = None
             if self.making is None or self.making.folder != folder:  # its tables are being made
-                said = " ".join(str(error).split())[:300]
-                print(f"flockscope: the sweep {name} is not shown: {said}", file=sys.stderr)
+                self.unread[name] = " ".join(str(error).split())[:300]
         if made is None or not made.runs:
             self.kept[name] = stamps, made
         return made
@@ -256,19 +266,25 @@ class Sweeps:
 def demand_from_page(folder: Path) -> None:
     """Refuse to go on with what the page could not have begun. Raises Refusal."""
     path = folder / SPEC
-    values = tomllib.loads(read_text(f"sweep {str(path)!r}", path))
+    text = read_text(f"sweep {str(path)!r}", path)
+    file = checked_file(SweepFile, toml(text, str(path)), Places(str(path), text))
     told = f"go on with `flockscope sweep run {folder.name}`"
-    observed = [one.get("name") for one in values.get("observe", [])]
-    if not all(one in OBSERVABLES for one in observed) or str(values["run"]["model"]).endswith(
-        ".py"
-    ):
+    known = file.run.model in MODELS and file.run.model not in FILES
+    if not known or not all(one.name in OBSERVABLES for one in file.observe):
         raise Refusal(f"{folder.name} has code of its own: {told}")
-    others = [name for name in values if name not in TABLES]
-    if others or values.get("replicates", {}).get("precision"):
+    reads = file.run.world not in (None, WORLD, *layout_names()) or any(
+        getattr(one, "file", "") or {"world", "model"} & set(getattr(one, "axes", ()))
+        for one in file.design
+    )
+    others = file.model_fields_set - TABLES
+    if reads or others or file.replicates.precision:
         raise Refusal(f"{folder.name} is not of the page's kind: {told}")
     kept = Kept(folder)
     cells = kept.cells
-    specs = [cell["identity"]["spec"] for cell in cells.values()]
-    agents = max(int(one["agents"]) + int(one["informed"] or 0) for one in specs)
-    each = -(-int(kept.state["runs"]) // max(1, len(cells)))
-    demand(len(cells), each, agents, int(kept.state["limit"]))
+    try:
+        specs = [cell["identity"]["spec"] for cell in cells.values()]
+        agents = max(int(one["agents"]) + int(one["informed"] or 0) for one in specs)
+        runs, limit = int(kept.state["runs"]), int(kept.state["limit"])
+    except (KeyError, TypeError, ValueError):
+        raise Refusal(f"{folder.name} does not say what its runs are: {told}") from None
+    demand(len(cells), -(-runs // max(1, len(cells))), agents, limit)
