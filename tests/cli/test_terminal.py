@@ -7,9 +7,14 @@ import re
 import sys
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 import app.cli
+from agents.flock import Flock
+from agents.record import Recorder
+from app.experiments.runs.outcome import Outcome
+from app.experiments.runs.store import Store
 from cli.calling import start
 from worlds.refusal import CONTROLS
 
@@ -102,6 +107,65 @@ def test_a_spec_with_a_hostile_name_is_refused_without_commands(tmp_path):
     out, err = program.communicate(timeout=120)
     assert not RAW.search(out + err)
     assert program.returncode == 2
+
+
+def store_of_a_stranger(folder):
+    """A sweep with a hostile folder, axis, value, column and reason, and one with such a title."""
+    axis, column = NAME + "axis", NAME + "column"
+    with Store(folder / "results" / NAME, [column]) as store:
+        [cell] = store.lay_out([("a", json.dumps({"axes": {axis: NAME}}))])
+        store.tell(kind="sweep", axes=[axis], columns=[column], runs=2)
+        store.add(cell, 1, Outcome("ok", {column: 0.5}))
+        store.add(cell, 2, Outcome("failed", {}, NAME))
+    with Store(folder / "results" / "titled", ["k"]) as store:
+        store.tell(kind="sweep", title=NAME, runs=1)
+
+
+def files_of_a_stranger(folder):
+    """Files of every kind that is read, with hostile text where text may stand."""
+    store_of_a_stranger(folder)
+    said = json.dumps(NAME)
+    (folder / "spec.toml").write_text(f"model = {said}\nworld = {said}\n[parameters]\n{said} = 1\n")
+    (folder / "scene.toml").write_text(f"title = {said}\n[run]\nmodel = 'vem'\n")
+    (folder / "paper.toml").write_text(f"title = {said}\nkind = {said}\n")
+    properties = {"layer": NAME, "name": NAME}
+    square = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
+    feature = {"type": "Feature", "properties": properties}
+    feature["geometry"] = {"type": "Polygon", "coordinates": [square]}
+    plan = {"type": "FeatureCollection", "features": [feature]}
+    (folder / "plan.geojson").write_text(json.dumps(plan))
+    shown = NAME.encode("utf-8", "replace").decode()
+    (folder / "plan.csv").write_text(f"{shown},x\n1,{shown}\n", encoding="utf-8")
+    flock = Flock("vem", agents=3, rng=1)
+    with Recorder(folder / "run.parquet", flock) as recording:
+        recording.write()
+    table = pq.read_table(folder / "run.parquet")
+    words = {key: NAME.encode("utf-8", "replace") for key in table.schema.metadata}
+    pq.write_table(table.replace_schema_metadata(words), folder / "run.parquet")
+
+
+NAME = HOSTILE.replace("\ud800", "") + "\n"
+READS = (
+    ("sweep", "list"), ("sweep", "status", f"results/{NAME}"), ("sweep", "show", f"results/{NAME}"),
+    ("sweep", "export", f"results/{NAME}", "runs.csv"), ("sweep", "status", "results/titled"),
+    ("sweep", "plot", f"results/{NAME}"), ("run", "spec.toml"), ("run", "scene.toml"),
+    ("lab", "spec.toml"), ("sweep", "run", "spec.toml"), ("paper", "paper.toml"),
+    ("optimise", "spec.toml"), ("world", "import", "plan.geojson"), ("run", "run.parquet"),
+    ("world", "import", "plan.geojson", "--unit", "m"), ("picture", "run.parquet"),
+    ("live", "check", "run.parquet"), ("class", "paper.toml"),
+)  # fmt: skip
+
+
+def test_no_command_prints_the_commands_of_a_strangers_file(tmp_path):
+    files_of_a_stranger(tmp_path)
+    for command in READS:
+        made = start(*command, cwd=tmp_path)
+        out, err = made.communicate(timeout=120)
+        assert made.returncode in (0, 2, 3), (command, err)
+        assert "Traceback" not in err, command
+        assert not RAW.search(out + err.replace("\r", "")), command
+        if made.returncode == 2:
+            assert (out, err.count("\n")) == ("", 1), command
 
 
 def test_a_cell_is_cut_after_it_was_escaped():

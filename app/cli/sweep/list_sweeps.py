@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json
+from app.cli.refusals import one_line
 from app.cli.sweep.asked import is_sweep
 from app.results import RESULTS
 
@@ -25,14 +26,14 @@ def list_sweeps(
         try:
             found.append(status_of(sweep))
         except Exception as error:  # whatever one store holds, the others are listed
-            typer.echo(f"flockscope: {sweep} is left out: {' '.join(str(error).split())}", err=True)
+            typer.echo(one_line(f"flockscope: {sweep} is left out: {error}"), err=True)
     if json_asked:
         typer.echo(as_json({"sweeps": found}))
         return
     if not found:
         typer.echo(f"no sweep in {folder}/")
     for one in found:
-        name = Path(one["folder"]).name
+        name = one_line(Path(one["folder"]).name)
         broken = one["runs"]["failed"] + one["runs"]["killed"]
         failed = f", {broken} failed" if broken else ""
         typer.echo(f"{name}: {one['state']}, {one['done']} of {one['of']} runs{failed}")
