@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 
 def counted(number: int, one: str, more: str = "") -> str:
     """A number with its noun, which takes an s, or `more`, unless it is 1.
@@ -24,3 +26,13 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60} s"
     return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def signal_name(number: int) -> str:
+    """The name of a signal; the number of one without a name, as those of real time are.
+
+    >>> signal_name(9), signal_name(40)
+    ('SIGKILL', '40')
+    """
+    known = {one.value: one.name for one in signal.Signals}
+    return known.get(number, str(number))

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.experiments.file import Published
+from app.experiments.kinds.mission import Mission
 from app.experiments.verdicts.answer import (
     DOES_NOT,
     HOLDS,
@@ -22,6 +23,7 @@ from app.experiments.verdicts.answer import (
 )
 from app.experiments.verdicts.comparison import compare
 from app.experiments.verdicts.judge import RunRanges, ranges_of, share_interval
+from app.experiments.verdicts.verdict import ranges_of_runs
 
 FEW = Answer("undecided", 5)
 
@@ -132,6 +134,40 @@ def test_a_rare_failure_that_few_runs_cannot_show_asks_for_more_of_them():
     assert few.needed is not None
     more = np.full(few.needed, 100.0) - np.linspace(0.0, 0.1, few.needed)
     assert mean_above(RunRanges(more, more, (0.0, 100.0), rare=True).plus(-90.0)) == HOLDS
+
+
+@pytest.mark.parametrize("theirs", [[], [95.0, 96.0] * 20])
+def test_a_rare_failure_that_few_runs_cannot_show_may_lie_beside_a_published_mean(theirs):
+    """20 of 20 runs near 100: one in five may fail, so that their mean may be 80."""
+    published = Published(values=theirs) if theirs else Published(mean=95.5)
+
+    def beside(runs, rare=True):
+        values = np.full(runs, 100.0) - np.linspace(0.0, 0.1, runs)
+        return compare(RunRanges(values, values, (0.0, 100.0), rare=rare), published)
+
+    assert beside(20, rare=False).word == "differs"
+    few = beside(20)
+    assert few.word == "undecided"
+    assert few.interval[0] < -10.0
+    assert few.needed is not None
+    assert beside(few.needed).word == "differs"
+
+
+def test_a_distance_that_is_rarely_0_is_bounded_above_as_any_other():
+    values = np.linspace(9.0, 11.0, 50)
+    rare, usual = (RunRanges(values, values, (0.0, math.inf), rare=one) for one in (True, False))
+    assert rare.interval()[0] < usual.interval()[0]
+    assert rare.interval()[1] == usual.interval()[1]
+
+
+@pytest.mark.parametrize(("arrived", "low"), [(0, 50.0), (1, 0.0)])
+def test_a_mission_that_ended_early_was_not_given_up_at_the_limit(arrived, low):
+    settings = Mission(limit=50.0, world="open")
+    measure = Mission.measure("settled")
+    values = {"settled": [None, 3.0], "arrived": [arrived, 1]}
+    found = ranges_of_runs(values["settled"], measure, settings.limits_of(measure, values))
+    assert found.least.tolist() == [low, 3.0]
+    assert found.most.tolist() == [math.inf, 3.0]
 
 
 @given(st.integers(1, 60), st.data())

@@ -157,7 +157,9 @@ def judged(experiment, values, said):
     """Whether what is said holds of the made-up values of a measure, one list per row."""
     measure = said.measure
     measured = [
-        Measured(case, {m.name: v if m.name == measure else [1.0] for m in Mission.measures})
+        Measured(
+            case, {m.name: v if m.name == measure else [0.0] * len(v) for m in Mission.measures}
+        )
         for case, v in zip(experiment.cases, values, strict=True)
     ]
     one = replace(experiment, measures=[Mission.measure(measure)])

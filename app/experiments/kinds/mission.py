@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
@@ -130,6 +130,16 @@ class Mission(Settings):
             "settled": record.settled(self.within) if goal else None,
             "through": 100.0 * record.through(self.spacing) if goal and self.spacing else None,
         }
+
+    def limits_of(
+        self, measure: Measure, values: Mapping[str, Sequence[Number | None]]
+    ) -> list[float | None]:
+        """As for all, but for a run that ended earlier, at the end of its path."""
+        limits = super().limits_of(measure, values)
+        ended = values.get("arrived")
+        if not (measure.limited and ended):
+            return limits
+        return [None if early else limit for limit, early in zip(limits, ended, strict=True)]
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """All of them."""

@@ -22,7 +22,7 @@ STEP = 1e-6
 def tanner_potential(r):
     """V(r) = 1 / r^2 + log r^2 (1) at distances r > 0, in the paper's unit of length.
 
-    >>> tanner_potential(1.0)
+    >>> float(tanner_potential(1.0))
     1.0
     """
     r = np.asarray(r, float)
@@ -32,7 +32,7 @@ def tanner_potential(r):
 def tanner_slope(r):
     """dV/dr = 2 / r - 2 / r^3: the force between two agents; below 0 they repel each other.
 
-    >>> tanner_slope(1.0)
+    >>> float(tanner_slope(1.0))
     0.0
     """
     r = np.asarray(r, float)

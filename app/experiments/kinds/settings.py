@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
@@ -107,9 +107,12 @@ class Settings(Strict):
     def compile(self, flock: Flock) -> None:
         """Compile what `run` calls beside the flock's own loop; the flock may be used up."""
 
-    def limit_of(self, measure: Measure) -> float | None:
-        """What a run without a value was given up at; None where that says nothing of the value."""
-        return float(self.limit) if measure.limited else None  # type: ignore[attr-defined]
+    def limits_of(
+        self, measure: Measure, values: Mapping[str, Sequence[Number | None]]
+    ) -> list[float | None]:
+        """What each run was given up at that is without a value; None where that says nothing."""
+        limit = float(self.limit) if measure.limited else None  # type: ignore[attr-defined]
+        return [limit] * len(values[measure.name])
 
     @classmethod
     def measure(cls, name: str) -> Measure:

@@ -20,6 +20,7 @@ from app.experiments.verdicts.judge import (
     as_of_runs,
     estimate_mean,
     likely_good,
+    likely_interval,
     mean_interval,
     ranges_of,
     share_difference,
@@ -148,10 +149,37 @@ def difference_limits(
     if float(difference.error) == 0.0 or values.binary:
         return bounded_difference(values, theirs, mean, confidence)
     limits = mean_interval(difference, confidence)
+    if values.rare:
+        ours = values.estimate, values.interval(confidence)
+        limits = allow_for_rare(limits, difference, *ours, confidence)
     if not values.open_runs:
         return limits
     most = values.bounds[1]
     return Limits(limits.low, np.asarray(most - mean if theirs.size == 0 else math.inf))
+
+
+def allow_for_rare(
+    limits: Limits,
+    difference: MeanEstimate,
+    ours: MeanEstimate,
+    interval: tuple[float, float],
+    confidence: float = CONFIDENCE,
+) -> Limits:
+    """Limits of a difference that allow for runs at a bound which were not seen.
+
+    `interval` of our mean allows for them; by what it is wider, so is the difference.
+    """
+    plain_low, plain_high = map(float, mean_interval(ours, confidence))
+
+    def width(half: float, allowed: float, usual: float) -> float:
+        return math.sqrt(half**2 + max(0.0, allowed**2 - usual**2))
+
+    mean, middle = float(ours.mean), float(difference.mean)
+    low, high = interval
+    return Limits(
+        np.asarray(middle - width(middle - float(limits.low), mean - low, mean - plain_low)),
+        np.asarray(middle + width(float(limits.high) - middle, high - mean, plain_high - mean)),
+    )
 
 
 def bounded_difference(
@@ -212,7 +240,11 @@ def what_lacks(
             limits = difference_limits(likely, theirs, mean, CONFIDENCE)
         else:
             ours = as_of_runs(values.estimate, values.runs, runs)
-            limits = mean_interval(difference_of(ours, theirs, mean))
+            difference = difference_of(ours, theirs, mean)
+            limits = mean_interval(difference)
+            if values.rare:
+                low, high = map(float, likely_interval(values, runs))
+                limits = allow_for_rare(limits, difference, ours, (low, high))
         return word_of(limits, tolerance) != "undecided"
 
     needed = least(decides, values.runs)

@@ -185,8 +185,8 @@ def bounded_interval(
     An infinite limit of a run makes that side infinite, unless the measure has `bounds`, which no
     run is outside of. With q = (alpha / 2)^(1 / R): if more than a share 1 - q of all runs were
     unlike the R that were made, none of them would be missed more often than alpha / 2. So equal
-    runs of value v have a mean of at least q v + (1 - q) bound. `rare`: allow for such runs always,
-    as for crashes, which a few runs may not show.
+    runs of value v have a mean of at least q v + (1 - q) bound. `rare`: allow for such runs always
+    at a finite bound, as for crashes, which a few runs may not show.
 
     >>> low, high = bounded_interval(np.ones(20), np.ones(20), (0.0, 1.0))
     >>> round(float(low), 3), float(high)
@@ -219,7 +219,8 @@ def bounded_low(
         if math.isfinite(bound)
         else np.full_like(mean, -np.inf)
     )
-    low = np.where(estimate.error == 0.0, floor, np.minimum(low, floor) if rare else low)
+    is_rare = rare and math.isfinite(bound)
+    low = np.where(estimate.error == 0.0, floor, np.minimum(low, floor) if is_rare else low)
     return np.maximum(low, bound)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def summary(values: RunRanges) -> Summary:
     if there.size == 0:
         return Summary(0, absent, None, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
     low, middle, high = (float(q) for q in np.percentile(there, (25, 50, 75)))
-    known = values if is_limited else RunRanges(there, there, values.bounds, values.binary)
+    known = values if is_limited else replace(values, least=there, most=there)
     return Summary(
         int(ended.sum()),
         absent,

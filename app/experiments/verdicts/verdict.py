@@ -114,7 +114,8 @@ def verdicts(experiment: Experiment, measured: list[Measured]) -> list[Verdict]:
 def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
     """The verdict of a measure of a row."""
     values = one.values[measure.name]
-    ranges = ranges_of_runs(values, measure, experiment.settings.limit_of(measure))
+    limits = experiment.settings.limits_of(measure, one.values)
+    ranges = ranges_of_runs(values, measure, limits)
     published = one.case.published(measure.name)
     spared = experiment.not_compared.get(measure.name, "")
     compared = published is not None and not spared
@@ -132,10 +133,13 @@ def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
     )
 
 
-def ranges_of_runs(values: list[Number | None], measure: Measure, limit: float | None) -> RunRanges:
+def ranges_of_runs(
+    values: list[Number | None], measure: Measure, limits: list[float | None]
+) -> RunRanges:
     """What is known of runs: of one without a value its limit, or else the measure's bounds."""
     low, high, binary, rare = measure.bounds
-    least = [(low if limit is None else limit) if value is None else value for value in values]
+    given_up = [low if limit is None else limit for limit in limits]
+    least = [at if value is None else value for value, at in zip(values, given_up, strict=True)]
     most = [high if value is None else value for value in values]
     return RunRanges(np.array(least, float), np.array(most, float), (low, high), binary, rare)
 

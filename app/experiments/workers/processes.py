@@ -13,7 +13,6 @@ import mmap
 import os
 import pickle
 import queue
-import signal
 import subprocess
 import sys
 import tempfile
@@ -29,6 +28,7 @@ from app.experiments.runs.outcome import Outcome
 from app.experiments.workers import worker
 from app.experiments.workers.makers import LOOK, Awake, Beat, Keep, Task
 from app.experiments.workers.worker import PATIENT, Beginning
+from worlds.counting import signal_name
 from worlds.refusal import Refusal
 
 AHEAD = 0.2
@@ -300,7 +300,7 @@ def print_line(line: str) -> None:
 def ended(code: int) -> str:
     """How a process ended, in words.
 
-    >>> ended(-9), ended(1)
-    ('signal SIGKILL', 'code 1')
+    >>> ended(-9), ended(-40), ended(1)
+    ('signal SIGKILL', 'signal 40', 'code 1')
     """
-    return f"code {code}" if code >= 0 else f"signal {signal.Signals(-code).name}"
+    return f"code {code}" if code >= 0 else f"signal {signal_name(-code)}"

@@ -9,7 +9,6 @@ goes on dying: a stranger's datagram may end a library, but not the tracking.
 from __future__ import annotations
 
 import multiprocessing
-import signal
 import threading
 import time
 from collections import deque
@@ -20,6 +19,7 @@ from typing import Literal
 from app.live.control.pose import MocapFrame, Pose
 from app.live.sources.child import GRACE, Message, serve
 from app.live.sources.source import Source
+from worlds.counting import signal_name
 from worlds.refusal import Refusal
 
 KEPT = 2048
@@ -274,7 +274,7 @@ class Feed:
         if not self._lives or self._closing.is_set():
             return
         if code is not None and code < 0:
-            self._fail(f"its process was killed ({signal.Signals(-code).name})", crashed=True)
+            self._fail(f"its process was killed ({signal_name(-code)})", crashed=True)
         else:
             self._fail(f"its process ended by itself (exit code {code})")
 
