@@ -74,13 +74,22 @@ def test_a_film_of_a_recording_shows_recorded_ticks(tmp_path):
     assert count_frames_and_secs(str(tmp_path / "a.mp4"))[0] == 7
 
 
+def test_ticks_that_are_left_out_at_the_end_are_said(tmp_path):
+    for ending in ("mp4", "html"):
+        out = tmp_path / f"a.{ending}"
+        result = call("film", *RUN, "--to", 10, "--every", 4, "--out", out)
+        assert result.exit_code == 0, result.stderr
+        assert "the film ends at tick 8: 2 ticks more make no picture\n" in result.stderr
+
+
 def test_which_ticks_are_shown():
     ticks = list(range(301))
     assert planned(ticks, 0, 300, None, 30.0, 30.0).ticks == ticks
     plan = planned(ticks, 0, 300, None, 300.0, 30.0)
     assert (plan.ticks, plan.fps) == (list(range(0, 301, 10)), 30.0)
     plan = planned(ticks, 50, 100, 25, 50.0, 30.0)
-    assert (plan.ticks, plan.fps) == ([50, 75, 100], 2.0)
+    assert (plan.ticks, plan.fps, plan.left_out) == ([50, 75, 100], 2.0, 0)
+    assert planned(ticks, 50, 110, 25, 50.0, 30.0).left_out == 10
     assert planned([0, 20, 40], 0, 40, None, 60.0, 30.0).fps == 3.0
     with pytest.raises(Refusal, match="no tick from 41 to 50"):
         planned([0, 20, 40], 41, 50, None, 60.0, 30.0)

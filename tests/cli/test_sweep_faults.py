@@ -105,7 +105,7 @@ def test_its_processes_end_with_a_parent_that_is_killed(tmp_path, undisturbed):
 
 def test_a_machine_that_sleeps_loses_no_run_and_no_time(tmp_path, undisturbed):
     """All processes are halted, and go on, longer than a run may take."""
-    text = TEXT.replace("ticks = 2000", "ticks = 2000\nseconds = 3.0")
+    text = TEXT.replace("ticks = 2000", "ticks = 2000\ntimeout = 3.0")
     (tmp_path / "s.toml").write_text(text)
     out = tmp_path / "out"
     alone = "--workers", 1  # one that has made runs: a second might just begin
@@ -145,8 +145,8 @@ def test_a_measure_that_hangs_is_killed_and_named(tmp_path):
     assert result.exit_code == 3, result.stderr
     assert "cell 1, seed 2: killed: it took longer than 2 s" in result.stdout
     assert Kept(out).counts == {"ok": 4, "gave-up": 0, "failed": 0, "killed": 2}
-    (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\nseconds = 0"))
-    assert "run.seconds: a number > 0 is needed" in refusal("sweep", "run", tmp_path / "s.toml")
+    (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\ntimeout = 0"))
+    assert "run.timeout: a number > 0 is needed" in refusal("sweep", "run", tmp_path / "s.toml")
 
 
 def test_a_store_of_another_kind_is_left_alone(tmp_path, undisturbed):

@@ -42,6 +42,8 @@ class Plan:
 
     ticks: list[int]
     fps: float
+    left_out: int = 0
+    """Ticks after the last one that is shown."""
 
 
 def planned(
@@ -57,7 +59,8 @@ def planned(
     apart = max(1, (there[-1] - there[0]) // max(1, len(there) - 1))
     step = max(1, round((every if every else speed / fps) / apart))
     rate = min(MOST_FPS, speed / (step * apart))
-    return Plan(there[::step], rate)
+    shown = there[::step]
+    return Plan(shown, rate, there[-1] - shown[-1])
 
 
 @with_options
@@ -169,6 +172,9 @@ def film(
     plan = planned(ticks, first, end, every, speed, fps)
     if is_page:
         plan = thinned(plan, agents, every, quiet)
+    if plan.left_out and not quiet:
+        left = counted(plan.left_out, "tick")
+        tell(f"flockscope: the film ends at tick {plan.ticks[-1]}: {left} more make no picture")
     span = plan.ticks[-1] - plan.ticks[0]
     apart = span / max(len(plan.ticks) - 1, 1)
     asked_of = Work(
@@ -266,7 +272,9 @@ def thinned(plan: Plan, agents: int, every: int | None, quiet: bool) -> Plan:
 
     apart = -(-agents * len(plan.ticks) // LIGHT)
     if every is None and apart > 1:
-        plan = Plan(plan.ticks[::apart], plan.fps / apart)
+        shown = plan.ticks[::apart]
+        left_out = plan.left_out + plan.ticks[-1] - shown[-1]
+        plan = Plan(shown, plan.fps / apart, left_out)
         if not quiet:
             tell(
                 f"flockscope: one of {apart} pictures is taken, so that the file stays small; "

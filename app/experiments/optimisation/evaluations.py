@@ -165,7 +165,7 @@ class Evaluations:
             job = Makings(tuple(one.sweep.making for one in self.study.variants))
             file = self.study.file
             self.makers = self.stack.enter_context(
-                makers_of(job, file.cluster, self.workers, self.nice, file.run.seconds, self.tell)
+                makers_of(job, file.cluster, self.workers, self.nice, file.run.timeout, self.tell)
             )
         return self.makers
 

@@ -208,7 +208,7 @@ def conduct(
             prepare(sweep, tell)
             if tell is not None:
                 tell(f"{counted(call.rounds.total - taken, 'run')} to make, {taken} are there")
-            asked, seconds = cluster or sweep.file.cluster, sweep.file.run.seconds
+            asked, seconds = cluster or sweep.file.cluster, sweep.file.run.timeout
             with makers_of(sweep.making, asked, workers, nice, seconds, tell) as makers:
                 whole = call.run(makers)
         store.tell(progress=None, runs=call.rounds.total)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, field_validator, model_validator
+from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
 
 from agents.spec import LARGEST_SEED, Options
 from app.experiments.cluster.asked import Cluster
@@ -27,8 +27,11 @@ class Run(Strict, Options):
     world: str | None = None
     ticks: int = Field(ge=1, le=MOST_TICKS)
     """Ticks of a run; with [stop] the most."""
-    seconds: float | None = Field(default=None, gt=0.0)
-    """What a run may take, of the clock, before it is killed; None: as long as it takes."""
+    timeout: float | None = Field(
+        default=None, gt=0.0, validation_alias=AliasChoices("timeout", "seconds")
+    )
+    """Seconds of the clock after which a run is killed; None: as long as it takes. Files of earlier
+    versions say `seconds`."""
     parameters: dict[str, Value] = Field(default_factory=dict)
 
 
