@@ -367,13 +367,16 @@ class Flock(TickClock, Motion):
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is compiled. Raises Refusal within a tick of agents that step one by one."""
+        self._demand_whole_tick()
+        state = {name: value for name, value in vars(self).items() if name not in MADE_ANEW}
+        return state | {"model": self.model.name, "parameters": self.parameters.model_dump()}
+
+    def _demand_whole_tick(self) -> None:
         if self._acted:
             raise Refusal(
                 f"tick {self.tick} is not over: {len(self._acted)} of {len(self.ids)} agents have "
-                "stepped; copy or pickle the flock between ticks"
+                "stepped; save, copy or pickle the flock between ticks"
             )
-        state = {name: value for name, value in vars(self).items() if name not in MADE_ANEW}
-        return state | {"model": self.model.name, "parameters": self.parameters.model_dump()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -401,8 +404,10 @@ class Flock(TickClock, Motion):
     def save(self, path: str | Path) -> None:
         """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
 
-        The name ends in .parquet or .pq; a file of that name is replaced. Raises Refusal.
+        The name ends in .parquet or .pq; a file of that name is replaced. Raises Refusal, also
+        within a tick of agents that step one by one.
         """
+        self._demand_whole_tick()
         with Recorder(path, self, endings=STATES, with_past=True) as recorder:
             recorder.write()
 
