@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import tomllib
 
+import ezdxf
 import numpy as np
 import pytest
+from ezdxf import units
 
 from app.viewer.run.home import at_home
 from tests.browser.window import Window
@@ -198,4 +200,36 @@ def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_pat
     chooser.value.set_files(broken)
     builder.page.get_by_text("broken.wkt").first.wait_for()
     assert builder.simulation.state.run == run
+    other.page.close()
+
+
+def opened_plan(builder, window, path) -> None:
+    """Choose a file after Open layout, and wait for what the page asks about it."""
+    with window.page.expect_file_chooser() as chooser:
+        window.press("Open layout ...")
+    chooser.value.set_files(path)
+    window.page.get_by_text("What does this drawing mean?").wait_for()
+
+
+def test_a_drawing_that_may_mean_two_things_is_asked_about(builder, chromium, tmp_path):
+    plan = tmp_path / "plan.dxf"
+    document = ezdxf.new(units=units.M)
+    corners = [(1, 1), (21, 1), (21, 11), (1, 11)]
+    document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": "WALLS"})
+    document.saveas(plan)
+    other = Window(chromium.new_page(viewport={"width": 900, "height": 600}), builder.laboratory)
+    run = builder.simulation.state.run
+    opened_plan(builder, builder.window, plan)
+    assert other.page.get_by_text("What does this drawing mean?").count() == 0
+    builder.page.get_by_text("would be a solid block of 20 x 10 m").wait_for()
+    builder.window.press("Cancel")
+    builder.page.get_by_text("What does this drawing mean?").wait_for(state="detached")
+    assert builder.simulation.state.run == run
+    opened_plan(builder, builder.window, plan)
+    builder.page.get_by_label("Thickness of walls, m").fill("0.5")
+    builder.window.press("Walls")
+    until(lambda: builder.simulation.state.run > run, 30)
+    walls = builder.simulation.run.flock.world.obstacles
+    area = sum(one.footprint().area for one in walls)
+    assert area == pytest.approx(0.5 * 60.0, rel=0.05), "walls of 0.5 m along 60 m"
     other.page.close()
