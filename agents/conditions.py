@@ -42,6 +42,7 @@ class Conditions(BaseModel):
         "present",
         0.0,
         kind=float,
+        unit="time",
         most=10.0,
         step=0.1,
     )
@@ -51,6 +52,7 @@ class Conditions(BaseModel):
         "for each message of each pair of agents",
         0.0,
         kind=float,
+        unit="time",
         most=10.0,
         step=0.1,
     )
@@ -68,6 +70,7 @@ class Conditions(BaseModel):
         "(length): normal, drawn for each tick and each pair of agents",
         0.0,
         kind=float,
+        unit="length",
         most=10.0,
         step=0.05,
     )
@@ -76,6 +79,7 @@ class Conditions(BaseModel):
         "Constant wind: every agent is carried along at this speed (length per time)",
         0.0,
         kind=float,
+        unit="length/time",
         most=100.0,
         step=0.1,
     )
@@ -92,6 +96,7 @@ class Conditions(BaseModel):
         "Upward speed of the constant wind, in space only (length per time)",
         0.0,
         kind=float,
+        unit="length/time",
         least=-100.0,
         most=100.0,
         step=0.1,
@@ -102,6 +107,7 @@ class Conditions(BaseModel):
         "process, the same for all agents",
         0.0,
         kind=float,
+        unit="length/time",
         most=100.0,
         step=0.1,
     )
@@ -110,6 +116,7 @@ class Conditions(BaseModel):
         "Correlation time of the gusts (time)",
         1.0,
         kind=float,
+        unit="time",
         least=0.01,
         most=100.0,
         step=0.1,
@@ -119,14 +126,21 @@ class Conditions(BaseModel):
         "A pulse of wind, beside the constant one: its speed (length per time)",
         0.0,
         kind=float,
+        unit="length/time",
         most=100.0,
         step=0.1,
     )
     pulse_at: Annotated[float, between(0.0, MOST_SECONDS)] = option(
-        "Pulse at", "When the pulse begins (time)", 0.0, kind=float, most=1000.0
+        "Pulse at", "When the pulse begins (time)", 0.0, kind=float, unit="time", most=1000.0
     )
     pulse_lasts: Annotated[float, between(0.0, MOST_SECONDS)] = option(
-        "Pulse lasts", "How long the pulse lasts (time)", 1.0, kind=float, most=100.0, step=0.1
+        "Pulse lasts",
+        "How long the pulse lasts (time)",
+        1.0,
+        kind=float,
+        unit="time",
+        most=100.0,
+        step=0.1,
     )
 
     @property

@@ -30,6 +30,8 @@ class Option:
     most: float = 0
     step: float = 1
     """From one number to the next in a panel."""
+    unit: str = ""
+    """Of a number: `time`, `length`, `length/time`, or what it is in every model."""
 
 
 def option(title: str, help: str, default: Any = None, kind: type = str, **more: Any) -> Any:

@@ -134,12 +134,14 @@ class Model:
         return self.rule.dimensions
 
     def in_units(self, unit: str) -> str:
-        """A unit of an observable in the model's own: m and s where its paper has them.
+        """A unit of an observable or an option in the model's own: m, s where its paper has them.
 
         A length stays a length where the paper names no unit of it.
         """
         own = {one.unit for one in declared(self.parameters)}
         length = "m" if "m" in own else "length"
+        if unit == "time":
+            return self.body.unit
         time = "tick" if self.body.unit == "ticks" else self.body.unit
         return unit.replace("length", length).replace("/time", f"/{time}")
 

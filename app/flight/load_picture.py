@@ -6,6 +6,11 @@ from typing import Any
 
 from app.flight.canvas import FAINT, LIFT, OTHER, POWER, THRUST
 
+ROOM = 1.08
+"""Of the largest value, how high a panel goes."""
+ABOVE = 4.0
+"""Degrees above the angles, for their names."""
+
 
 def draw_load(figure: Any, rows: list[dict[str, Any]], battery: str) -> None:
     """Four panels over the load, from the values of flights in the order of their loads."""
@@ -28,17 +33,17 @@ def draw_load(figure: Any, rows: list[dict[str, Any]], battery: str) -> None:
     far.spines["right"].set(visible=True, edgecolor=OTHER)
     far.tick_params(axis="y", colors=OTHER)
     far.grid(visible=False)
-    far.set_ylim(bottom=0.0)
     far.set_ylabel("range / km", color=OTHER)
     lasts.set_title(f"endurance / h: {battery}", fontsize=10)
     line(wings, "amplitude", LIFT, "flap amplitude A")
     line(wings, "tail", OTHER, "tail angle", "s")
     line(wings, "pitch", THRUST, "mean pitch", "^")
-    wings.set_title("deg")
-    for axes in (speed, power, lasts):
-        axes.set_ylim(bottom=0.0)
-    for axes in (power, wings):
-        axes.legend(fontsize=9)
+    wings.set_title("angles / deg")
+    for axes in (speed, power, lasts, far):
+        axes.set_ylim(0.0, ROOM * axes.get_ylim()[1])
+    wings.set_ylim(top=wings.get_ylim()[1] + ABOVE)
+    power.legend(fontsize=9, loc="upper left")
+    wings.legend(fontsize=9, loc="upper left", ncols=3)
     handles = [*lasts.get_lines(), *far.get_lines()]
     lasts.legend(handles=handles, fontsize=9, loc="lower left")
     for axes in (lasts, wings):

@@ -203,7 +203,7 @@ def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_pat
     other.page.close()
 
 
-def opened_plan(builder, window, path) -> None:
+def opened_plan(window, path) -> None:
     """Choose a file after Open layout, and wait for what the page asks about it."""
     with window.page.expect_file_chooser() as chooser:
         window.press("Open layout ...")
@@ -219,13 +219,13 @@ def test_a_drawing_that_may_mean_two_things_is_asked_about(builder, chromium, tm
     document.saveas(plan)
     other = Window(chromium.new_page(viewport={"width": 900, "height": 600}), builder.laboratory)
     run = builder.simulation.state.run
-    opened_plan(builder, builder.window, plan)
+    opened_plan(builder.window, plan)
     assert other.page.get_by_text("What does this drawing mean?").count() == 0
     builder.page.get_by_text("would be a solid block of 20 x 10 m").wait_for()
     builder.window.press("Cancel")
     builder.page.get_by_text("What does this drawing mean?").wait_for(state="detached")
     assert builder.simulation.state.run == run
-    opened_plan(builder, builder.window, plan)
+    opened_plan(builder.window, plan)
     builder.page.get_by_label("Thickness of walls, m").fill("0.5")
     builder.window.press("Walls")
     until(lambda: builder.simulation.state.run > run, 30)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
+from agents.catalogue import model as find_model
 from agents.conditions import Conditions
 from agents.spec import OPTIONS
 from app.experiments.file import Sweep
@@ -48,7 +49,8 @@ def draw_endurance(figure: Any, made: list[Verdict]) -> None:
         row[0].set_ylim(0.0, top_of(of(made, measure.name)))
         row[0].set_title(measure.title, loc="left", fontsize=10)
     for k, (parameter, around) in enumerate(columns):
-        panels[-1, k].set_xlabel(titled(parameter))
+        models = [sweep.model for sweep, _, _ in sweeps if column_of(sweep) == (parameter, around)]
+        panels[-1, k].set_xlabel(titled(parameter) + unit_of(parameter, models))
         if around:
             words = "\n".join(textwrap.wrap(around, LETTERS)).replace(JOINED, " ")
             panels[0, k].annotate(
@@ -90,6 +92,14 @@ def sign_of(k: int, kind: Kind, sweeps: list[tuple[Sweep, int, list[Verdict]]]) 
 def titled(parameter: str) -> str:
     """What is turned up, as an option calls itself."""
     return OPTIONS[parameter].title.lower() if parameter in OPTIONS else parameter
+
+
+def unit_of(parameter: str, models: list[str]) -> str:
+    """The unit of what is turned up, where it has one that is the same in all models."""
+    if parameter not in OPTIONS or not OPTIONS[parameter].unit:
+        return ""
+    units = {find_model(name).in_units(OPTIONS[parameter].unit) for name in models}
+    return f" / {units.pop()}" if len(units) == 1 else ""
 
 
 def draw_line(axes: Any, aside: float, colour: str, points: list[Verdict]) -> None:
