@@ -17,24 +17,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock, frames, parquet, parquet_footer, parquet_thrift
-from agents.record import KEY, Recorder
+from agents.record import KEY
 from agents.recording import Recording
 from cli import thrift_tree
 from cli.calling import refusal
 from cli.thrift_tree import at, put
 from worlds.refusal import Refusal
-
-
-@pytest.fixture(scope="module")
-def table(tmp_path_factory):
-    """A recording of three ticks of five agents."""
-    path = tmp_path_factory.mktemp("sound") / "run.parquet"
-    flock = Flock("vem", agents=5, rng=1)
-    with Recorder(path, flock) as recorder:
-        for _ in range(3):
-            recorder.write()
-            flock.run(1)
-    return pq.read_table(path)
 
 
 def told(table, **changes):

@@ -12,25 +12,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from agents import Flock, part_stream
-from agents.record import KEY, Recorder
+from agents import part_stream
+from agents.record import KEY
 from app.live.recording.record import TABLES
 from app.live.recording.recovery import recover as recover_tables
 from app.live.recording.stream import LONGEST, Stream
 from cli.calling import call, refusal
 from worlds.refusal import Refusal
-
-
-@pytest.fixture(scope="module")
-def table(tmp_path_factory):
-    """A recording of three ticks of five agents."""
-    path = tmp_path_factory.mktemp("sound") / "run.parquet"
-    flock = Flock("vem", agents=5, rng=1)
-    with Recorder(path, flock) as recorder:
-        for _ in range(3):
-            recorder.write()
-            flock.run(1)
-    return pq.read_table(path)
 
 
 def left(folder, table, **more):
