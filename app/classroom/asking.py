@@ -128,6 +128,8 @@ class Asking:
             raise Refusal("no question has been asked")
         question, scene = self.latest.question, self.scene.spec
         name: str = await self.have(self.sweeping, "begin_curve", question, scene)
+        if self.latest.question is not question:
+            return f"the sweep {name} has begun, for the question before: its curve is not shown"
         if self.curves is not None:
             self.curves.cancel()
         self.curves = asyncio.create_task(self.follow(name, question, scene))

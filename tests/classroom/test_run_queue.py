@@ -274,3 +274,34 @@ def test_the_teacher_sees_whose_run_was_ended_and_why(tmp_path):
             "waits 10 s before the next",
         }
         assert "is not kept" not in ours.stop()
+
+
+def test_a_curve_that_begins_late_is_not_shown_with_the_next_question(tmp_path):
+    async def late():
+        asking = Asking(tmp_path / "results")
+        begun = asyncio.Event()
+        asked: list[str] = []
+
+        async def have(_process, what, *_):
+            asked.append(what)
+            if what == "begin_curve":
+                await begun.wait()
+                return "vem-eta"
+            return None
+
+        asking.have = have
+        try:
+            scene = SavedScene("A class", SCENE)
+            await asking.ask(ASKED, scene)
+            made = asyncio.create_task(asking.make_curve())
+            while "begin_curve" not in asked:
+                await asyncio.sleep(0)
+            await asking.ask(ASKED, scene)
+            followed = asking.curves
+            begun.set()
+            assert (await made).endswith("for the question before: its curve is not shown")
+            assert asking.curves is followed
+        finally:
+            await asking.close()
+
+    asyncio.run(late())
