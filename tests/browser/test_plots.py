@@ -8,7 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
+from viser import uplot
 
+from app.viewer.lab.panels.plots.overlay import COLOURS
+from app.viewer.panels.chart import Curve, Shown
 from tests.viewer.waiting import until
 
 LARGE = ".mantine-Modal-content"
@@ -96,3 +99,24 @@ def test_a_plot_and_the_numbers_are_taken_along(measured, laboratory):
         page.get_by_role("button", name="CSV", exact=True).last.click()
     numbers = pd.read_csv(download.value.path(), index_col="name")
     assert numbers.value["polarisation"] == laboratory.simulation.readings.values["polarisation"]
+
+
+def drawn(plot, colour: str) -> int:
+    """Pixels of a colour in a plot, as the browser shows it."""
+    picture = plot.page.screenshot(clip=plot.bounding_box())  # the page may make it anew meanwhile
+    shown = np.array(Image.open(io.BytesIO(picture)).convert("RGB"), int)
+    wanted = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    return int((np.abs(shown - wanted).max(axis=-1) < 40).sum())
+
+
+def test_a_plot_whose_axis_follows_its_values_shows_its_curve(measured, laboratory):
+    """One without marks, and beside a curve without values: the axis has ends nevertheless."""
+    plot = measured.page.locator(".u-wrap").nth(1)
+    plot.scroll_into_view_if_needed()
+    until(lambda: drawn(plot, COLOURS[0]) > 60)
+    chart = laboratory.plots.charts[1].plot.chart
+    values = np.linspace(2.0, 7.0, 50)
+    curves = Curve(COLOURS[0], values, "some"), Curve(COLOURS[1], np.full(50, np.nan), "none")
+    chart.show(Shown("", np.arange(50.0), curves, ("tick", "both"), uplot.Scale(range=(0.0, None))))
+    until(lambda: drawn(plot, COLOURS[0]) > 60)
+    assert drawn(plot, COLOURS[1]) == 0

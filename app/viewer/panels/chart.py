@@ -173,6 +173,7 @@ def series(
     """How a curve is drawn."""
     if dots:
         shape: Any = {"show": True, "size": DOT, "fill": colour, "width": 0}
-        return uplot.Series(label=label, stroke=colour, width=0, points=shape)
+        # They lie on curves. Without one of them uPlot would find no end of the axis.
+        return uplot.Series(label=label, stroke=colour, width=0, points=shape, auto=False)
     more: Any = {"dash": dash} if dash else {}
     return uplot.Series(label=label, stroke=colour, width=width, points={"show": False}, **more)
