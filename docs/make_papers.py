@@ -28,7 +28,8 @@ COUNTED = re.compile(r"(?<=<!-- counted by docs/make_papers.py -->\n).*?(?=\n<!-
 KEPT = ("name", "title", "source", "claims")
 ROW = (
     *("label", "agents", "parameter", "value", "against", "at", "way", "tick"),
-    *("measure", "unit", "commonest", "runs", "absent", "mean", "least", "most", "published_mean"),
+    *("measure", "unit", "commonest", "runs", "absent", "limit", "mean", "least", "most"),
+    "published_mean",
     *("verdict", "needed", "because", "difference_low99", "difference_high99"),
     *("z", "d", "expected", "why"),
 )
@@ -37,6 +38,7 @@ WIDTH = 118
 """Of a line of text."""
 MOST_ROWS = 40
 """Rows beyond which a table is left to the picture."""
+GIVEN_UP = "≥: some runs were given up, and count as the time at which that was."
 SIGNS = {"holds": "holds", "does not hold": "**does not hold**", "differs": "**differs**"}
 
 
@@ -218,10 +220,18 @@ def compared_table(rows: list[dict[str, Any]]) -> str:
             verdict += f", about {row['needed']} runs would decide"
         elif row.get("because"):
             verdict += f": {row['because']}"
-        numbers = (row["mean"], row["published_mean"])
-        cells = [n, of, row["measure"], str(row["runs"]), *(plain(one) for one in numbers), between]
+        mean = at_least(row) + plain(row["mean"])
+        cells = [
+            n,
+            of,
+            row["measure"],
+            str(row["runs"]),
+            mean,
+            plain(row["published_mean"]),
+            between,
+        ]
         lines.append("| " + " | ".join([*cells, plain(row["z"]), plain(row["d"]), verdict]) + " |")
-    return "\n".join(lines)
+    return with_sign("\n".join(lines))
 
 
 def measured_table(rows: list[dict[str, Any]]) -> str:
@@ -236,7 +246,17 @@ def measured_table(rows: list[dict[str, Any]]) -> str:
         runs = max(row["runs"] + row["absent"] for row in found.values())
         cells = [mean_of(found.get(name)) for name, _ in measures]
         lines.append(f"| {n} | {of} | {runs} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+    return with_sign("\n".join(lines))
+
+
+def at_least(row: dict[str, Any]) -> str:
+    """The sign before a mean of which runs that were given up are a part."""
+    return "≥ " if row.get("limit") is not None else ""
+
+
+def with_sign(table: str) -> str:
+    """A table, and what the sign in it means."""
+    return f"{table}\n\n{GIVEN_UP}" if "≥" in table else table
 
 
 def mean_of(row: dict[str, Any] | None) -> str:
@@ -245,9 +265,10 @@ def mean_of(row: dict[str, Any] | None) -> str:
         return ""
     if row.get("commonest"):
         return str(row["commonest"])
+    sign = at_least(row)
     if row["least"] == row["most"]:
-        return plain(row["mean"])
-    return f"{plain(row['mean'])} ({plain(row['least'])} to {plain(row['most'])})"
+        return sign + plain(row["mean"])
+    return f"{sign}{plain(row['mean'])} ({plain(row['least'])} to {sign}{plain(row['most'])})"
 
 
 def said(claim: dict[str, Any]) -> str:
