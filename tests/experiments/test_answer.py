@@ -23,6 +23,7 @@ from app.experiments.verdicts.answer import (
 )
 from app.experiments.verdicts.comparison import compare
 from app.experiments.verdicts.judge import RunRanges, ranges_of, share_interval
+from app.experiments.verdicts.statistics import summary
 from app.experiments.verdicts.verdict import ranges_of_runs
 
 FEW = Answer("undecided", 5)
@@ -151,6 +152,18 @@ def test_a_rare_failure_that_few_runs_cannot_show_may_lie_beside_a_published_mea
     assert few.interval[0] < -10.0
     assert few.needed is not None
     assert beside(few.needed).word == "differs"
+
+
+def test_a_run_without_a_value_is_no_0_and_was_not_given_up():
+    """All that is known of it are the bounds of the measure: of a share, 0 to 1."""
+    least, most = np.array([0.9] * 9 + [0.0]), np.array([0.9] * 9 + [1.0])
+    values = RunRanges(least, most, (0.0, 1.0))
+    found = summary(values)
+    assert (found.runs, found.absent, found.limit) == (9, 1, None)
+    assert found.mean == pytest.approx(0.9)
+    assert compare(values, Published(mean=0.88)).why == "1 of 10 runs without a value"
+    limited = summary(RunRanges(np.array([3.0, 8.0]), np.array([3.0, math.inf]), (0.0, math.inf)))
+    assert (limited.mean, limited.limit) == (5.5, 8.0)
 
 
 def test_a_distance_that_is_rarely_0_is_bounded_above_as_any_other():

@@ -18,7 +18,6 @@ from app.experiments.verdicts.judge import (
     likely_interval,
     share_interval,
 )
-from worlds.counting import counted
 
 NEARLY_ALL = 0.9
 """No number of runs shows that something is so in every run: it is taken to be so if no run breaks
@@ -111,7 +110,7 @@ def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) 
     if found != "undecided":
         return Answer(found, p=p)
     if values.open_runs:
-        return Answer(found, why=f"{values.open_runs} of {counted(values.runs, 'run')} given up")
+        return Answer(found, why=values.open_words)
     confidence = 1.0 - (1.0 - CONFIDENCE) / of
 
     def decides(runs: int) -> bool:

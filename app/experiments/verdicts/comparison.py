@@ -228,7 +228,7 @@ def what_lacks(
 ) -> tuple[int | None, str]:
     """Runs that would decide a comparison, about, or else what keeps it undecided."""
     if values.open_runs:
-        return None, f"{values.open_runs} of {counted(values.runs, 'run')} given up"
+        return None, values.open_words
     if values.are_equal and not values.binary:
         return None, "all runs are equal"
 

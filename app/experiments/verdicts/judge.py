@@ -26,6 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from worlds.counting import counted
+
 CONFIDENCE = 0.99
 """Of a word that is said of one claim alone."""
 INTERVAL_CONFIDENCE = 0.95
@@ -309,6 +311,21 @@ class RunRanges:
     def estimate(self) -> MeanEstimate:
         """The mean of the least values, finite ones."""
         return estimate_mean(self.least, self.scale)
+
+    @property
+    def are_limited(self) -> bool:
+        """Whether there are open runs, and of each it is known how long it lasted at least.
+
+        Of a run without a value no more is known than the bounds of the measure.
+        """
+        least = self.least[self.least != self.most]
+        return bool(least.size) and bool((np.isfinite(least) & (least > self.bounds[0])).all())
+
+    @property
+    def open_words(self) -> str:
+        """How many runs are open, and why."""
+        how = "given up" if self.are_limited else "without a value"
+        return f"{self.open_runs} of {counted(self.runs, 'run')} {how}"
 
     @property
     def are_equal(self) -> bool:

@@ -53,8 +53,7 @@ def summary(values: RunRanges) -> Summary:
     """
     ended = values.least == values.most
     absent = values.runs - int(ended.sum())
-    limits = values.least[~ended]
-    is_limited = bool(absent) and bool(np.isfinite(limits).all())
+    is_limited = values.are_limited
     there = values.least if is_limited else values.least[ended]
     nan = math.nan
     if there.size == 0:
@@ -64,7 +63,7 @@ def summary(values: RunRanges) -> Summary:
     return Summary(
         int(ended.sum()),
         absent,
-        float(limits.max()) if is_limited else None,
+        float(values.least[~ended].max()) if is_limited else None,
         float(there.mean()),
         float(there.std(ddof=1)) if there.size > 1 and not is_limited else nan,
         (low, middle, high),
