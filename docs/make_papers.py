@@ -4,9 +4,9 @@
     uv run python docs/make_papers.py [results/all.json ...]
 
 With files, of all papers or of one, their results are stored beside the text first, as
-`docs/papers/NAME.json`, and the pictures that they name with them; words that are others than those
-stored before are noted in `docs/papers/changed.json`. A line `{NAME}` of the text becomes the table
-and the claims of that experiment, `{judge}` what `benchmarks/judge.py --json` has printed into
+`docs/papers/NAME.json`, and the pictures that they name with them. A line `{NAME}` of the text
+becomes the table and the claims of that experiment, `{changed}` the words that are others than in
+`docs/papers/before.json`, `{judge}` what `benchmarks/judge.py --json` has printed into
 `docs/papers/judge.json`. A test holds the pages against all of them.
 """
 
@@ -22,7 +22,8 @@ from typing import Any
 
 HERE = Path(__file__).parent / "papers"
 TEXT, PAGE = HERE / "papers.md.in", HERE.parent / "papers.md"
-README, CHANGED = HERE.parents[1] / "README.md", HERE / "changed.json"
+README, BEFORE = HERE.parents[1] / "README.md", HERE / "before.json"
+"""BEFORE: the words by Student's t alone, by experiment and by what they were said of."""
 COUNTED = re.compile(r"(?<=<!-- counted by docs/make_papers.py -->\n).*?(?=\n<!-- -->)", re.S)
 """Where README.md says how many rows agree."""
 KEPT = ("name", "title", "source", "claims")
@@ -53,32 +54,14 @@ def main() -> None:
 
 
 def store(outcome: dict[str, Any]) -> None:
-    """Keep an outcome, what it says otherwise than before, and its picture where it is shown."""
+    """Keep an outcome, and its picture where it is shown."""
     kept = {key: outcome[key] for key in KEPT}
     kept["rows"] = [{key: row[key] for key in ROW if key in row} for row in outcome["rows"]]
     path = HERE / f"{outcome['name']}.json"
-    if path.exists():
-        before = json.loads(path.read_text(encoding="utf-8"))
-        if is_old(before):
-            note_changes(kept, before)
     path.write_text(json.dumps(kept, separators=(",", ":")) + "\n", encoding="utf-8")
     picture = outcome["files"].get("png")
     if picture and f"papers/{Path(picture).name})" in TEXT.read_text(encoding="utf-8"):
         shutil.copyfile(picture, HERE / Path(picture).name)
-
-
-def note_changes(now: dict[str, Any], before: dict[str, Any]) -> None:
-    """Note words that are others than those stored before."""
-    old, new = words_of(before), words_of(now)
-    found = json.loads(CHANGED.read_text(encoding="utf-8")) if CHANGED.exists() else {}
-    lines = [
-        f"{what}: {old[what]} before, now {word}"
-        for what, word in new.items()
-        if old.get(what, word) != word
-    ]
-    if lines:
-        found[now["name"]] = lines
-        CHANGED.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
 def words_of(outcome: dict[str, Any]) -> dict[str, str]:
@@ -136,24 +119,16 @@ def count_words(rows: list[dict[str, Any]]) -> str:
 
 
 def changed_list() -> str:
-    """The words that changed, by experiment, and the experiments that are still to be judged."""
-    found = json.loads(CHANGED.read_text(encoding="utf-8")) if CHANGED.exists() else {}
-    lines = [f"- `{name}`: {one}" for name, changed in sorted(found.items()) for one in changed]
-    old = [
-        path.stem
-        for path in sorted(HERE.glob("*.json"))
-        if is_old(json.loads(path.read_text(encoding="utf-8")))
-    ]
-    if old:
-        said = f"Still of the rule before, and made anew with their next runs: {', '.join(old)}."
-        lines += ["", fill(said, WIDTH, break_on_hyphens=False)]
-    return "\n".join(lines).strip()
-
-
-def is_old(outcome: dict[str, Any]) -> bool:
-    """Whether a stored result is judged by the rule before, which gave no reasons."""
-    judged = [row for row in outcome.get("rows", []) if row.get("verdict")]
-    return any("because" not in one for one in [*judged, *outcome.get("claims", [])])
+    """The words that are others than by the rule before, by experiment."""
+    lines = []
+    for name, before in json.loads(BEFORE.read_text(encoding="utf-8")).items():
+        now = words_of(json.loads((HERE / f"{name}.json").read_text(encoding="utf-8")))
+        lines += [
+            f"- `{name}`: {what}: {word} before, now {now[what]}"
+            for what, word in before.items()
+            if now.get(what, word) != word
+        ]
+    return "\n".join(lines)
 
 
 def judge_table() -> str:
