@@ -1,6 +1,7 @@
 """Sources that behave, hang, fail or die, for the tests of the feed."""
 
 import ctypes
+import math
 import os
 import signal
 import time
@@ -17,6 +18,7 @@ class Stub:
     how: str = "steady"
     count: int = 1_000_000
     name: str = "stub"
+    longest_gap: float = math.inf
 
     def describe(self):
         return f"stub that is {self.how}"

@@ -218,6 +218,17 @@ def test_a_source_that_is_silent_for_long_is_left_alone(monkeypatch):
         assert (feed.state, feed.trouble) == ("streaming", "")
 
 
+def test_a_source_whose_frames_have_stopped_for_too_long_is_opened_again():
+    with Feed(Stub("hung between frames", longest_gap=0.5)) as feed:
+        hung = feed.process_id
+        until(lambda: bool(feed.trouble), WITHIN)
+        assert feed.trouble == (
+            "stub that is hung between frames: no frame for 0.5 s; it is opened again in 1 s"
+        )
+        until(lambda: feed.latest().number >= 5, WITHIN)
+        assert gone(hung)
+
+
 def test_a_source_that_waits_to_be_opened_again_is_closed_at_once(monkeypatch):
     monkeypatch.setattr(feed_module, "PAUSE", 600.0)
     feed = Feed(Stub("killed"))

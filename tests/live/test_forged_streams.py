@@ -16,6 +16,7 @@ import pytest
 from app.live.control.pose import Pose
 from app.live.sources.feed import Feed
 from app.live.sources.mocap import MotionCapture
+from tests.live import vicon_emulator as vicon
 from tests.live import vrpn_emulator as vrpn
 from tests.live.armed_loop import WITHIN, ArmedLoop
 from tests.live.qualisys_emulator import (
@@ -30,6 +31,7 @@ from tests.live.qualisys_emulator import (
     packet,
     turned,
 )
+from tests.live.vicon_emulator import ViconEmulator
 from tests.live.vrpn_emulator import NAMES_SENDER, NAMES_TYPE, VrpnEmulator, message, naming, pose
 from tests.live.waiting import until
 
@@ -97,6 +99,57 @@ VRPN = {
     "a log": message(-4, 3, b"/dev/null\0/dev/null\0"),
     "a disconnection": message(-5, 0, b""),
 }
+
+RED_NAMED = vicon.subject(0, b"red")
+VICON = {
+    "random": CHANCE.randbytes(4096),
+    "zeros": b"\0" * 4096,
+    "4 GB long": vicon.block(vicon.OBJECTS, b"x" * 64, 0xFFFFFFFF),
+    "2 GB long": vicon.block(vicon.OBJECTS, b"x" * 64, 0x7FFFFFFF),
+    "of another type": vicon.block(99, b"x" * 64),
+    "of no block": vicon.block(vicon.OBJECTS, b""),
+    "half a block": vicon.block(vicon.OBJECTS, b"\5\0\0"),
+    "a block longer than it is": vicon.frame(1, vicon.block(vicon.FRAME_INFO, b"", 0x7FFFFFFF)),
+    "a block of length 4 GB": vicon.frame(1, vicon.block(vicon.FRAME_INFO, b"", 0xFFFFFFFF)),
+    "subjects without end": vicon.frame(1, vicon.block(vicon.SUBJECT_INFO, b"\xff" * 64)),
+    "a name of 4 GB": vicon.frame(
+        1, vicon.block(vicon.SUBJECT_INFO, b"\0" * 4 + vicon.string(b"x", 0xFFFFFFFF))
+    ),
+    "segments without end": vicon.frame(1, vicon.subject(0, b"red", vicon.vector([], 0xFFFFFFFF))),
+    "poses without end": vicon.frame(
+        1, RED_NAMED, vicon.pose(0, (0.0, 0.0, 0.0, 0.0), vicon.vector([], 0xFFFFFFFF))
+    ),
+    "no segment": vicon.frame(1, vicon.subject(0, b"red", vicon.vector([]))),
+    "hidden": vicon.frame(1, RED_NAMED),
+    "of nobody": vicon.frame(1, vicon.pose(7, (0.0, 0.0, 0.0, 0.0))),
+    "twice the same name": vicon.frame(
+        1, RED_NAMED, vicon.subject(1, b"red"), vicon.pose(1, (9.0, 9.0, 0.0, 0.0))
+    ),
+    "10000 names": vicon.frame(1, *(vicon.subject(k, b"n%d" % k) for k in range(10_000))),
+    "a name that is no text": vicon.frame(
+        1, vicon.subject(5, b"\xff\xfe\0"), vicon.pose(5, (0.0, 0.0, 0.0, 0.0))
+    ),
+    "a name for the terminal": vicon.frame(
+        1, vicon.subject(5, b"\x1b]0;evil\x07"), vicon.pose(5, (0.0, 0.0, 0.0, 0.0))
+    ),
+    "no number": vicon.frame(1, RED_NAMED, vicon.pose(0, (NAN, NAN, NAN, NAN))),
+    "no angle": vicon.frame(1, RED_NAMED, vicon.pose(0, (0.0, 0.0, 0.0, NAN))),
+    "infinite": vicon.frame(1, RED_NAMED, vicon.pose(0, (math.inf, 0.0, 0.0, 0.0))),
+    "unchanged, of nothing": vicon.block(
+        vicon.OBJECTS,
+        vicon.block(
+            vicon.CONTENTS,
+            vicon.vector([]) + vicon.vector([struct.pack("<I", k) for k in (2, 5, 9, 43)]),
+        )
+        + vicon.block(vicon.FRAME_INFO, b"\1\0\0\0"),
+    ),
+}
+
+
+def server_of_vicon():
+    return ViconEmulator(
+        {"red": (RED.x, RED.y, 0.05, RED.yaw), "blue": (BLUE.x, BLUE.y, 0.05, BLUE.yaw)}
+    )
 
 
 def qualisys():
@@ -166,6 +219,39 @@ def test_a_forged_vrpn_stream_harms_nothing_but_its_own_process(attack, capfd):
     assert (shown.out, shown.err) == ("", "")
 
 
+@pytest.mark.parametrize("attack", VICON)
+def test_a_forged_vicon_stream_harms_nothing_but_its_own_process(attack, capfd):
+    with (
+        server_of_vicon() as server,
+        Feed(MotionCapture("vicon", server.host)) as feed,
+        ArmedLoop(feed) as armed,
+    ):
+        for _ in range(5):
+            server.forge(VICON[attack])
+            armed.ticks(3)
+        demand_unharmed(armed, feed)
+        server.flowing.clear()
+        until(lambda: not armed.runs, WITHIN)
+        armed.ticks(5)
+        assert not armed.runs
+    shown = capfd.readouterr()
+    assert (shown.out, shown.err) == ("", "")
+
+
+def test_a_vicon_server_that_hangs_up_stops_the_cars_and_is_asked_again():
+    with (
+        server_of_vicon() as server,
+        Feed(MotionCapture("vicon", server.host, longest_gap=1.0)) as feed,
+        ArmedLoop(feed) as armed,
+    ):
+        server.hang_up()
+        until(lambda: "no frame for 1 s; it is opened again in 1 s" in feed.trouble, WITHIN)
+        assert not armed.runs
+        until(lambda: not feed.trouble, WITHIN)  # its frames come again
+        armed.ticks(5)
+        assert not armed.runs  # until somebody arms
+
+
 def test_a_stranger_in_between_is_passed_over_and_its_name_reaches_no_terminal(capfd):
     with (
         server_of_vrpn() as server,
@@ -182,13 +268,17 @@ def test_a_stranger_in_between_is_passed_over_and_its_name_reaches_no_terminal(c
     assert "evil" not in "".join(capfd.readouterr())
 
 
-@pytest.mark.parametrize("system", ["qualisys", "vrpn"])
+@pytest.mark.parametrize("system", ["qualisys", "vrpn", "vicon"])
 def test_cars_that_are_forged_elsewhere_are_not_believed_and_alone_they_stop_all(system):
-    server = qualisys() if system == "qualisys" else server_of_vrpn()
+    server = {"qualisys": qualisys, "vrpn": server_of_vrpn, "vicon": server_of_vicon}[system]()
 
     def forge():
         if isinstance(server, QualisysEmulator):
             server.forge(frame(1, [turned(-2.0, -2.0, 0.0), turned(2.0, 2.0, 0.0)]))
+        elif isinstance(server, ViconEmulator):
+            here, there = (-2.0, -2.0, 0.05, 0.0), (2.0, 2.0, 0.05, 0.0)
+            named = (RED_NAMED, vicon.subject(1, b"blue"))
+            server.forge(vicon.frame(1, *named, vicon.pose(0, here), vicon.pose(1, there)))
         else:
             for sender in (0, 1):
                 server.say(pose(sender, ((-2.0, -2.0 + sender, 0.0), HERE)))
@@ -201,7 +291,7 @@ def test_cars_that_are_forged_elsewhere_are_not_believed_and_alone_they_stop_all
         if isinstance(server, QualisysEmulator):
             source = MotionCapture("qualisys", "127.0.0.1", options=server.options)
         else:
-            source = MotionCapture("vrpn", server.host)
+            source = MotionCapture(system, server.host)
         with Feed(source) as feed, ArmedLoop(feed) as armed:
             for _ in range(20):
                 forge()

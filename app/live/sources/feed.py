@@ -28,8 +28,8 @@ KEPT = 2048
 PAUSE, LONGEST_PAUSE = 1.0, 30.0
 """Seconds before a source is opened again: at first, and at most, doubled each time between."""
 SILENT = 10.0
-"""Seconds without frame or sign of life after which a child is ended: its library hangs, as some do
-on a forged count, or waits in vain for cameras, and then nothing is lost."""
+"""Seconds without frame or sign of life after which a child is ended: its library hangs and holds
+the interpreter, as some do on a forged count."""
 STEADY = 10.0
 """Seconds of frames after which the pauses begin again with the shortest."""
 
@@ -77,6 +77,8 @@ class Feed:
         """What is added to the numbers of this child's frames, so that they always rise."""
         self._began: float | None = None
         """When this child brought its first frame, s."""
+        self._newest = 0.0
+        """When this child brought its last frame, or else was connected, s."""
         self._pause = PAUSE
         self._open()
         self._reader = threading.Thread(target=self._read, name="feed", daemon=True)
@@ -230,11 +232,14 @@ class Feed:
                     if sighting.valid and sighting.pose is not None:
                         self._seen[sighting.name] = LastSeen(sighting.pose, frame.received)
                 self._frames.append(frame)
+                self._newest = time.monotonic()
                 self._state = "streaming"
                 self._arrived.set()
             case ("alive", _):
-                pass
+                if self._lives and self._state != "connecting":
+                    self._demand_frames()
             case ("connected", _):
+                self._newest = time.monotonic()
                 self._state = "waiting"
             case ("ended", _):
                 self._state = "ended"
@@ -247,6 +252,12 @@ class Feed:
         self._first_number = 0 if last is None else last.number + 1 - frame.number
         self._began = time.monotonic()
         self.trouble = ""
+
+    def _demand_frames(self) -> None:
+        """Have the source opened again if its frames have stopped for too long."""
+        if time.monotonic() - self._newest > self.source.longest_gap:
+            self._pause = PAUSE  # the wait for frames is pause enough
+            self._fail(f"no frame for {self.source.longest_gap:g} s")
 
     def _fail(self, text: str, crashed: bool = False) -> None:
         """Note what went wrong; whether it is opened again depends on how far it had come."""

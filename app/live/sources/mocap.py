@@ -60,6 +60,9 @@ class MotionCapture:
     host: str
     axes: Axes = field(default_factory=Axes)
     options: Mapping[str, str] = field(default_factory=dict)
+    longest_gap: float = 10.0
+    """Once the other end has hung up, as a server does that is begun anew, the library waits for
+    ever, some of it with a whole core; after cameras that were only paused nothing is lost."""
 
     def __post_init__(self) -> None:
         if self.name not in SYSTEMS:

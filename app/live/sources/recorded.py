@@ -45,6 +45,7 @@ class Recorded:
     """Of a table: the order of its quaternions, one of `ORDERS`; empty if it is not declared, and
     then they are read with w last."""
     name: str = "recorded"
+    longest_gap: float = math.inf
 
     def __post_init__(self) -> None:
         suffix = self.path.suffix.lower()

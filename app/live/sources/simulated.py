@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -42,6 +43,7 @@ class Simulated:
     """Frames per second."""
     title: str = "simulated cars"
     name: str = "simulated"
+    longest_gap: float = math.inf
 
     def __post_init__(self) -> None:
         if not 1.0 <= self.rate <= 1000.0:

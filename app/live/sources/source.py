@@ -20,6 +20,12 @@ class Source(Protocol):
         """Its kind, e.g. "optitrack"."""
         ...
 
+    @property
+    def longest_gap(self) -> float:
+        """Seconds without a frame after which its connection is taken for lost, and opened again;
+        infinite where frames may lie as far apart as they like, as in a recording."""
+        ...
+
     def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Connect, then return what gives the frames as they come.
 
