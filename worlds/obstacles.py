@@ -7,8 +7,9 @@ A flat shape stands on the plan of the world. In three dimensions it is a prism 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 import shapely
@@ -46,8 +47,42 @@ def distinct(points: tuple[Point, ...]) -> tuple[Point, ...]:
 Corners = Annotated[tuple[Point, ...], Field(min_length=3), AfterValidator(distinct)]
 
 
+@dataclass(frozen=True, slots=True)
+class Similarity:
+    """A change that keeps shapes: turned and scaled on the plan about a point, then shifted.
+
+    Heights are shifted and never scaled.
+    """
+
+    about: tuple[float, float] = (0.0, 0.0)
+    degrees: float = 0.0
+    """Anticlockwise."""
+    factor: float = 1.0
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def point(self, at: Sequence[float]) -> Any:
+        """Where a place (2,) or (3,) comes to lie."""
+        x, y = at[0], at[1]
+        if self.degrees or self.factor != 1.0:  # what is only shifted keeps every bit
+            c, s = (self.factor * part for part in turn(self.degrees))
+            dx, dy = x - self.about[0], y - self.about[1]
+            x, y = self.about[0] + c * dx - s * dy, self.about[1] + s * dx + c * dy
+        return x + self.shift[0], y + self.shift[1], *(z + self.shift[2] for z in at[2:])
+
+    def rings(self, shape: Polygon | Prism) -> dict[str, Any]:
+        """Points and holes, where they come to lie."""
+        return {
+            "points": tuple(self.point(at) for at in shape.points),
+            "holes": tuple(tuple(self.point(at) for at in hole) for hole in shape.holes),
+        }
+
+
 class Shape(BaseModel):
-    """What all obstacles have in common."""
+    """What all obstacles have in common.
+
+    A new shape says what it is made of (`spans` or `spheres`) and how it is placed anew
+    (`_placed`). It joins `Obstacle` at the end of this file; nothing else knows its name.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
     name: str = ""
@@ -74,13 +109,64 @@ class Shape(BaseModel):
         """Its outline on the plan."""
         return shapely.union_all([outline for outline, _, _ in self.spans()])
 
-    def moved(self, dx: float, dy: float, dz: float = 0.0) -> Self:
-        """The same obstacle, shifted (length)."""
-        return self.model_copy(update=self._shifted(dx, dy, dz))
+    def changed(self, change: Similarity) -> Any:
+        """The obstacle as a change makes it; it may be of another shape then."""
+        return self.model_copy(update=self._placed(change))
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        """The fields that a shift changes."""
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        """The fields that a change changes."""
         raise NotImplementedError
+
+    def moved(self, dx: float, dy: float, dz: float = 0.0) -> Any:
+        """The same obstacle, shifted (length)."""
+        return self.changed(Similarity(shift=(dx, dy, dz)))
+
+    def turned(self, degrees: float) -> Any:
+        """The obstacle turned anticlockwise about its anchor."""
+        if degrees % 360.0 == 0.0:
+            return self
+        return self.changed(Similarity(self.anchor, degrees))
+
+    @property
+    def anchor(self) -> tuple[float, float]:
+        """The point on the plan about which it turns and by which it is taken."""
+        centre = getattr(self, "centre", None)
+        if centre is None:
+            middle = shapely.centroid(self.footprint())
+            centre = middle.x, middle.y
+        return float(centre[0]), float(centre[1])
+
+    @property
+    def extent(self) -> float:
+        """The longer side of its bounds on the plan, length."""
+        x, y, u, v = self.footprint().bounds
+        return float(max(u - x, v - y))
+
+    def handle_height(self, height: float, /) -> float:
+        """The height at which it is taken, in a world of this height, length."""
+        return max((height if top is None else top for _, _, top in self.spans()), default=0.0)
+
+    def measures(self) -> dict[str, float]:
+        """What of its size can be changed: name -> length, and `turn` in degrees."""
+        return {"size": self.extent}
+
+    def resized(self, **wanted: float) -> Any:
+        """The obstacle with other measures, about its anchor.
+
+        Raises Refusal for a measure that it does not have.
+        """
+        now = self.measures()
+        for name in wanted:
+            if name not in now:
+                kind = getattr(self, "shape", "obstacle")
+                raise Refusal(f"a {kind} has no {name} (known: {', '.join(now)})")
+        return self._resized(now | wanted)
+
+    def _resized(self, measures: dict[str, float]) -> Any:
+        """The obstacle with these measures, all of them."""
+        if "radius" in measures:
+            return self.model_copy(update={"radius": measures["radius"]})
+        return self.changed(Similarity(self.anchor, factor=measures["size"] / self.extent))
 
 
 class Flat(Shape):
@@ -109,8 +195,14 @@ class Flat(Shape):
         """Its polygon on the plan."""
         return self.outline()
 
-    def _raised(self, dz: float) -> dict[str, Any]:
+    def _raised(self, change: Similarity) -> dict[str, Any]:
+        dz = change.shift[2]
         return {key: at + dz for key in ("bottom", "top") if (at := getattr(self, key)) is not None}
+
+    def _standing(self) -> dict[str, Any]:
+        """Name, bottom and top, as a rectangle takes them."""
+        ((_, bottom, top),) = self.spans()
+        return {"name": self.name, "bottom": bottom, "top": top}
 
 
 class Disc(Flat):
@@ -128,8 +220,13 @@ class Disc(Flat):
         """Its rim."""
         return [(self.centre, self.radius)]
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
+    def measures(self) -> dict[str, float]:
+        """Its radius."""
+        return {"radius": self.radius}
+
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        radius = change.factor * self.radius
+        return {"centre": change.point(self.centre), "radius": radius, **self._raised(change)}
 
 
 class Polygon(Flat):
@@ -143,8 +240,8 @@ class Polygon(Flat):
         """The polygon."""
         return shapely.Polygon(self.points, self.holes)
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {**shifted_rings(self, dx, dy), **self._raised(dz)}
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        return {**change.rings(self), **self._raised(change)}
 
 
 class Wall(Flat):
@@ -168,9 +265,28 @@ class Wall(Flat):
         aside = 0.5 * self.thickness * np.array([-along[1], along[0]])
         return shapely.Polygon([start - aside, end - aside, end + aside, start + aside])
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        ends = {"start": shifted(self.start, dx, dy), "end": shifted(self.end, dx, dy)}
-        return {**ends, **self._raised(dz)}
+    @property
+    def anchor(self) -> tuple[float, float]:
+        """The middle of its centre line."""
+        (x, y), (u, v) = self.start, self.end
+        return 0.5 * (x + u), 0.5 * (y + v)
+
+    def measures(self) -> dict[str, float]:
+        """Its sides, and its turn."""
+        (x, y), (u, v) = self.start, self.end
+        angle = math.degrees(math.atan2(v - y, u - x)) % 180.0
+        return {"width": math.hypot(u - x, v - y), "depth": self.thickness, "turn": angle}
+
+    def _resized(self, measures: dict[str, float]) -> Any:
+        return rectangle(self.anchor, *measures.values(), **self._standing())
+
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        return {
+            "start": change.point(self.start),
+            "end": change.point(self.end),
+            "thickness": change.factor * self.thickness,
+            **self._raised(change),
+        }
 
 
 class Ring(Flat):
@@ -197,8 +313,13 @@ class Ring(Flat):
         """Its outer rim, and its inner one."""
         return [(self.centre, self.radius), (self.centre, self.radius - self.width)]
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        return {
+            "centre": change.point(self.centre),
+            "radius": change.factor * self.radius,
+            "width": change.factor * self.width,
+            **self._raised(change),
+        }
 
 
 class CShape(Flat):
@@ -231,8 +352,14 @@ class CShape(Flat):
         turned = np.array([*lower, *upper]) @ np.array([[c, s], [-s, c]])
         return shapely.Polygon(turned + np.array(self.centre))
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {"centre": shifted(self.centre, dx, dy), **self._raised(dz)}
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        return {
+            "centre": change.point(self.centre),
+            "size": (change.factor * self.size[0], change.factor * self.size[1]),
+            "thickness": change.factor * self.thickness,
+            "opening": (self.opening + change.degrees) % 360.0 if change.degrees else self.opening,
+            **self._raised(change),
+        }
 
 
 class Sphere(Shape):
@@ -250,8 +377,16 @@ class Sphere(Shape):
         """Its projection on the plan."""
         return shapely.Polygon(circle(self.centre[:2], self.radius))
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {"centre": (*shifted(self.centre[:2], dx, dy), self.centre[2] + dz)}
+    def handle_height(self, _height: float, /) -> float:
+        """That of its centre."""
+        return self.centre[2]
+
+    def measures(self) -> dict[str, float]:
+        """Its radius."""
+        return {"radius": self.radius}
+
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        return {"centre": change.point(self.centre), "radius": change.factor * self.radius}
 
 
 class Box(Flat):
@@ -283,13 +418,31 @@ class Box(Flat):
             return [(self.outline(), self.low[2], self.high[2])]
         return super().spans()
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        by = (dx, dy, dz)
-        low, high = (
-            tuple(a + d for a, d in zip(corner, by, strict=False))
-            for corner in (self.low, self.high)
-        )
-        return {"low": low, "high": high, **self._raised(dz)}
+    @property
+    def anchor(self) -> tuple[float, float]:
+        """Its middle."""
+        (x, y), (u, v) = self.low[:2], self.high[:2]
+        return 0.5 * (x + u), 0.5 * (y + v)
+
+    def measures(self) -> dict[str, float]:
+        """Its sides; its turn is none."""
+        width, depth = (b - a for a, b in zip(self.low[:2], self.high[:2], strict=True))
+        return {"width": width, "depth": depth, "turn": 0.0}
+
+    def changed(self, change: Similarity) -> Any:
+        """The box as a change makes it; turned out of the axes it is a wall of the same sides."""
+        placed = super().changed(replace(change, degrees=0.0))
+        if change.degrees % 360.0 == 0.0:
+            return placed
+        measures = placed.measures() | {"turn": change.degrees}
+        return rectangle(change.point(self.anchor), *measures.values(), **placed._standing())
+
+    def _resized(self, measures: dict[str, float]) -> Any:
+        return rectangle(self.anchor, *measures.values(), **self._standing())
+
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        low, high = change.point(self.low), change.point(self.high)
+        return {"low": low, "high": high, **self._raised(change)}
 
 
 class Prism(Shape):
@@ -311,12 +464,9 @@ class Prism(Shape):
         """Itself."""
         return [(shapely.Polygon(self.points, self.holes), self.bottom, self.top)]
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {
-            **shifted_rings(self, dx, dy),
-            "bottom": self.bottom + dz,
-            "top": self.top + dz,
-        }
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        dz = change.shift[2]
+        return {**change.rings(self), "bottom": self.bottom + dz, "top": self.top + dz}
 
 
 class Union(Shape):
@@ -349,15 +499,15 @@ class Union(Shape):
         """The union of its parts' footprints."""
         return shapely.union_all([part.footprint() for part in self.parts])
 
-    def _shifted(self, dx: float, dy: float, dz: float) -> dict[str, Any]:
-        return {"parts": tuple(part.moved(dx, dy, dz) for part in self.parts)}
+    def _placed(self, change: Similarity) -> dict[str, Any]:
+        return {"parts": tuple(part.changed(change) for part in self.parts)}
 
 
 Obstacle = Annotated[
     Disc | Polygon | Wall | Ring | CShape | Sphere | Box | Prism | Union,
     Field(discriminator="shape"),
 ]
-SHAPES = ("disc", "polygon", "wall", "ring", "c", "sphere", "box", "prism", "union")
+SHAPES = {shape.model_fields["shape"].default: shape for shape in get_args(get_args(Obstacle)[0])}
 Union.model_rebuild()
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)
 
@@ -383,12 +533,26 @@ def obstacle(values: Mapping[str, Any], origin: str = "") -> Any:
         raise first_refusal(error, f"obstacle {label}", origin, SHAPES) from None
 
 
-def shifted_rings(shape: Polygon | Prism, dx: float, dy: float) -> dict[str, Any]:
-    """Points and holes, moved."""
-    return {
-        "points": tuple(shifted(point, dx, dy) for point in shape.points),
-        "holes": tuple(tuple(shifted(p, dx, dy) for p in hole) for hole in shape.holes),
-    }
+def rectangle(
+    at: Sequence[float], width: float, depth: float, turned: float = 0.0, **more: Any
+) -> Box | Wall:
+    """A rectangle about its centre `at`, turned anticlockwise by degrees.
+
+    Along the axes it is a `Box`; else it is a `Wall`, which keeps its sides.
+
+    >>> rectangle((2, 2), 4.0, 2.0).footprint().bounds
+    (0.0, 1.0, 4.0, 3.0)
+    """
+    x, y = float(at[0]), float(at[1])
+    if turned % 90.0 == 0.0:
+        if turned % 180.0:
+            width, depth = depth, width
+        low, high = (x - 0.5 * width, y - 0.5 * depth), (x + 0.5 * width, y + 0.5 * depth)
+        return obstacle({"shape": "box", "low": low, "high": high, **more})
+    c, s = turn(turned)
+    dx, dy = 0.5 * width * c, 0.5 * width * s
+    start, end = (x - dx, y - dy), (x + dx, y + dy)
+    return obstacle({"shape": "wall", "start": start, "end": end, "thickness": depth, **more})
 
 
 def circle(centre: tuple[float, float], radius: float) -> np.ndarray:
@@ -407,8 +571,3 @@ def turn(degrees: float) -> tuple[float, float]:
     for _ in range(int(quarter)):
         c, s = -s, c
     return c, s
-
-
-def shifted(point: tuple[float, float], dx: float, dy: float) -> tuple[float, float]:
-    """The point, moved."""
-    return point[0] + dx, point[1] + dy

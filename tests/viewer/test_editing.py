@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from app.viewer.editing import forms
 from app.viewer.editing.editor import MOST_OBSTACLES, STEPS, Editor, Gone
+from worlds import obstacles
 from worlds.layout import world_from_layout
 from worlds.mission import Goal, Mission, Path, StartRegion
-from worlds.obstacles import Box, CShape, Disc, Polygon, Ring, Sphere, Union, Wall
+from worlds.obstacles import Box, CShape, Disc, Polygon, Prism, Ring, Sphere, Union, Wall, rectangle
 from worlds.refusal import Refusal
 from worlds.world import World
 
@@ -29,6 +30,8 @@ SHAPES = [
     Ring(centre=(3.0, 3.0), radius=2.0, width=0.5),
     CShape(centre=(5.0, 5.0), size=(3.0, 4.0), thickness=0.5, opening=30.0),
     Union(parts=(Disc(centre=(3.0, 4.0), radius=1.0), Box(low=(1.0, 2.0), high=(4.0, 3.0)))),
+    Sphere(centre=(3.0, 4.0, 6.0), radius=1.0),
+    Prism(points=((0.0, 0.0), (4.0, 0.0), (4.0, 3.0)), bottom=1.0, top=2.0),
 ]
 
 
@@ -39,7 +42,7 @@ def names(editor: Editor) -> list[str]:
 def test_changes_give_new_worlds_and_leave_the_old_ones_alone():
     first = Editor.of(PLAIN)
     second = first.add(forms.disc((3, 4), 1.0))
-    third = second.add(forms.rectangle((5, 5), 2.0, 1.0))
+    third = second.add(rectangle((5, 5), 2.0, 1.0))
     assert [names(one) for one in (first, second, third)] == [[], ["disc"], ["disc", "box"]]
     assert first.world is PLAIN
     assert (third.world.name, third.world.title) == ("plain-edited", "plain (edited)")
@@ -115,6 +118,10 @@ def test_clearing_takes_everything_away_in_one_step():
     assert editor.clear().clear() == editor.clear()
 
 
+def test_every_shape_there_is_is_tried():
+    assert {one.shape for one in SHAPES} == set(obstacles.SHAPES)
+
+
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda one: one.shape)
 @settings(max_examples=25, deadline=None)
 @given(dx=st.floats(-9, 9), dy=st.floats(-9, 9), degrees=st.floats(-720, 720))
@@ -122,9 +129,11 @@ def test_a_move_is_a_turn_about_the_centre_and_a_shift(shape, dx, dy, degrees):
     """Against shapely's own rotation and translation of the outline."""
     from shapely import affinity
 
-    editor = Editor.of(World("w", (40.0, 40.0), ("open", "open"), obstacles=(shape,)))
+    solid = shape.shape in ("sphere", "prism")
+    size, edges = ((40.0,) * 3, ("open",) * 3) if solid else ((40.0,) * 2, ("open",) * 2)
+    editor = Editor.of(World("w", size, edges, obstacles=(shape,)))
     moved = editor.move(editor.newest, (dx, dy), degrees).world.obstacles[0].footprint()
-    expected = affinity.rotate(shape.footprint(), degrees, origin=forms.anchor(shape))
+    expected = affinity.rotate(shape.footprint(), degrees, origin=shape.anchor)
     expected = affinity.translate(expected, dx, dy)
     # A disc keeps its corners where they are, so that its polygon does not turn with it.
     assert shapely.area(shapely.symmetric_difference(moved, expected)) < 5e-3 * expected.area + 1e-9
@@ -132,28 +141,28 @@ def test_a_move_is_a_turn_about_the_centre_and_a_shift(shape, dx, dy, degrees):
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda one: one.shape)
 def test_twice_the_measures_are_four_times_the_area_about_the_same_centre(shape):
-    now = {k: v for k, v in forms.measures(shape).items() if k != "turn"}
-    larger = forms.resized(shape, **{name: 2.0 * value for name, value in now.items()})
+    now = {k: v for k, v in shape.measures().items() if k != "turn"}
+    larger = shape.resized(**{name: 2.0 * value for name, value in now.items()})
     assert larger.footprint().area == pytest.approx(4.0 * shape.footprint().area)
-    np.testing.assert_allclose(forms.anchor(larger), forms.anchor(shape), atol=1e-9)
+    np.testing.assert_allclose(larger.anchor, shape.anchor, atol=1e-9)
     for name, value in now.items():
-        assert forms.measures(larger)[name] == pytest.approx(2.0 * value)
+        assert larger.measures()[name] == pytest.approx(2.0 * value)
 
 
 def test_a_box_keeps_its_sides_when_it_is_turned_and_is_a_box_again_at_right_angles():
-    box = forms.rectangle((5, 5), 4.0, 2.0)
-    wall = forms.turned(box, 30.0)
+    box = rectangle((5, 5), 4.0, 2.0)
+    wall = box.turned(30.0)
     assert wall.shape == "wall"
-    assert forms.measures(wall) == pytest.approx({"width": 4.0, "depth": 2.0, "turn": 30.0})
-    again = forms.resized(wall, turn=0.0)
+    assert wall.measures() == pytest.approx({"width": 4.0, "depth": 2.0, "turn": 30.0})
+    again = wall.resized(turn=0.0)
     assert again.shape == "box"
     assert again.footprint().bounds == pytest.approx(box.footprint().bounds)
-    assert forms.rectangle((5, 5), 4.0, 2.0, 90.0).footprint().bounds == (4.0, 3.0, 6.0, 7.0)
+    assert rectangle((5, 5), 4.0, 2.0, 90.0).footprint().bounds == (4.0, 3.0, 6.0, 7.0)
 
 
 def test_heights_stay_with_a_box_that_is_turned():
     box = Box(low=(0.0, 0.0, 1.0), high=(2.0, 1.0, 3.0), name="shelf")
-    turned = forms.turned(box, 45.0)
+    turned = box.turned(45.0)
     assert (turned.name, turned.bottom, turned.top) == ("shelf", 1.0, 3.0)
 
 
@@ -184,7 +193,7 @@ def test_a_corner_clicked_twice_counts_once_and_two_corners_are_no_polygon():
         (lambda e: e.add(forms.disc((3, 4), math.nan)), "obstacle disc: radius = nan"),
         (lambda e: e.add(forms.disc((math.inf, 4), 1.0)), "centre"),
         (lambda e: e.add(forms.disc((2100.0, 4), 1.0)), "obstacle disc is too far away"),
-        (lambda e: e.add(forms.rectangle((3, 4), -1.0, 1.0)), "high = .* is not above low"),
+        (lambda e: e.add(rectangle((3, 4), -1.0, 1.0)), "high = .* is not above low"),
         (lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)])), r"crosses itself at"),
         (lambda e: e.add(forms.polygon([(0, 0), (1, 1), (2, 2)])), "polygon 2 has no area"),
         (lambda e: e.move(e.newest, (math.nan, 0.0)), "cannot be moved by"),
@@ -301,6 +310,6 @@ def test_any_order_of_changes_gives_a_sound_world_or_a_refusal(operations):
 
 
 def test_an_edited_world_goes_home_as_a_layout_and_comes_back():
-    editor = Editor.of(MISSION).add(forms.rectangle((5, 5), 2.0, 1.0, 17.0))
+    editor = Editor.of(MISSION).add(rectangle((5, 5), 2.0, 1.0, 17.0))
     world = editor.add(forms.polygon([(7, 7), (9, 7), (8, 9)])).world
     assert world_from_layout(world.to_layout(), world.name) == world

@@ -15,6 +15,7 @@ from app.viewer.run.home import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
+from worlds.obstacles import rectangle
 from worlds.queries.clearance import clearance
 from worlds.refusal import Refusal
 from worlds.world import World
@@ -108,7 +109,7 @@ def test_a_world_without_room_for_the_agents_is_refused(simulation):
     flock = simulation.run.flock
     before = flock.position.copy()
     with pytest.raises(Refusal, match="no free place would be left"):
-        simulation.edits.change(lambda e: e.add(forms.rectangle((5, 5), 20.0, 20.0))).result(5)
+        simulation.edits.change(lambda e: e.add(rectangle((5, 5), 20.0, 20.0))).result(5)
     assert flock.world is room
     np.testing.assert_array_equal(flock.position, before)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.viewer.editing.forms import demand_fitting, resized, turned
+from app.viewer.editing.forms import demand_fitting
 from worlds.checks import place_problems, shape_problems, start_problems
 from worlds.mission import Goal
 from worlds.refusal import Refusal
@@ -99,17 +99,17 @@ class Editor:
         shift = [*by, 0.0, 0.0, 0.0][:3]
         if not all(math.isfinite(number) for number in (*shift, degrees)):
             raise Refusal(f"an obstacle cannot be moved by {list(by)} and turned by {degrees}")
-        obstacle = turned(self.before(gesture).obstacle(key), degrees)
+        obstacle = self.before(gesture).obstacle(key).turned(degrees)
         if self.world.dim == 2 or not has_heights(obstacle):
             shift[2] = 0.0
         return self.exchange(key, obstacle.moved(*shift), gesture)
 
     def resize(self, key: int, gesture: str = "", **measures: float) -> Editor:
-        """An obstacle with other measures, see `forms.measures`."""
+        """An obstacle with other measures, see `Shape.measures`."""
         for name, value in measures.items():
             if not math.isfinite(value):
                 raise Refusal(f"{name} = {value} is not a number")
-        obstacle = resized(self.before(gesture).obstacle(key), **measures)
+        obstacle = self.before(gesture).obstacle(key).resized(**measures)
         demand_fitting(obstacle, self.world)
         return self.exchange(key, obstacle, gesture)
 

@@ -29,6 +29,7 @@ from app.viewer.run.simulation import Simulation
 from app.viewer.scene.marks.hands.handles import Drag, Marks
 from app.viewer.scene.marks.world.obstacles import drawn_height
 from app.viewer.web.values import show
+from worlds.obstacles import rectangle
 from worlds.world import World
 
 CLOSE = 0.02
@@ -102,7 +103,7 @@ class WorldPanel(WorldControls):
             width, depth, turn = (
                 float(self.sliders[name].value) for name in ("width", "depth", "turn")
             )
-            self.add(lambda: forms.rectangle(place, width, depth, turn))
+            self.add(lambda: rectangle(place, width, depth, turn))
         return True
 
     def select_at(self, origin: np.ndarray, direction: np.ndarray) -> None:
@@ -199,7 +200,7 @@ class WorldPanel(WorldControls):
 
         async def on_update(event: viser.GuiEvent) -> None:
             obstacle, key = self.obstacle, self.selected
-            if event.client is None or obstacle is None or name not in forms.measures(obstacle):
+            if event.client is None or obstacle is None or name not in obstacle.measures():
                 return
             now = time.monotonic()
             self.slide += now - self.touched > PAUSE

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
 from app.viewer.editing.layout_file import ENDINGS
 from app.viewer.web.values import show
@@ -89,7 +88,7 @@ class WorldControls:
 
     def measure(self, obstacle: Any, resting: bool) -> None:
         """Show the measures of the selected obstacle, or those that the next one will have."""
-        now = {} if obstacle is None else forms.measures(obstacle)
+        now = {} if obstacle is None else obstacle.measures()
         for name, slider in self.sliders.items():
             put(slider, "visible", name in now or name in MEASURES[self.tool.value])
             if name in now and resting:

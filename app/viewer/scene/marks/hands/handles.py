@@ -13,7 +13,6 @@ import shapely
 from viser import SceneApi, TransformControlsEvent
 
 from app.viewer.editing.editor import has_heights
-from app.viewer.editing.forms import anchor, middle
 from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
@@ -197,8 +196,8 @@ def azimuth(wxyz: np.ndarray) -> float:
 def grip(picture: Picture, obstacle: Any) -> np.ndarray:
     """Where an obstacle is taken hold of, on the display, (3,)."""
     world, stage = picture.frame.world, picture.stage
-    height = middle(obstacle, world) if stage.dim == 3 else drawn_height(world)
-    return stage.placed(np.array([*anchor(obstacle), height]))
+    height = obstacle.handle_height(world.height) if stage.dim == 3 else drawn_height(world)
+    return stage.placed(np.array([*obstacle.anchor, height]))
 
 
 def outline(picture: Picture, obstacle: Any) -> np.ndarray:
