@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.viewer.scene.draw import palette
+from app.viewer.scene.shown import palette
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 

@@ -16,7 +16,7 @@ from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import look_of, shot
 from app.viewer.pictures.space import Eye, split
 from app.viewer.scene.cameras.camera import view
-from app.viewer.scene.draw import palette
+from app.viewer.scene.shown import palette
 from cli.calling import call, refusal
 from worlds.refusal import Refusal
 

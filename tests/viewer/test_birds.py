@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from app.viewer.run.picture import Camera
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
 from app.viewer.scene.draw.coarse import OF_LENGTH
@@ -18,6 +17,7 @@ from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards
 from app.viewer.scene.marks.flock.flight import FLAT, FOLDED, Flight
 from app.viewer.scene.parts import Parts
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.look import BIRDS_UP_TO, Look
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated

@@ -13,9 +13,7 @@ from hypothesis import strategies as st
 from agents import Flock
 from agents.models.declare import Vehicle
 from app.viewer.run.picture import Camera
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
-from app.viewer.scene.draw.colouring import legend
 from app.viewer.scene.draw.picture import LEAST_CAR
 from app.viewer.scene.marks.flock.agents import Agents
 from app.viewer.scene.marks.flock.crashes import RADIUS_CAR
@@ -26,9 +24,10 @@ from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
 from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
 from app.viewer.scene.marks.world.injected import InjectedCar, along_route
 from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.cars import cars
 from app.viewer.scene.shown.frame import Progress
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import Look, legend
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand, draw

@@ -29,7 +29,7 @@ from app.viewer.live.panels.room import injected, limited
 from app.viewer.live.panels.state import banner_html
 from app.viewer.live.readings import RoomReadings
 from app.viewer.live.session_state import SessionState
-from app.viewer.scene.draw import palette
+from app.viewer.scene.shown import palette
 from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at
 

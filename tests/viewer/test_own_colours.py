@@ -7,10 +7,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from app.viewer.scene.draw import own, palette
-from app.viewer.scene.draw.colouring import legend
-from app.viewer.scene.draw.oklch import decoded
-from app.viewer.scene.shown.look import OWN, Look
+from app.viewer.scene.shown import own, palette
+from app.viewer.scene.shown.colouring import OWN
+from app.viewer.scene.shown.look import Look, legend
+from app.viewer.scene.shown.oklch import decoded
 from tests.viewer.fleet import frame, known, shown
 
 LMS = np.array(

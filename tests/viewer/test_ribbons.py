@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.models.declare import Vehicle
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.picture import Picture
 from app.viewer.scene.marks.paths.past import Past, thinned
 from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.frame import Progress
 from app.viewer.scene.shown.look import TRAILS, Look
 from app.viewer.scene.shown.usual import turns

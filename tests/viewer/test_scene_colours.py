@@ -8,13 +8,13 @@ import pytest
 
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.wheel import all_round, upwards, wheel
-from app.viewer.scene.draw import palette, tone
-from app.viewer.scene.draw.colouring import agent_colours, legend
-from app.viewer.scene.draw.oklch import decoded, encoded, oklch
 from app.viewer.scene.draw.picture import picture
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette, tone
+from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.frame import Frame, Inspection
-from app.viewer.scene.shown.look import COLOURINGS, MEASURED, Look
+from app.viewer.scene.shown.look import Look, agent_colours, legend
+from app.viewer.scene.shown.oklch import decoded, encoded, oklch
 from worlds.world import World
 
 

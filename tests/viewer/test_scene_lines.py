@@ -8,7 +8,6 @@ import viser
 
 from app.beside import STATIC
 from app.viewer.scene.cameras.camera import view
-from app.viewer.scene.draw.colouring import legend
 from app.viewer.scene.draw.lines import segments
 from app.viewer.scene.draw.picture import picture
 from app.viewer.scene.draw.stage import Stage
@@ -21,8 +20,9 @@ from app.viewer.scene.marks.paths.trails import Trails
 from app.viewer.scene.marks.world.surroundings import floor_under, left_the_box
 from app.viewer.scene.picking import picked
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERAS, COLOURINGS, Look
+from app.viewer.scene.shown.look import CAMERAS, Look, legend
 from worlds.world import World
 
 TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))

@@ -10,16 +10,16 @@ import pytest
 from agents.inspection import Inspection, Shell
 from agents.state.crashes import Crashes
 from app.viewer.lab.panels.agent.card import folds, head
-from app.viewer.scene.draw import palette
-from app.viewer.scene.draw.colouring import MOST_SAVED, agent_colours, legend
-from app.viewer.scene.draw.oklch import decoded
 from app.viewer.scene.draw.picture import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.inspected.inspection import InspectionMarks
 from app.viewer.scene.marks.inspected.sectors import arc, arcs, cone, dome, sector, spokes
 from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import MOST_SAVED
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import Look, agent_colours, legend
+from app.viewer.scene.shown.oklch import decoded
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
 

@@ -53,6 +53,7 @@ from app.viewer.run.steering import leader, usable_pose
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.between import Between
+from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
@@ -436,8 +437,8 @@ class Laboratory:
         self.world.refresh()
         look = self.view.look()
         wanted = Wanted(
-            layers=look.colour == "layer",
-            groups=look.colour == "group",
+            layers=COLOURINGS[look.colour].labels == "layer",
+            groups=COLOURINGS[look.colour].labels == "group",
             measured=look.measured,
             links=look.links,
             points=look.points,

@@ -9,9 +9,9 @@ import viser
 
 from app.viewer.panels.style import block, grid, key
 from app.viewer.panels.wheel import wheel
-from app.viewer.scene.draw.colouring import legend
+from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.look import Look, legend
 
 CARDS, KEY = "cards", "key"
 """The blocks that every page has."""
@@ -37,5 +37,5 @@ class Monitors:
         """Say what the colours mean."""
         entries = [(html.escape(words), css) for words, css in legend(look, frame)]
         head = f'<div class="fs-head">Colour: {html.escape(look.measured or look.colour)}</div>'
-        headings = wheel(frame.dim) if look.colour == "heading" else ""
+        headings = wheel(frame.dim) if COLOURINGS[look.colour].has_wheel else ""
         self.show({KEY: head + headings + key(entries, drawn=True)})

@@ -8,9 +8,10 @@ from typing import Any
 import viser
 
 from app.viewer.panels.form import Form
+from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.control import Control
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERA, CAMERAS, COLOURINGS, MEASURED, RISING, Look
+from app.viewer.scene.shown.look import CAMERA, CAMERAS, RISING, Look
 from app.viewer.scene.shown.usual import Usual
 from app.viewer.web.values import show
 
@@ -121,6 +122,6 @@ class ViewPanel:
     def look(self) -> Look:
         """The drawing as the controls have it."""
         chosen = self.form["colour"].value
-        if chosen in COLOURINGS:
+        if chosen in COLOURINGS and chosen != MEASURED:
             return self.form.read()
         return self.form.read(colour=MEASURED, measured=chosen)

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from app.viewer.scene.draw import palette
-from app.viewer.scene.draw.colouring import DIRECTIONS, STEEP
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import DIRECTIONS, STEEP
 
 ROUND = 72
 """Colours of the wheel that are given, evenly; the browser blends those between."""

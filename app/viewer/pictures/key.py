@@ -9,9 +9,8 @@ import numpy as np
 
 from agents.models.declare import declared
 from app.viewer.pictures.shot import Shot
-from app.viewer.scene.draw import palette
-from app.viewer.scene.draw.colouring import DIRECTIONS
-from app.viewer.scene.shown.look import MEASURED
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, MEASURED
 from app.worlds.colours import GOAL, INK, PATH
 from worlds.counting import counted
 from worlds.mission import Mission
@@ -87,17 +86,16 @@ def ruler(shot: Shot, longest: float) -> tuple[float, str]:
 def coloured_by(shot: Shot) -> str:
     """What the colours stand for."""
     look = shot.made.look
-    if look.colour == "plain":
-        return ""
     if look.colour != MEASURED:
-        return look.colour if look.colour != "energy saved" else "drag saved"
+        title = COLOURINGS[look.colour].title
+        return look.colour if title is None else title
     unit = shot.now.model.unit_of(look.measured) if look.measured in shot.now.model.columns else "1"
     return look.measured.replace("_", " ") + ("" if unit == "1" else f" ({unit})")
 
 
 def has_wheel(shot: Shot) -> bool:
     """Whether headings are explained by a wheel."""
-    return shot.made.look.colour == "heading"
+    return COLOURINGS[shot.made.look.colour].has_wheel
 
 
 def signs(shot: Shot, of_world: list[Any]) -> list[Any]:

@@ -8,8 +8,8 @@ import numpy as np
 
 from app.viewer.pictures import key
 from app.viewer.pictures.shot import Shot
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.seam import nearest_image
+from app.viewer.scene.shown import palette
 from app.worlds.colours import FLOOR, GOAL, START
 from app.worlds.mission import draw_path
 from app.worlds.plan import draw_solid, view

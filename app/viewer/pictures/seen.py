@@ -15,8 +15,8 @@ from app.viewer.pictures.plots import Plots
 from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, View
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette
 from app.viewer.web.renders import Eye
 
 Render = Callable[[tuple[int, int]], np.ndarray]

@@ -17,7 +17,7 @@ from app.viewer.pictures.plane import Plane
 from app.viewer.pictures.plots import TALL, Plots
 from app.viewer.pictures.shot import Shot
 from app.viewer.pictures.space import Space
-from app.viewer.scene.shown.look import MEASURED
+from app.viewer.scene.shown.colouring import COLOURINGS
 from app.worlds.colours import INK, LOOK
 from worlds.world import World
 
@@ -29,8 +29,6 @@ LINE, LETTER = 0.19, 0.075
 """Inches: a line of the caption, and a letter of it."""
 COLUMN, ENTRY, ROW, SIGN = 2.35, 2.0, 0.23, 1.25
 """Inches: the column of the legend, the width of an entry below the scene, its height, a wheel."""
-SCALES = ("speed", MEASURED)
-"""Colourings whose numbers change from tick to tick."""
 SPACE_ASPECT = 1.12
 """Width over height of what is shown in space, about."""
 
@@ -169,7 +167,7 @@ class Sheet:
         self.moment.set_text(key.moment(shot))
         words = [words for words, _ in shot.entries]
         for text, word in zip(self.words, words, strict=False):
-            if text.get_text() != word and shot.made.look.colour in SCALES:
+            if text.get_text() != word and COLOURINGS[shot.made.look.colour].rescales:
                 text.set_text(word)
                 self.background = None
 

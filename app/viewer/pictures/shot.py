@@ -14,12 +14,12 @@ from agents.observables.of_agents import OF_AGENTS, measurable, measured
 from agents.observables.of_flocks import SAVED
 from agents.snapshot import Snapshot
 from agents.state.start import start_box
-from app.viewer.scene.draw.colouring import legend
 from app.viewer.scene.draw.picture import Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.cars import cars
+from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.frame import Frame, Progress
-from app.viewer.scene.shown.look import COLOURINGS, MEASURED, Look
+from app.viewer.scene.shown.look import Look, legend
 from app.viewer.scene.shown.usual import usual
 from worlds.refusal import Refusal, unknown
 from worlds.world import World
@@ -106,7 +106,7 @@ def look_of(now: Snapshot, colour: str | None) -> Look:
         if now.informed.any():
             return Look(colour="layer")
         return usual(now.model, len(now.ids), now.dt).look
-    if colour in COLOURINGS:
+    if colour in COLOURINGS and colour != MEASURED:
         return Look(colour=colour)
     if colour not in colourings(now):
         raise unknown("colour", colour, colourings(now))
@@ -115,7 +115,7 @@ def look_of(now: Snapshot, colour: str | None) -> Look:
 
 def colourings(now: Snapshot) -> tuple[str, ...]:
     """What the agents of a flock may be coloured by."""
-    return (*COLOURINGS, *measurable(now.model.columns))
+    return (*(name for name in COLOURINGS if name != MEASURED), *measurable(now.model.columns))
 
 
 def shot(now: Snapshot, look: Look, fastest: float = 0.0) -> Shot:
@@ -127,6 +127,7 @@ def shot(now: Snapshot, look: Look, fastest: float = 0.0) -> Shot:
 def frame_of(now: Snapshot, look: Look, fastest: float) -> Frame:
     """What the page's drawing needs of a snapshot."""
     by_number = look.colour == MEASURED
+    labels = COLOURINGS[look.colour].labels
     inner = shells(now)[:1]
     anyone: Any = now  # a snapshot answers as a flock does
     known = by_number and (look.measured in OF_AGENTS or look.measured in now.model.columns)
@@ -146,8 +147,8 @@ def frame_of(now: Snapshot, look: Look, fastest: float) -> Frame:
         unit=now.model.body.unit,
         room=room(now),
         progress=progress(now),
-        layer=now.layers() if look.colour == "layer" else None,
-        group=now.group_labels() if look.colour == "group" else None,
+        layer=now.layers() if labels == "layer" else None,
+        group=now.group_labels() if labels == "group" else None,
         measured=measured(now, look.measured) if known else None,
         active=now.active if now.can_crash else None,
         crashes=now.crashes if now.can_crash else None,

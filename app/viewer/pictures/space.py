@@ -11,10 +11,10 @@ from app.viewer.pictures.camera import Camera
 from app.viewer.pictures.plane import ring
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, View
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.shapes import Mesh, ball, dart
 from app.viewer.scene.draw.solids import joined, prism
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette
 from app.worlds.colours import GOAL, INK, PALE, PATH
 from worlds.mission import Mission
 from worlds.world import World

@@ -9,7 +9,7 @@ from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.view import Point, ViewPanel
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import AGENTS, RIDE, STEP_OFF, Look, is_led
+from app.viewer.scene.shown.look import AGENTS, RIDE, STEP_OFF, Look
 from app.viewer.scene.shown.usual import Usual
 
 
@@ -47,4 +47,4 @@ class FlockView(ViewPanel):
 
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         super().fit(frame, numbers)
-        sight(self.steer, is_led(frame))
+        sight(self.steer, bool(frame.informed.any()))

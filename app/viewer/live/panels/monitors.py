@@ -11,8 +11,8 @@ from app.viewer.live.panels.plots import colours
 from app.viewer.live.readings import RoomReadings
 from app.viewer.panels.monitors import CARDS, KEY
 from app.viewer.panels.style import grid, key
-from app.viewer.scene.draw import palette
-from app.viewer.scene.draw.colouring import outlines
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import outlines
 from app.viewer.scene.shown.frame import Frame
 
 DASH = "–"

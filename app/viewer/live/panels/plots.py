@@ -17,7 +17,7 @@ from app.viewer.panels.plot import Plot
 from app.viewer.panels.plotted import Line, Plotted, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, key
-from app.viewer.scene.draw import own, palette
+from app.viewer.scene.shown import own, palette
 
 WINDOW = 60.0
 """Seconds that are plotted."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from app.viewer.scene.shown.colouring import COLOURINGS, OWN
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import AGENTS, LIVE_COLOURINGS, OWN, RIBBON, Look
+from app.viewer.scene.shown.look import AGENTS, RIBBON, Look
 from app.viewer.scene.shown.usual import Usual, turns
 
 CARS = "Cars"
@@ -14,7 +15,7 @@ CARS = "Cars"
 FOR_CARS: dict[str, dict[str, Any]] = {
     "colour": {
         "hint": "What a car's colour means; its state is the outline around it",
-        "choices": LIVE_COLOURINGS,
+        "choices": tuple(name for name, one in COLOURINGS.items() if one.of_cars),
         "only": {},
     },
     "trails": {

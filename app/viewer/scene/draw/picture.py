@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.attitude import attitude
-from app.viewer.scene.draw.colouring import agent_colours
 from app.viewer.scene.draw.shapes import dart_length, spacing
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.live import LOST, Live
-from app.viewer.scene.shown.look import Look, as_birds
+from app.viewer.scene.shown.look import Look, agent_colours, as_birds
 
 POINTS_BEYOND = 10_000
 """More agents than this are drawn as points."""

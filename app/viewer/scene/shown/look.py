@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED, Legend
 from app.viewer.scene.shown.control import chosen
 from app.viewer.scene.shown.frame import Frame
-
-OWN = "each its own"
-"""A colour by identity, with which an agent is found again wherever it is told of."""
-
-COLOURINGS = ("heading", OWN, "layer", "group", "speed", "energy saved", "plain")
-"""What the colour of an agent may stand for."""
-
-LIVE_COLOURINGS = (OWN, "heading", "speed", "plain")
-"""What that of a car in a room with real ones may."""
-
-MEASURED = "measured"
-"""Any number that each agent has: a signal of its model, or one of `OF_AGENTS`."""
 
 TRAILS = OFF, LINE, RIBBON, RISING = ("off", "line", "ribbon", "rising in time")
 """What an agent may leave behind it; what rises in time does so in flat worlds, else it is flat."""
@@ -42,9 +33,9 @@ GROUPS = AGENTS, WORLD, CAMERA = ("Agents", "World", "Camera")
 """What the controls of the drawing are about."""
 
 
-def is_led(frame: Frame, _look: object = None) -> bool:
-    """Whether there are information agents."""
-    return bool(frame.informed.any())
+def has_needed(colouring: str, frame: Frame, _look: object = None) -> bool:
+    """Whether a flock has what a colouring stands for."""
+    return COLOURINGS[colouring].needs(frame)
 
 
 def as_birds(frame: Frame, look: Look) -> bool:
@@ -87,11 +78,11 @@ class Look:
         "heading",
         "Colour by",
         "What an agent's colour means",
-        COLOURINGS,
+        tuple(name for name in COLOURINGS if name != MEASURED),
         group=AGENTS,
-        only={"layer": is_led, "energy saved": lambda frame, _: frame.saved is not None},
+        only={name: partial(has_needed, name) for name in COLOURINGS},
     )
-    """One of `COLOURINGS`, or `MEASURED`."""
+    """One of `COLOURINGS`."""
     measured: str = ""
     """By which number agents are coloured, where `colour` is `MEASURED`."""
     links: bool = chosen(False, "Links", "A line between agents that are neighbours", group=AGENTS)
@@ -184,7 +175,29 @@ class Look:
     )
 
     def __post_init__(self) -> None:
-        if self.colour not in (*COLOURINGS, MEASURED):
+        if self.colour not in COLOURINGS:
             raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(COLOURINGS)}")
         if self.trails not in TRAILS:
             raise ValueError(f"trails = {self.trails!r} is not one of {', '.join(TRAILS)}")
+
+
+def agent_colours(frame: Frame, look: Look) -> np.ndarray:
+    """Colours (N, 3), sRGB in [0, 1]; information agents and predators
+    wear their own, and so do the crashed."""
+    colours = COLOURINGS[look.colour].colours(frame)
+    colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
+    if frame.cars is not None:
+        colours[frame.cars.predator] = palette.LEADER
+    colours[frame.down] = palette.CRASHED
+    return colours
+
+
+def legend(look: Look, frame: Frame) -> Legend:
+    """What the colours mean, but for headings, which a wheel explains."""
+    colouring = COLOURINGS[look.colour]
+    entries = colouring.legend(frame, look.measured)
+    if frame.informed.any() and not colouring.has_leader:
+        entries = [*entries, ("information agent", palette.css(palette.LEADER))]
+    if frame.cars is not None and frame.cars.predator.any():
+        entries = [*entries, ("predator", palette.css(palette.LEADER))]
+    return [*entries, ("crashed", palette.css(palette.CRASHED))] if frame.down.any() else entries

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from agents.models.model import Model
-from app.viewer.scene.shown.look import OWN, Look
+from app.viewer.scene.shown.colouring import OWN
+from app.viewer.scene.shown.look import Look
 
 FEW = 12
 """So many cars at most are told apart by their colours."""

@@ -14,8 +14,8 @@ from agents.state.crashes import CAUSES, Crashes
 from app.viewer.measuring import measured
 from app.viewer.panels.style import table
 from app.viewer.run.picture import SAVED
-from app.viewer.scene.draw import palette
 from app.viewer.scene.marks.inspected.reasons import force_colours
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.frame import Frame
 from worlds.counting import counted
 

@@ -7,7 +7,7 @@ import html
 import numpy as np
 
 from app.viewer.panels.style import BLUE
-from app.viewer.scene.draw import palette
+from app.viewer.scene.shown import palette
 
 MOST_BARS = 12
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import tone
 from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import FEW_LEADERS, POINTS_BEYOND, Changes, Picture
 from app.viewer.scene.draw.shapes import dart
@@ -13,6 +12,7 @@ from app.viewer.scene.marks.flock.birds import Birds
 from app.viewer.scene.marks.flock.fleet import Fleet
 from app.viewer.scene.marks.flock.flight import Flight
 from app.viewer.scene.marks.flock.ghosts import Ghosts
+from app.viewer.scene.shown import tone
 from app.viewer.scene.shown.look import SHADOWS_UP_TO
 
 POINT_SIZE = {2: 0.6, 3: 0.28}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw import tone
 from app.viewer.scene.draw.bird import SHOULDER, beaten, body, wings
 from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.shown import tone
 from app.viewer.scene.shown.look import SHADOWS_UP_TO
 
 SCALE = 1.15

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import circle
 from app.viewer.scene.marks.world.mission import on_floor
+from app.viewer.scene.shown import palette, tone
 
 MOST = 80
 """Only so many of the latest crashes are marked."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.car import HEIGHT, cabin, hull, outline
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.marks.flock.fleet import add_cars, facing
+from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.live import SIMULATED
 
 OUTLINE = outline()

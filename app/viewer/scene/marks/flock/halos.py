@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.coarse import places, turned
 from app.viewer.scene.draw.picture import FEW_LEADERS, Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh, ball, ring, torus
+from app.viewer.scene.shown import palette, tone
 
 
 class Halos:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.marks.world.mission import on_floor
+from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.live import LATE, LOST, STOPPED, TRACKED
 
 CLEAR = 0.16

@@ -13,12 +13,12 @@ import shapely
 from viser import SceneApi, TransformControlsEvent
 
 from app.viewer.editing.editor import has_heights
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import circle
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.world.obstacles import drawn_height
+from app.viewer.scene.shown import palette, tone
 
 SETTLE = 0.35
 """Seconds after a release before a gizmo goes to its place again: frames on their way are old."""

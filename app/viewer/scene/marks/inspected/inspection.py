@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture, shares
 from app.viewer.scene.draw.seam import split_at_seams
 from app.viewer.scene.draw.shapes import circle, great_circles, ring
+from app.viewer.scene.shown import palette, tone
 
 _CLASSES = ((0.0, 0.34, 1.2), (0.34, 0.67, 2.2), (0.67, 1.01, 3.6))
 """Lines by share of the largest weight: from, below, pixels."""

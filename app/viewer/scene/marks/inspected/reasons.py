@@ -6,13 +6,13 @@ import numpy as np
 from viser import LabelHandle, SceneApi
 
 from agents.inspection import Inspection
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import dashes
 from app.viewer.scene.marks.world.mission import ABOVE, on_floor
 from app.viewer.scene.marks.world.obstacles import drawn_height
 from app.viewer.scene.marks.world.points import on_rims
+from app.viewer.scene.shown import palette, tone
 
 LONGEST, LENGTHS = 0.085, 3.5
 """Length of the strongest force's arrow: so many longest sides, or agents, whichever is less."""

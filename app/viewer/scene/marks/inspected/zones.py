@@ -12,12 +12,12 @@ import numpy as np
 from viser import SceneApi
 
 from agents.inspection import UNSEEN, Inspection
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.seam import split_at_seams
 from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.marks.inspected.sectors import arc, arcs, cone, dome, sector, spokes
+from app.viewer.scene.shown import palette, tone
 
 OPACITY = {2: (0.34, 0.26, 0.17), 3: (0.26, 0.19, 0.10)}
 """Of the zones from the inside out, by dimension; that of what is not seen is BLIND."""

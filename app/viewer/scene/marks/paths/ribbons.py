@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.attitude import attitude
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
@@ -18,6 +17,7 @@ from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.marks.paths.past import INJECTED, Past, thinned
 from app.viewer.scene.marks.paths.streaks import FAINTEST, STRONGEST, chosen
 from app.viewer.scene.marks.paths.time_scale import TimeScale
+from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.look import RIBBON, RISING
 from app.viewer.scene.shown.usual import turns
 

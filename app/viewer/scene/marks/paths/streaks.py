@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.seam import jumps
 from app.viewer.scene.marks.paths.past import Past
+from app.viewer.scene.shown import tone
 
 KNOTS = 16
 FAINTEST, STRONGEST = 0.80, 0.20

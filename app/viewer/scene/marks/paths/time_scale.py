@@ -7,9 +7,9 @@ import math
 import numpy as np
 from viser import LabelHandle, SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.shown import palette, tone
 
 MOST = 5
 """Marks on the axis, at most."""

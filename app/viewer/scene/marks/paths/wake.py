@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.bird import TIP
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards
 from app.viewer.scene.marks.flock.flight import Flight
 from app.viewer.scene.marks.paths.streaks import Streaks, chosen
+from app.viewer.scene.shown import palette
 
 MOST_BIRDS = 300
 

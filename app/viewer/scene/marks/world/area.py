@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh, box_edges
 from app.viewer.scene.marks.world.fence import ABOVE, fence
+from app.viewer.scene.shown import palette, tone
 
 THICK = {"safe": 2.2, "armed": 3.2, "emergency": 5.0}
 """Width of the edge, pixels, by what the laboratory may do."""

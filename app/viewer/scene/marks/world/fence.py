@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import box_edges, dashes
+from app.viewer.scene.shown import palette, tone
 
 INSIDE = 0.5
 """Distance of the fence from the edge of the area, m, where no laboratory has its own."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.marks.flock.fleet import CarMeshes
+from app.viewer.scene.shown import palette
 
 MOVED, MOVED_LIVE = 1e-4, 1.5e-3
 """A move that shows which way it goes, as a multiple of the longest side; among real cars more than

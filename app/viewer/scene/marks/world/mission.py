@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.lines import add_lines, segments
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import ball, box_edges, circle, dashes, great_circles, ring
 from app.viewer.scene.marks.world.fence import fence
 from app.viewer.scene.marks.world.injected import InjectedCar
+from app.viewer.scene.shown import palette, tone
 from worlds.mission import Mission
 from worlds.world import World
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import ball
 from app.viewer.scene.draw.solids import joined, prism, rims, uprights
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette, tone
 from worlds.queries.clearance import footprints
 from worlds.world import World
 

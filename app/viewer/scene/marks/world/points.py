@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.marks.world.obstacles import drawn_height
+from app.viewer.scene.shown import palette, tone
 
 DIAMETER = 0.0024
 """Of a dot, as a multiple of the longest side; less where they would run into each other."""

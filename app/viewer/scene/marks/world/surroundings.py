@@ -10,11 +10,11 @@ from PIL import Image
 from viser import SceneApi
 from viser import _messages as messages
 
-from app.viewer.scene.draw import palette, tone
-from app.viewer.scene.draw.oklch import decoded
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.shapes import box_edges
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette, tone
+from app.viewer.scene.shown.oklch import decoded
 
 CELLS, SECTIONS = 20, 4
 """Lines of the floor along the longest side."""

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw import palette, tone
 from app.viewer.scene.draw.picture import Changes, Picture
 from app.viewer.scene.draw.solids import border, panes, prism, rims
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette, tone
 
 WIDTH, HEIGHT = 0.010, 0.018
 """Of the rim, as multiples of the longest side."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from app.viewer.scene.draw.oklch import attainable, oklch
+from app.viewer.scene.shown.oklch import attainable, oklch
 
 
 def srgb(css: str) -> np.ndarray:

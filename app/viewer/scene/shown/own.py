@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.viewer.scene.draw import palette
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.frame import Frame
 
 COLOURS = np.array(list(palette.OWN.values()))

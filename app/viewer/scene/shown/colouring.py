@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
-from app.viewer.scene.draw import own, palette
-from app.viewer.scene.shown import look as look_module
+from app.viewer.scene.shown import own, palette
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.live import SIMULATED
-from app.viewer.scene.shown.look import Look
 
+type Legend = list[tuple[str, str]]
+"""What colours mean: (words, CSS colour)."""
+
+OWN = "each its own"
+"""A colour by identity, with which an agent is found again wherever it is told of."""
+MEASURED = "measured"
+"""Any number that each agent has: a signal of its model, or one of `OF_AGENTS`."""
 MOST_NAMED = 24
 """Of more agents none is named beside its own colour."""
 MOST_SAVED = 1.0
@@ -20,81 +28,53 @@ STEEP = ("climbing", "level", "diving")
 """What stands beside the colours of one that climbs, from the top down."""
 
 
-def agent_colours(frame: Frame, look: Look) -> np.ndarray:
-    """Colours (N, 3), sRGB in [0, 1]; information agents and predators
-    wear their own, and so do the crashed."""
-    colours = _colours(frame, look)
-    colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
-    if frame.cars is not None:
-        colours[frame.cars.predator] = palette.LEADER
-    colours[frame.down] = palette.CRASHED
-    return colours
+@dataclass(frozen=True)
+class Colouring:
+    """What the colour of an agent may stand for; a new one is an entry of `COLOURINGS`.
+
+    The panels, pictures, films and the command line read all of it from here.
+    """
+
+    colours: Callable[[Frame], np.ndarray]
+    """The colours of the agents (N, 3), sRGB in [0, 1]."""
+    legend: Callable[[Frame, str], Legend]
+    """What they mean; the name is that of the number, where it is `MEASURED`."""
+    of_cars: bool = False
+    """Whether real cars can be coloured so."""
+    needs: Callable[[Frame], bool] = lambda _: True
+    """Whether a flock has what it stands for."""
+    rescales: bool = False
+    """Whether the numbers of its legend change from tick to tick."""
+    has_leader: bool = False
+    """Whether it has a colour of its own for information agents."""
+    has_wheel: bool = False
+    """Whether a wheel explains it, as headings."""
+    labels: str = ""
+    """What of a frame is computed only for it: `layer` or `group`."""
+    title: str | None = None
+    """What a picture calls it; None: its name."""
 
 
-def _colours(frame: Frame, look: Look) -> np.ndarray:
-    count = len(frame.position)
-    match look.colour:
-        case "heading":
-            return palette.by_heading(frame.heading)
-        case "speed":
-            return palette.by_speed(frame.speed, frame.speed_scale)
-        case "layer":
-            return _known(frame.layer, palette.by_layer, count)
-        case "group":
-            return _known(frame.group, palette.by_group, count)
-        case look_module.OWN:
-            return own.of_frame(frame)
-        case look_module.MEASURED:
-            return _known(frame.measured, palette.by_number, count)
-        case "energy saved":
-            return _known(frame.saved, lambda saved: palette.by_saving(saved, MOST_SAVED), count)
-    return np.tile(palette.PLAIN, (count, 1))
+def _plain(frame: Frame) -> np.ndarray:
+    return np.tile(palette.PLAIN, (len(frame.position), 1))
 
 
-def _known(labels: np.ndarray | None, colour, count: int) -> np.ndarray:
+def _known(frame: Frame, labels: np.ndarray | None, colour: Callable) -> np.ndarray:
     """Colours of labels that were asked for a moment ago and may not be there yet."""
-    if labels is None or len(labels) != count:
-        return np.tile(palette.UNKNOWN, (count, 1))
+    if labels is None or len(labels) != len(frame.position):
+        return np.tile(palette.UNKNOWN, (len(frame.position), 1))
     return colour(np.asarray(labels))
 
 
-def legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
-    """What the colours mean, but for headings, which a wheel explains: (words, CSS colour)."""
-    crashed = [("crashed", palette.css(palette.CRASHED))] if frame.down.any() else []
-    hunted = frame.cars is not None and frame.cars.predator.any()
-    predators = [("predator", palette.css(palette.LEADER))] if hunted else []
-    return _legend(look, frame) + predators + crashed
-
-
-def _legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
-    """What the colours of those that fly mean."""
-    leader = [("information agent", palette.css(palette.LEADER))] if frame.informed.any() else []
-    match look.colour:
-        case "heading":
-            return leader
-        case "speed":
-            return _speed_legend(frame.speed_scale, frame.pace_unit) + leader
-        case "layer":
-            return _layer_legend(frame)
-        case "group":
-            return _group_legend(frame) + leader
-        case "energy saved":
-            return _saving_legend(frame) + leader
-        case look_module.OWN:
-            return _own_legend(frame) + leader
-        case look_module.MEASURED:
-            return _number_legend(look, frame) + leader
-    return [("agent", palette.css(palette.PLAIN)), *leader]
-
-
-def _speed_legend(full: float, unit: str) -> list[tuple[str, str]]:
+def _speed_legend(frame: Frame, _measured: str) -> Legend:
+    full = frame.speed_scale
     speeds = np.array([0.0, 0.5, 1.0]) * full
-    words = [f"{speed:.3g} {unit}" for speed in speeds]
+    words = [f"{speed:.3g} {frame.pace_unit}" for speed in speeds]
     words[-1] += " or faster"
     return list(zip(words, map(palette.css, palette.by_speed(speeds, full)), strict=True))
 
 
-def _saving_legend(frame: Frame) -> list[tuple[str, str]]:
+def _saving_legend(frame: Frame, _measured: str) -> Legend:
     if frame.saved is None:
         return [("not measured in this model", palette.css(palette.UNKNOWN))]
     shares = np.array([-1.0, -0.5, 0.0, 0.5, 1.0]) * MOST_SAVED
@@ -105,7 +85,7 @@ def _saving_legend(frame: Frame) -> list[tuple[str, str]]:
     return [*zip(words, colours, strict=True), ("unknown", palette.css(palette.UNKNOWN))]
 
 
-def _own_legend(frame: Frame) -> list[tuple[str, str]]:
+def _own_legend(frame: Frame, _measured: str) -> Legend:
     """Each by its name, of few; the injected car is one of them."""
     injected = frame.cars is not None and frame.progress.goal is not None
     more = [("injected car", palette.css(palette.GOAL))] if injected else []
@@ -123,7 +103,7 @@ def _own_legend(frame: Frame) -> list[tuple[str, str]]:
     return [(f"{noun} {frame.ids[row]}", palette.css(colours[row])) for row in rows] + more
 
 
-def outlines(frame: Frame) -> list[tuple[str, str]]:
+def outlines(frame: Frame) -> Legend:
     """What the outlines of real cars mean: (state, CSS colour); nothing where there are none."""
     if frame.live is None:
         return []
@@ -135,10 +115,10 @@ def outlines(frame: Frame) -> list[tuple[str, str]]:
     ]
 
 
-def _number_legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
+def _number_legend(frame: Frame, measured: str) -> Legend:
     unknown = ("unknown", palette.css(palette.UNKNOWN))
     if frame.measured is None or not np.isfinite(frame.measured).any():
-        return [(f"no {look.measured} in this model", palette.css(palette.UNKNOWN))]
+        return [(f"no {measured} in this model", palette.css(palette.UNKNOWN))]
     low, high = palette.span(frame.measured)
     numbers = np.array([low, 0.5 * (low + high), high] if high > low else [low])
     colours = map(palette.css, palette.by_number(numbers))
@@ -146,7 +126,7 @@ def _number_legend(look: Look, frame: Frame) -> list[tuple[str, str]]:
     return entries if np.isfinite(frame.measured).all() else [*entries, unknown]
 
 
-def _layer_legend(frame: Frame) -> list[tuple[str, str]]:
+def _layer_legend(frame: Frame, _measured: str) -> Legend:
     last = len(palette.LAYERS)
     layers = np.empty(0, int) if frame.layer is None else np.asarray(frame.layer)
     known = layers[layers <= len(layers)]
@@ -158,8 +138,47 @@ def _layer_legend(frame: Frame) -> list[tuple[str, str]]:
     return [*entries, ("unknown", palette.css(palette.UNKNOWN))]
 
 
-def _group_legend(frame: Frame) -> list[tuple[str, str]]:
+def _group_legend(frame: Frame, _measured: str) -> Legend:
     count = 1 if frame.group is None else int(np.max(frame.group, initial=0)) + 1
     last = len(palette.GROUPS)
     words = ["largest group", *(f"group {rank}" for rank in range(2, last)), "smaller groups"]
     return list(zip(words, map(palette.css, palette.GROUPS), strict=True))[: min(count, last)]
+
+
+COLOURINGS = {
+    "heading": Colouring(
+        lambda frame: palette.by_heading(frame.heading), lambda *_: [], of_cars=True, has_wheel=True
+    ),
+    OWN: Colouring(own.of_frame, _own_legend, of_cars=True),
+    "layer": Colouring(
+        lambda frame: _known(frame, frame.layer, palette.by_layer),
+        _layer_legend,
+        needs=lambda frame: bool(frame.informed.any()),
+        has_leader=True,
+        labels="layer",
+    ),
+    "group": Colouring(
+        lambda frame: _known(frame, frame.group, palette.by_group), _group_legend, labels="group"
+    ),
+    "speed": Colouring(
+        lambda frame: palette.by_speed(frame.speed, frame.speed_scale),
+        _speed_legend,
+        of_cars=True,
+        rescales=True,
+    ),
+    "energy saved": Colouring(
+        lambda frame: _known(frame, frame.saved, lambda s: palette.by_saving(s, MOST_SAVED)),
+        _saving_legend,
+        needs=lambda frame: frame.saved is not None,
+        title="drag saved",
+    ),
+    "plain": Colouring(
+        _plain, lambda *_: [("agent", palette.css(palette.PLAIN))], of_cars=True, title=""
+    ),
+    MEASURED: Colouring(
+        lambda frame: _known(frame, frame.measured, palette.by_number),
+        _number_legend,
+        rescales=True,
+    ),
+}
+"""By name, in the order in which they are offered; `MEASURED` stands for as many as there are."""

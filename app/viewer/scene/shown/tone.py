@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.viewer.scene.draw.oklch import decoded, encoded
+from app.viewer.scene.shown.oklch import decoded, encoded
 
 _INTO_ACES = np.array(
     [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]
