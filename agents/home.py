@@ -27,8 +27,11 @@ def at_home(spec: Spec, model: Model) -> Spec:
     else:
         own = layout_dim(world) if spec.layout is None else own_dim(spec.layout, world)
         dim = own or model.dim or model.dimensions[0]
-    missing = [key for key in ("agents", *Options.model_fields) if getattr(spec, key) is None]
-    chosen: dict[str, Any] = {key: getattr(model, key) for key in missing}
+    chosen: dict[str, Any] = {
+        key: getattr(model, key)
+        for key in ("agents", *Options.model_fields)
+        if getattr(spec, key) is None and hasattr(model, key)
+    }
     if model.rule.noise:
         chosen["noise"] = model.rule.noise
     return spec.but(world=world, dim=dim, **chosen)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from agents import Flock
+from agents import Flock, home
+from agents.catalogue import MODELS
 from agents.record import Recorder
-from agents.spec import Spec
+from agents.spec import Options, Spec
 from worlds.obstacles import Disc
 from worlds.refusal import Refusal
 from worlds.world import World
@@ -158,3 +159,17 @@ def test_a_state_with_a_number_that_is_none_is_refused(tmp_path):
 def test_a_spec_that_is_wrong_is_named(text, says):
     with pytest.raises(Refusal, match=says):
         Spec.from_toml(text, "file.toml")
+
+
+def test_an_option_that_no_model_knows_of_stays_open(monkeypatch):
+    """A new option of a run needs no line in any other file."""
+
+    class MoreOptions(Options):
+        extra_option: int | None = None
+
+    class MoreSpec(Spec):
+        extra_option: int | None = None
+
+    monkeypatch.setattr(home, "Options", MoreOptions)
+    spec = home.at_home(MoreSpec(model="vem"), MODELS["vem"])
+    assert (spec.agents, spec.extra_option) == (MODELS["vem"].agents, None)

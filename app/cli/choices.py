@@ -2,7 +2,8 @@
 
 The rows are made from the declarations, which takes the libraries that models are declared with.
 `listed.json` keeps them, so that listing needs none; `docs/make.py` writes it and a test holds it
-against the declarations.
+against the declarations. Whoever declares something more sees it at once: declarations that are
+newer than the file are asked themselves.
 """
 
 from __future__ import annotations
@@ -20,6 +21,16 @@ WIDE = 80
 """Columns of the overview, and of what is said of one thing."""
 LISTED = Path(__file__).with_name("listed.json")
 """The rows of all kinds, of what is built in."""
+ROOT = Path(__file__).parents[2]
+DECLARED = (
+    "agents/**/*.py",
+    "worlds/layouts/*.toml",
+    "app/classroom/lessons/*.toml",
+    "experiments/*.toml",
+)
+"""Where things are declared, below `ROOT`."""
+TOGETHER = 300.0
+"""Seconds within which files count as written together, as by a checkout or an installation."""
 PLUG_INS = ("rules", "bodies", "observables", "layouts")
 """What other packages may add to the rows: groups of entry points, after `flockscope.`."""
 
@@ -130,9 +141,17 @@ def declared_rows() -> dict[str, Rows]:
     return {kind: made() for kind, made in KINDS.items()}
 
 
+def is_current() -> bool:
+    """Whether no declaration is newer than the rows that are kept."""
+    newest = max((file.stat().st_mtime for of in DECLARED for file in ROOT.glob(of)), default=0.0)
+    return newest <= LISTED.stat().st_mtime + TOGETHER
+
+
 def rows(brought: bool = False) -> dict[str, Rows]:
-    """The rows of all kinds; from the declarations if more is `brought` than is built in."""
-    if brought or any(entry_points(group=f"flockscope.{group}") for group in PLUG_INS):
+    """The rows of all kinds; from the declarations if they are newer than the rows that are kept,
+    or if more is `brought` than is built in."""
+    plugged = any(entry_points(group=f"flockscope.{group}") for group in PLUG_INS)
+    if brought or plugged or not is_current():
         return declared_rows()
     kept: dict[str, Rows] = json.loads(LISTED.read_text(encoding="utf-8"))
     return kept

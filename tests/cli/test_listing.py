@@ -1,6 +1,7 @@
 """`flockscope list`: all names on one screen, one thing in full, each as JSON."""
 
 import json
+import os
 import re
 
 import pytest
@@ -8,9 +9,25 @@ import pytest
 from agents.catalogue import MODELS
 from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
+from app.cli import choices
 from app.experiments.experiment import experiment_names
 from cli.calling import call, refusal
 from worlds.layout import layout_names
+
+
+def test_what_is_declared_after_the_list_was_kept_is_listed(tmp_path, monkeypatch):
+    kept = tmp_path / "listed.json"
+    kept.write_text('{"models": [{"name": "old"}]}')
+    declaring = tmp_path / "agents" / "rules" / "mine.py"
+    declaring.parent.mkdir(parents=True)
+    declaring.write_text("")
+    monkeypatch.setattr(choices, "ROOT", tmp_path)
+    monkeypatch.setattr(choices, "LISTED", kept)
+    os.utime(declaring, (1e9, 1e9))
+    os.utime(kept, (1e9 - 100, 1e9 - 100))  # written together
+    assert choices.rows() == {"models": [{"name": "old"}]}
+    os.utime(kept, (1e9 - 1000, 1e9 - 1000))
+    assert [row["name"] for row in choices.rows()["models"]] == list(MODELS)
 
 
 def shown(*args):
